@@ -1,0 +1,100 @@
+#!/usr/bin/env bash
+# Installs what Tetrec needs from Debian 12's packages and is not there yet; touches nothing else.
+# Exit codes: 0 all there, 4 something is missing and cannot be installed from here.
+set -euo pipefail
+
+# One package a line: name, then what needs it.
+packages() {
+  cat <<'LIST'
+make                        chains the stages
+cmake                       build
+ninja-build                 build
+g++                         build
+ccache                      build: makes the second one quick
+git                         the revision that manifests record; the list of files to check
+python3                     scripts/check_includes, scripts/format
+ca-certificates             fetching data sets over https
+libfmt-dev                  core: formatting
+nlohmann-json3-dev          core: JSON
+libcli11-dev                core: command lines
+libssl-dev                  core: SHA-256
+libglm-dev                  geometry: vectors and matrices
+libopencv-core-dev          scene, eval: pictures
+libopencv-imgproc-dev       scene, eval: pictures
+libopencv-imgcodecs-dev     scene, eval: picture files
+libopencv-videoio-dev       render: camera paths as video
+libcgal-dev                 mesh: Delaunay tetrahedralization
+libopenmesh-dev             surface: clean-up
+libnanoflann-dev            eval: nearest points
+libvulkan-dev               gpu: headers and loader
+mesa-vulkan-drivers         gpu: lavapipe, the Vulkan device of a machine without one
+glslang-tools               shaders: GLSL to SPIR-V
+spirv-tools                 shaders: SPIR-V optimisation and validation
+vulkan-validationlayers     tests: any message of the validation layer fails a test
+libgtest-dev                tests
+libgmock-dev                tests
+librapidcheck-dev           tests: random cases
+libceres-dev                tests: automatic derivatives
+libeigen3-dev               eval: alignment; what Ceres and CGAL ask for
+libbenchmark-dev            benchmarks
+clang                       tests: fuzz targets
+libclang-rt-14-dev          tests: the fuzzer's run time
+clang-format                tests: format check
+colmap                      tetrec-sfm runs it
+tetgen                      tetrec-tetrahedralize --start tetgen runs it
+gnuplot-nox                 tetrec-chart runs it
+LIST
+}
+
+is_installed() {
+  [ "$(dpkg-query -W -f '${db:Status-Abbrev}' "$1" 2>/dev/null | cut -c1-2)" = ii ]
+}
+
+all=$(packages | awk '{print $1}')
+
+if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+  echo "setup: this is not a Debian system; these packages of Debian 12 (or their like) are needed:"
+  packages | sed 's/^/  /'
+  exit 4
+fi
+
+missing=()
+for package in $all; do
+  is_installed "$package" || missing+=("$package")
+done
+if [ ${#missing[@]} -eq 0 ]; then
+  echo "setup: all $(wc -w <<<"$all") packages are there"
+  exit 0
+fi
+
+. /etc/os-release
+if [ "${ID:-}" != debian ] || [ "${VERSION_ID:-}" != 12 ]; then
+  echo "setup: made for Debian 12, this is ${PRETTY_NAME:-unknown}; package names may differ" >&2
+fi
+
+install="apt-get install -y --no-install-recommends ${missing[*]}"
+if [ "$(id -u)" -eq 0 ]; then
+  as_root=()
+elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+  as_root=(sudo -n)
+else
+  echo "setup: ${#missing[@]} packages are missing and installing them needs root; run this, then try again:" >&2
+  echo "  sudo sh -c 'apt-get update && $install'" >&2
+  exit 4
+fi
+
+echo "setup: installing ${#missing[@]} packages: ${missing[*]}"
+export DEBIAN_FRONTEND=noninteractive
+# sudo drops the environment, hence `env`.
+run_apt() { "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q "$@"; }
+if ! run_apt update || ! run_apt install -y --no-install-recommends "${missing[@]}"; then
+  echo "setup: apt-get failed (see above); mend it and run: $install" >&2
+  exit 4
+fi
+for package in "${missing[@]}"; do
+  if ! is_installed "$package"; then
+    echo "setup: $package is still missing after apt-get; run: $install" >&2
+    exit 4
+  fi
+done
+echo "setup: done"

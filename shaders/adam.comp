@@ -1,0 +1,34 @@
+// One step of Adam (Kingma and Ba 2015) on every vertex, and the field that the renderers read.
+//
+// Parameters: colour as it is, and the logarithm of density; dL/dlog(sigma) = sigma dL/dsigma.
+// Clears the gradient for the next step.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/gpu_types.glsl.h"
+
+layout(local_size_x = kWorkgroupSize) in;
+layout(std430, binding = kBindVertexGradients) buffer VertexGradients { vec4 vertex_gradients[]; };
+layout(std430, binding = kBindParameters) buffer Parameters { vec4 parameters[]; };
+layout(std430, binding = kBindMoments) buffer MomentsBuffer { Moments moments[]; };
+layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
+layout(push_constant) uniform Push { AdamPush push; };
+
+void main() {
+  uint v = gl_GlobalInvocationID.x;
+  if (v < push.vertex_count) {
+    vec4 parameter = parameters[v];
+    vec4 gradient = vertex_gradients[v];
+    gradient.a *= vertices[2u * v].w;
+    Moments m = moments[v];
+    m.first = push.beta1 * m.first + (1.0 - push.beta1) * gradient;
+    m.second = push.beta2 * m.second + (1.0 - push.beta2) * gradient * gradient;
+    vec4 rate = vec4(vec3(push.color_rate), push.density_rate);
+    parameter -= rate * m.first / (sqrt(m.second * push.second_moment_correction) + push.epsilon);
+    parameter.a = min(parameter.a, push.max_log_density);
+    moments[v] = m;
+    parameters[v] = parameter;
+    vertices[2u * v].w = exp(parameter.a);
+    vertices[2u * v + 1u].rgb = parameter.rgb;
+    vertex_gradients[v] = vec4(0.0);
+  }
+}

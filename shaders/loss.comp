@@ -1,0 +1,52 @@
+// Compares every ray with its target pixel: writes dL/dcolour and dL/dtransmittance, and one partial
+// sum of the loss and of the squared error a workgroup.
+//
+// The picture is colour + T background; the target is premultiplied + (1 - alpha) background.
+// L2: mean of squares, L1: mean of absolute values, over rays and channels.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/gpu_types.glsl.h"
+
+layout(local_size_x = kWorkgroupSize) in;
+layout(std430, binding = kBindViews) readonly buffer Views { GpuView views[]; };
+layout(std430, binding = kBindBlocks) readonly buffer Blocks { GpuBlock blocks[]; };
+layout(std430, binding = kBindRayColors) readonly buffer RayColors { vec4 ray_colors[]; };
+layout(std430, binding = kBindRayGradients) writeonly buffer RayGradients { vec4 ray_gradients[]; };
+layout(std430, binding = kBindPartialLosses) writeonly buffer PartialLosses { vec2 partial_losses[]; };
+layout(binding = kBindTargets) uniform textureBuffer targets;
+layout(push_constant) uniform Push { LossPush push; };
+
+shared vec2 sums[kWorkgroupSize];
+
+void main() {
+  uint index = gl_GlobalInvocationID.x;
+  uint lane = gl_LocalInvocationID.x;
+  vec2 sum = vec2(0.0);
+  if (index < push.ray_count) {
+    GpuBlock block = blocks[index / kBlockRays];
+    uvec4 size_pixel = views[block.view].size_pixel_tet;
+    uint x = block.x + index % kBlockWidth, y = block.y + (index % kBlockRays) / kBlockWidth;
+    vec4 gradient = vec4(0.0);
+    if (x < size_pixel.x && y < size_pixel.y) {
+      vec4 target = texelFetch(targets, int(size_pixel.z + y * size_pixel.x + x));
+      vec4 color = ray_colors[index];
+      float transmittance = exp(-color.a);
+      vec3 residual = color.rgb - target.rgb + (transmittance - (1.0 - target.a)) * push.background.rgb;
+      bool squared = push.loss == kLossL2;
+      gradient.rgb = push.gradient_scale * (squared ? 2.0 * residual : sign(residual));
+      gradient.a = dot(gradient.rgb, push.background.rgb);
+      float square = dot(residual, residual);
+      sum = vec2(squared ? square : dot(abs(residual), vec3(1.0)), square);
+    }
+    ray_gradients[index] = gradient;
+  }
+  sums[lane] = sum;
+  barrier();
+  uint stride = kWorkgroupSize / 2;
+  while (stride > 0u) {
+    if (lane < stride) sums[lane] += sums[lane + stride];
+    barrier();
+    stride /= 2u;
+  }
+  if (lane == 0u) partial_losses[gl_WorkGroupID.x] = sums[0];
+}

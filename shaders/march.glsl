@@ -1,0 +1,230 @@
+// Marching a ray from tet to tet through neighbour links.
+//
+// Everything happens in the ray's own frame: axes u, v across the ray, d along it, origin where the
+// ray enters the mesh. A vertex is projected to (x, y) across and z along the ray. The state is the
+// entry triangle (a, b, c), wound so that its three edge functions e are >= 0; e divided by its sum
+// are the barycentric weights of the hit point. Each step fetches the one vertex of the tet that is
+// not on the entry triangle, replaces one corner by it and so gets the exit triangle. No edge function
+// is ever evaluated twice, so neighbouring tets cannot contradict each other.
+//
+// Every loop has one exit, tested at its top: lavapipe 22.3 computes wrong values after a loop that
+// some lanes of a group leave by `break`.
+//
+// The including kernel defines Payload, the per-vertex quantity carried beside the density, and
+// MakePayload(color).
+
+#include "shared/gpu_types.glsl.h"
+#include "shared/segment.glsl.h"
+
+layout(local_size_x = kWorkgroupSize) in;
+
+layout(binding = kBindTets) uniform utextureBuffer tets;
+layout(binding = kBindVertices) uniform textureBuffer vertices;
+layout(binding = kBindHull) uniform textureBuffer hull;
+layout(std430, binding = kBindViews) readonly buffer Views { GpuView views[]; };
+layout(std430, binding = kBindBlocks) readonly buffer Blocks { GpuBlock blocks[]; };
+layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
+layout(push_constant) uniform Push { MarchPush push; };
+
+const uint kNoTet = 0xFFFFFFFFu;
+const uint kMiss = 0xFFFFFFFFu;
+
+struct Ray {
+  vec3 origin, direction, u, v;
+  bool valid;       // inside the picture
+  uint start_tet;   // tet that holds the camera, or kNoTet
+  uint pixel;       // index into the targets
+};
+
+struct Corner {
+  vec3 p;
+  float density;
+  Payload payload;
+  uint id;
+};
+
+struct MarchState {
+  Corner a, b, c;
+  vec3 e;
+  uint tet;
+};
+
+// PCG hash (Jarzynski and Olano 2020, "Hash functions for GPU rendering").
+uint Hash(uint x) {
+  x = x * 747796405u + 2891336453u;
+  x = ((x >> ((x >> 28u) + 4u)) ^ x) * 277803737u;
+  return (x >> 22u) ^ x;
+}
+
+float UnitFloat(uint x) { return float(x >> 8) * (1.0 / 16777216.0); }
+
+Ray MakeRay(uint index) {
+  GpuBlock block = blocks[index / kBlockRays];
+  GpuView view = views[block.view];
+  uint lane = index % kBlockRays;
+  uint x = block.x + lane % kBlockWidth, y = block.y + lane / kBlockWidth;
+  uint random = Hash(push.jitter_seed ^ Hash(index));
+  vec2 jitter = push.jitter_px * vec2(UnitFloat(random) - 0.5, UnitFloat(Hash(random)) - 0.5);
+  float image_x = (float(x) + 0.5 + jitter.x - view.forward_in_world_cx.w) / view.right_in_world_fx.w;
+  float image_y = (float(y) + 0.5 + jitter.y - view.center_in_world_cy.w) / view.down_in_world_fy.w;
+  Ray ray;
+  ray.origin = view.center_in_world_cy.xyz;
+  ray.direction = normalize(image_x * view.right_in_world_fx.xyz +
+                            image_y * view.down_in_world_fy.xyz + view.forward_in_world_cx.xyz);
+  vec3 d = ray.direction;
+  // Duff et al. 2017, "Building an orthonormal basis, revisited".
+  float s = d.z >= 0.0 ? 1.0 : -1.0;
+  float h = -1.0 / (s + d.z);
+  float k = d.x * d.y * h;
+  ray.u = vec3(1.0 + s * d.x * d.x * h, s * k, -s * d.x);
+  ray.v = vec3(k, s + d.y * d.y * h, -d.y);
+  ray.valid = x < view.size_pixel_tet.x && y < view.size_pixel_tet.y;
+  ray.pixel = view.size_pixel_tet.z + y * view.size_pixel_tet.x + x;
+  ray.start_tet = view.size_pixel_tet.w;
+  return ray;
+}
+
+Corner FetchCorner(Ray ray, uint id) {
+  vec4 place = texelFetch(vertices, int(2u * id));
+  vec4 color = texelFetch(vertices, int(2u * id + 1u));
+  vec3 r = place.xyz - ray.origin;
+  Corner corner;
+  corner.p = vec3(dot(r, ray.u), dot(r, ray.v), dot(r, ray.direction));
+  corner.density = place.w;
+  corner.payload = MakePayload(color.rgb);
+  corner.id = id;
+  return corner;
+}
+
+float EdgeFunction(Corner from, Corner to) { return from.p.x * to.p.y - from.p.y * to.p.x; }
+
+vec3 EdgeFunctions(Corner a, Corner b, Corner c) {
+  return vec3(EdgeFunction(b, c), EdgeFunction(c, a), EdgeFunction(a, b));
+}
+
+float Least(vec3 e) { return min(e.x, min(e.y, e.z)); }
+
+// Where the line meets the convex hull: x entry, y exit, along the ray.
+vec2 HullInterval(Ray ray) {
+  vec2 interval = vec2(-3.0e38, 3.0e38);
+  uint i = 0u;
+  while (i < push.hull_faces) {
+    vec4 plane = texelFetch(hull, int(2u * i));
+    float along = dot(plane.xyz, ray.direction);
+    float t = (plane.w - dot(plane.xyz, ray.origin)) / along;
+    if (along < 0.0) interval.x = max(interval.x, t);
+    if (along > 0.0) interval.y = min(interval.y, t);
+    i += 1u;
+  }
+  return interval;
+}
+
+// The hull face at the origin of a ray that was moved to the hull, or kMiss. Candidates are the faces
+// whose plane holds the origin within `rounding`; of these the one that holds the ray best.
+uint FindEntryFace(Ray ray, float rounding) {
+  uint face = kMiss;
+  float best = -3.0e38;
+  uint i = 0u;
+  while (i < push.hull_faces) {
+    vec4 plane = texelFetch(hull, int(2u * i));
+    if (dot(plane.xyz, ray.direction) < 0.0 && abs(dot(plane.xyz, ray.origin) - plane.w) <= rounding) {
+      uvec4 ids = floatBitsToUint(texelFetch(hull, int(2u * i + 1u)));
+      float inside = Least(EdgeFunctions(FetchCorner(ray, ids.x), FetchCorner(ray, ids.y),
+                                         FetchCorner(ray, ids.z)));
+      if (inside > best) {
+        best = inside;
+        face = i;
+      }
+    }
+    i += 1u;
+  }
+  return best >= 0.0 ? face : kMiss;
+}
+
+MarchState EnterThroughFace(Ray ray, uint face) {
+  uvec4 ids = floatBitsToUint(texelFetch(hull, int(2u * face + 1u)));
+  MarchState state;
+  state.a = FetchCorner(ray, ids.x);
+  state.b = FetchCorner(ray, ids.y);
+  state.c = FetchCorner(ray, ids.z);
+  state.e = EdgeFunctions(state.a, state.b, state.c);
+  state.tet = ids.w;
+  return state;
+}
+
+// A camera inside tet t: the entry triangle is the face through which the line came in behind the
+// camera, of the four the one that holds the line best.
+MarchState EnterFromInside(Ray ray, uint t) {
+  uvec4 ids = texelFetch(tets, int(2u * t));
+  Corner c0 = FetchCorner(ray, ids.x), c1 = FetchCorner(ray, ids.y);
+  Corner c2 = FetchCorner(ray, ids.z), c3 = FetchCorner(ray, ids.w);
+  // Faces wound inwards, so that an entry face is positive in the ray's frame.
+  vec3 e0 = EdgeFunctions(c1, c3, c2), e1 = EdgeFunctions(c0, c2, c3);
+  vec3 e2 = EdgeFunctions(c0, c3, c1), e3 = EdgeFunctions(c0, c1, c2);
+  float l0 = Least(e0), l1 = Least(e1), l2 = Least(e2), l3 = Least(e3);
+  MarchState state;
+  state.tet = t;
+  if (l0 >= l1 && l0 >= l2 && l0 >= l3) {
+    state.a = c1, state.b = c3, state.c = c2, state.e = e0;
+  } else if (l1 >= l2 && l1 >= l3) {
+    state.a = c0, state.b = c2, state.c = c3, state.e = e1;
+  } else if (l2 >= l3) {
+    state.a = c0, state.b = c3, state.c = c1, state.e = e2;
+  } else {
+    state.a = c0, state.b = c1, state.c = c2, state.e = e3;
+  }
+  return state;
+}
+
+// Moves the ray's origin to where the ray enters the hull, so that the frame's coordinates are as
+// precise as the mesh is small. Returns the length inside the hull.
+float MoveToHull(inout Ray ray, vec2 interval) {
+  ray.origin += interval.x * ray.direction;
+  return interval.y - interval.x;
+}
+
+// Barycentric weights of the hit point on the triangle of the state.
+vec3 HitWeights(MarchState state) {
+  vec3 w = max(state.e, vec3(0.0));
+  float sum = w.x + w.y + w.z;
+  return sum > 0.0 ? w / sum : vec3(1.0 / 3.0);
+}
+
+#define AtHit(w, state, member) \
+  ((w).x * (state).a.member + (w).y * (state).b.member + (w).z * (state).c.member)
+
+// Replaces the corner that the exit triangle does not share by `fresh`, moves on to the neighbour
+// there. Returns which corner left: 0 a, 1 b, 2 c.
+uint StepThrough(inout MarchState state, Corner fresh, uvec4 ids, uvec4 neighbors) {
+  float sa = EdgeFunction(state.a, fresh), sb = EdgeFunction(state.b, fresh);
+  float sc = EdgeFunction(state.c, fresh);
+  bool c_leaves = sa < 0.0 && sb >= 0.0;
+  bool b_leaves = sa >= 0.0 && sc < 0.0;
+  uint leaving_id;
+  uint leaving;
+  if (c_leaves) {
+    leaving = 2u;
+    leaving_id = state.c.id;
+    state.e = vec3(sb, -sa, state.e.z);
+    state.c = fresh;
+  } else if (b_leaves) {
+    leaving = 1u;
+    leaving_id = state.b.id;
+    state.e = vec3(-sc, state.e.y, sa);
+    state.b = fresh;
+  } else {
+    leaving = 0u;
+    leaving_id = state.a.id;
+    state.e = vec3(state.e.x, sc, -sb);
+    state.a = fresh;
+  }
+  state.tet = ids.x == leaving_id   ? neighbors.x
+              : ids.y == leaving_id ? neighbors.y
+              : ids.z == leaving_id ? neighbors.z
+                                    : neighbors.w;
+  return leaving;
+}
+
+Corner FetchApex(Ray ray, MarchState state, uvec4 ids) {
+  return FetchCorner(ray, ids.x ^ ids.y ^ ids.z ^ ids.w ^ state.a.id ^ state.b.id ^ state.c.id);
+}

@@ -1,0 +1,30 @@
+// The subset of language that GLSL and C++ share, so that a formula is written once.
+//
+// Rules: scalars are Real (float in GLSL; float, double or ceres::Jet in C++), literals Real(0.5), no
+// swizzles, no inout, results are returned as structs. A templated struct S is named TETREC_T(S).
+#ifndef TETREC_GLSL_SUBSET_H_
+#define TETREC_GLSL_SUBSET_H_
+
+#ifdef __cplusplus
+#include <cmath>
+#include <cstdint>
+namespace tetrec {
+// Found for built-in types; ceres::Jet brings its own by argument-dependent lookup.
+using std::exp;
+using std::sqrt;
+}  // namespace tetrec
+#define TETREC_BEGIN namespace tetrec {
+#define TETREC_END }
+#define TETREC_STRUCT template <class Real> struct
+#define TETREC_FN template <class Real> inline
+#define TETREC_T(type) type<Real>
+#else
+#define Real float
+#define TETREC_BEGIN
+#define TETREC_END
+#define TETREC_STRUCT struct
+#define TETREC_FN
+#define TETREC_T(type) type
+#endif
+
+#endif  // TETREC_GLSL_SUBSET_H_

@@ -1,0 +1,98 @@
+// Structs, bindings and sizes that the kernels and the host share. Buffers are std430; every struct
+// here is made of 16-byte rows so that C++ lays it out the same way.
+#ifndef TETREC_GPU_TYPES_GLSL_H_
+#define TETREC_GPU_TYPES_GLSL_H_
+
+#ifdef __cplusplus
+#include <cstdint>
+#include <glm/glm.hpp>
+namespace tetrec::gpu_types {
+using uint = uint32_t;
+using vec4 = glm::vec4;
+using uvec4 = glm::uvec4;
+#endif
+
+// lavapipe packs lanes along x only: a local size that is no multiple of 8 is 300 times slower.
+#define kWorkgroupSize 64
+// Rays come in blocks of 4 x 2 neighbouring pixels, one 8-wide subgroup on lavapipe.
+#define kBlockWidth 4
+#define kBlockHeight 2
+#define kBlockRays 8
+
+// A camera; rows of world_from_cam with the pinhole parameters of the ray grid beside them.
+struct GpuView {
+  vec4 right_in_world_fx;    // camera x axis | fx [px]
+  vec4 down_in_world_fy;     // camera y axis | fy [px]
+  vec4 forward_in_world_cx;  // camera z axis | cx [px]
+  vec4 center_in_world_cy;   // camera centre | cy [px]
+  // width, height [px], first pixel of the target picture, tet that holds the centre or kNoTet
+  uvec4 size_pixel_tet;
+};
+
+// A 4 x 2 block of rays of one view; x, y [px] of its first pixel.
+struct GpuBlock {
+  uint view, x, y, padding;
+};
+
+// Moments of Adam of one vertex: rgb, log density.
+struct Moments {
+  vec4 first, second;
+};
+
+struct MarchPush {
+  uint ray_count;
+  uint hull_faces;
+  uint max_steps;         // a ray that needs more is counted as lost
+  uint jitter_seed;
+  float jitter_px;        // rays are moved inside their pixel by up to half of this
+  float stop_depth;       // rays stop at this optical depth (-log of transmittance)
+};
+
+struct LossPush {
+  uint ray_count;
+  uint loss;              // kLossL2 or kLossL1
+  float gradient_scale;   // 1 / (3 x rays)
+  uint padding;
+  vec4 background;        // rgb [display sRGB], stands behind field and target
+};
+#define kLossL2 0
+#define kLossL1 1
+
+struct AdamPush {
+  uint vertex_count;
+  float beta1, beta2, epsilon;
+  float color_rate, density_rate;        // after bias correction of the first moment
+  float second_moment_correction;        // 1 / (1 - beta2^t)
+  float max_log_density;
+};
+
+// Counters of the march kernels.
+#define kCounterLostRays 0
+#define kCounterSteps 1
+#define kCounterHitRays 2
+#define kCounterCount 4
+
+// Bindings.
+#define kBindTets 0         // texels uvec4: vertex ids, neighbours
+#define kBindVertices 1     // texels vec4: position | density, colour | 0
+#define kBindHull 2         // texels: per hull face plane (n, w) and ids (a, b, c, tet) as bits
+#define kBindViews 3
+#define kBindBlocks 4
+#define kBindRayColors 5    // vec4 a ray: colour before the background | optical depth
+#define kBindRayStates 6    // uint a ray: hull face of entry
+#define kBindRayGradients 7 // vec4 a ray: dL/dcolour | dL/dtransmittance
+#define kBindVertexGradients 8
+#define kBindCounters 9
+#define kBindTargets 10     // texels rgba8: premultiplied target pictures
+#define kBindTetScores 11
+#define kBindPartialLosses 12
+#define kBindParameters 13
+#define kBindMoments 14
+
+#ifdef __cplusplus
+static_assert(sizeof(GpuView) == 80 && sizeof(GpuBlock) == 16);
+static_assert(sizeof(MarchPush) <= 128 && sizeof(LossPush) <= 128 && sizeof(AdamPush) <= 128);
+}  // namespace tetrec::gpu_types
+#endif
+
+#endif  // TETREC_GPU_TYPES_GLSL_H_

@@ -1,0 +1,207 @@
+// Files: bounded reading, writing by rename, JSON and hashes of files.
+#include "core/file.h"
+
+#include "core/error.h"
+#include "core/progress.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <openssl/evp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+namespace {
+
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int fd) : fd_(fd) {}
+  ~FileDescriptor() {
+    if (fd_ >= 0) close(fd_);
+  }
+  FileDescriptor(const FileDescriptor&) = delete;
+  FileDescriptor& operator=(const FileDescriptor&) = delete;
+  int get() const { return fd_; }
+  int Release() { return std::exchange(fd_, -1); }
+
+ private:
+  int fd_;
+};
+
+FileDescriptor OpenForReading(const fs::path& path) {
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0)
+    throw DataError(fmt::format("{}: cannot be read ({})", path.string(), std::strerror(errno)));
+  struct stat info {};
+  if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) {
+    close(fd);
+    throw DataError(fmt::format("{}: is not a file", path.string()));
+  }
+  return FileDescriptor(fd);
+}
+
+// Up to `size` bytes; fewer only at the end of the file.
+size_t ReadSome(int fd, uint8_t* destination, size_t size, const fs::path& path) {
+  size_t done = 0;
+  while (done < size) {
+    const ssize_t n = read(fd, destination + done, size - done);
+    if (n == 0) break;
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0)
+      throw DataError(fmt::format("{}: cannot be read ({})", path.string(), std::strerror(errno)));
+    done += size_t(n);
+  }
+  return done;
+}
+
+[[noreturn]] void FailWrite(const fs::path& path, size_t bytes, int error) {
+  const char* advice =
+      error == ENOSPC || error == EDQUOT ? "; free some space and run it again" : "";
+  throw EnvironmentError(fmt::format("{}: cannot write {} bytes ({}){}", path.string(),
+                                     WithThousands(bytes), std::strerror(error), advice));
+}
+
+std::string AsHex(const unsigned char* bytes, size_t size) {
+  std::string text;
+  for (size_t i = 0; i < size; ++i) text += fmt::format("{:02x}", bytes[i]);
+  return text;
+}
+
+class Sha256State {
+ public:
+  Sha256State() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
+    TETREC_CHECK(context_ && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1,
+                 "no SHA-256");
+  }
+  void Add(std::span<const uint8_t> bytes) {
+    TETREC_CHECK(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) == 1,
+                 "SHA-256 failed");
+  }
+  std::string Finish() {
+    unsigned char digest[EVP_MAX_MD_SIZE];
+    unsigned int size = 0;
+    TETREC_CHECK(EVP_DigestFinal_ex(context_.get(), digest, &size) == 1, "SHA-256 failed");
+    return AsHex(digest, size);
+  }
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+};
+
+template <class Bytes>
+Bytes ReadWhole(const fs::path& path, uint64_t max_bytes) {
+  const FileDescriptor file = OpenForReading(path);
+  struct stat info {};
+  fstat(file.get(), &info);
+  const auto size = uint64_t(info.st_size);
+  if (size > max_bytes) {
+    throw DataError(fmt::format("{}: has {} bytes, at most {} are read", path.string(),
+                                WithThousands(size), WithThousands(max_bytes)));
+  }
+  Bytes bytes(size, {});
+  const size_t done = ReadSome(file.get(), reinterpret_cast<uint8_t*>(bytes.data()), size, path);
+  if (done != size) {
+    throw DataError(fmt::format("{}: ends at byte {} of {}", path.string(), done, size));
+  }
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<uint8_t> ReadBytes(const fs::path& path, uint64_t max_bytes) {
+  return ReadWhole<std::vector<uint8_t>>(path, max_bytes);
+}
+
+std::string ReadText(const fs::path& path, uint64_t max_bytes) {
+  return ReadWhole<std::string>(path, max_bytes);
+}
+
+void WriteBytes(const fs::path& path, std::span<const uint8_t> bytes) {
+  const fs::path temporary = path.string() + ".tmp";
+  const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (fd < 0) FailWrite(path, bytes.size(), errno);
+  FileDescriptor file(fd);
+  const auto fail = [&](int error) {
+    unlink(temporary.c_str());
+    FailWrite(path, bytes.size(), error);
+  };
+  size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t n = write(fd, bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail(errno);
+    done += size_t(n);
+  }
+  if (fsync(fd) != 0 && errno != EINVAL) fail(errno);
+  if (close(file.Release()) != 0) fail(errno);
+  if (rename(temporary.c_str(), path.c_str()) != 0) fail(errno);
+}
+
+void WriteText(const fs::path& path, const std::string& text) {
+  WriteBytes(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+nlohmann::json ReadJson(const fs::path& path) {
+  const std::string text = ReadText(path);
+  try {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::parse_error& error) {
+    // "[json.exception.parse_error.101] parse error at line 3, column 7: ..."
+    std::string what = error.what();
+    if (const size_t bracket = what.find("] "); bracket != std::string::npos)
+      what.erase(0, bracket + 2);
+    for (char& c : what) c = c == '\n' || c == '\r' ? ' ' : c;
+    throw DataError(fmt::format("{}: is no valid JSON: {}", path.string(), what));
+  }
+}
+
+void WriteJson(const fs::path& path, const nlohmann::json& value) {
+  // File names may hold bytes that are not UTF-8.
+  WriteText(path, value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+std::string Sha256(std::span<const uint8_t> bytes) {
+  Sha256State state;
+  state.Add(bytes);
+  return state.Finish();
+}
+
+std::string Sha256OfFile(const fs::path& path) {
+  const FileDescriptor file = OpenForReading(path);
+  Sha256State state;
+  std::vector<uint8_t> block(size_t{1} << 20);
+  while (const size_t n = ReadSome(file.get(), block.data(), block.size(), path)) {
+    state.Add(std::span(block).first(n));
+  }
+  return state.Finish();
+}
+
+void ByteReader::CheckCount(uint64_t count, uint64_t min_record_bytes, const char* what) const {
+  if (min_record_bytes > 0 && count > remaining() / min_record_bytes) {
+    throw DataError(fmt::format("{}: byte {}: {} {} do not fit in the {} bytes that are left",
+                                name_, position_, count, what, remaining()));
+  }
+}
+
+void ByteReader::Copy(void* destination, size_t size, const char* what) {
+  if (size > remaining()) {
+    throw DataError(
+        fmt::format("{}: ends at byte {} where {} was expected", name_, bytes_.size(), what));
+  }
+  std::memcpy(destination, bytes_.data() + position_, size);
+  position_ += size;
+}
+
+void ByteReader::ExpectEnd() const {
+  if (remaining() > 0) {
+    throw DataError(
+        fmt::format("{}: byte {}: {} bytes are left over", name_, position_, remaining()));
+  }
+}
+
+}  // namespace tetrec

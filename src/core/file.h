@@ -1,0 +1,96 @@
+// Files: bounded reading, writing by rename, JSON and hashes of files.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tetrec {
+
+// Whole file. Throws DataError (missing, unreadable, larger than max_bytes).
+std::vector<uint8_t> ReadBytes(const std::filesystem::path& path,
+                               uint64_t max_bytes = uint64_t{1} << 34);
+std::string ReadText(const std::filesystem::path& path, uint64_t max_bytes = uint64_t{1} << 30);
+
+// Writes beside `path`, syncs, renames: no half file ever stands under the final name. Throws
+// EnvironmentError naming path, bytes and reason (disk full).
+void WriteBytes(const std::filesystem::path& path, std::span<const uint8_t> bytes);
+void WriteText(const std::filesystem::path& path, const std::string& text);
+
+// Throws DataError with path and position of a syntax error.
+nlohmann::json ReadJson(const std::filesystem::path& path);
+void WriteJson(const std::filesystem::path& path, const nlohmann::json& value);
+
+// Lower-case hexadecimal SHA-256.
+std::string Sha256(std::span<const uint8_t> bytes);
+std::string Sha256OfFile(const std::filesystem::path& path);
+
+// Reads plain little-endian values from a byte span; every read is checked against what is left and
+// throws DataError("<name>: ends at byte N where <what> was expected").
+class ByteReader {
+ public:
+  ByteReader(std::span<const uint8_t> bytes, std::string name)
+      : bytes_(bytes), name_(std::move(name)) {}
+
+  template <class T>
+  T Read(const char* what) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    T value;
+    Copy(&value, sizeof(T), what);
+    return value;
+  }
+  // Reads `count` values; the count is checked against the bytes that are left before memory is
+  // taken.
+  template <class T>
+  std::vector<T> ReadArray(uint64_t count, const char* what) {
+    CheckCount(count, sizeof(T), what);
+    std::vector<T> values(count);
+    if (count > 0) Copy(values.data(), count * sizeof(T), what);
+    return values;
+  }
+  // Throws unless `count` records of at least `min_record_bytes` fit in what is left.
+  void CheckCount(uint64_t count, uint64_t min_record_bytes, const char* what) const;
+  void Copy(void* destination, size_t size, const char* what);
+  // Throws unless everything was read.
+  void ExpectEnd() const;
+  size_t position() const { return position_; }
+  size_t remaining() const { return bytes_.size() - position_; }
+  const std::string& name() const { return name_; }
+
+ private:
+  std::span<const uint8_t> bytes_;
+  std::string name_;
+  size_t position_ = 0;
+};
+
+class ByteWriter {
+ public:
+  template <class T>
+  void Write(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    Append(&value, sizeof(T));
+  }
+  template <class T>
+  void WriteArray(std::span<const T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (!values.empty()) Append(values.data(), values.size_bytes());
+  }
+  const std::vector<uint8_t>& bytes() const { return bytes_; }
+
+ private:
+  // Not vector::insert: GCC 12 warns falsely of its memmove.
+  void Append(const void* source, size_t size) {
+    const size_t end = bytes_.size();
+    bytes_.resize(end + size);
+    std::memcpy(bytes_.data() + end, source, size);
+  }
+
+  std::vector<uint8_t> bytes_;
+};
+
+}  // namespace tetrec

@@ -1,0 +1,42 @@
+// Ranges handed out to threads from one counter.
+#include "core/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace tetrec {
+
+void ParallelFor(size_t count, size_t grain, const std::function<void(size_t, size_t)>& body) {
+  grain = std::max<size_t>(grain, 1);
+  const size_t ranges = count / grain + (count % grain != 0);
+  std::atomic<size_t> next{0};
+  std::atomic<bool> failed{false};
+  std::mutex mutex;
+  std::exception_ptr first;
+
+  const auto work = [&] {
+    for (size_t i = next++; i < ranges && !failed; i = next++) {
+      try {
+        body(i * grain, std::min(count, (i + 1) * grain));
+      } catch (...) {
+        const std::scoped_lock lock(mutex);
+        if (!first) first = std::current_exception();
+        failed = true;
+      }
+    }
+  };
+
+  const size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  {
+    std::vector<std::jthread> helpers;
+    for (size_t t = 1; t < std::min(cores, ranges); ++t) helpers.emplace_back(work);
+    work();
+  }
+  if (first) std::rethrow_exception(first);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,31 @@
+// Progress of long work: a line rewritten in place on a terminal, a plain line every 10 s in a log.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace tetrec {
+
+class Progress {
+ public:
+  // `total` in the unit of Update's `done`; 0: unknown, no ETA.
+  Progress(std::string title, double total);
+  ~Progress();
+  // `detail` is shown behind the count, e.g. "loss 0.003  PSNR 24.8 dB  12,402 tets".
+  void Update(double done, const std::string& detail = "");
+
+ private:
+  std::string title_;
+  double total_;
+  bool terminal_;
+  bool line_open_ = false;
+  std::chrono::steady_clock::time_point start_, last_, last_log_;
+};
+
+// "1,234,567"
+std::string WithThousands(uint64_t value);
+// "1:05", "2:03:10"
+std::string AsDuration(double seconds);
+
+}  // namespace tetrec

@@ -1,0 +1,155 @@
+// Reads the runs' metrics.csv and draws them into one chart.
+#include "eval/chart.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "eval/plot.h"
+#include "eval/run_facts.h"
+#include "scene/scene.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+namespace {
+
+// What the numbers were measured on, as far as the folder tells; a run that has not finished has no
+// manifest yet.
+std::string ProtocolOf(const fs::path& field_folder) {
+  if (!fs::exists(field_folder / "manifest.json")) return "unfinished run";
+  const RunFacts facts = ReadRunFacts(field_folder);
+  std::vector<std::string> parts;
+  if (const StageFacts* stage = facts.Scene()) {
+    const Scene scene = ReadScene(stage->folder);
+    int width = 0, height = 0;
+    for (const Camera& camera : scene.cameras) {
+      width = std::max(width, camera.width);
+      height = std::max(height, camera.height);
+    }
+    parts = {fmt::format("{} held-out views", scene.HeldOutViews().size()),
+             fmt::format("{}x{} px", width, height),
+             fmt::format("background {}", Name(scene.background))};
+  }
+  if (const std::string device = facts.stages.back().Device(); !device.empty()) {
+    parts.push_back(device);
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+// The same protocol for all is said once, else each run says its own.
+std::string TitleOf(const std::vector<RunCurve>& runs) {
+  const bool same = std::all_of(runs.begin(), runs.end(), [&](const RunCurve& run) {
+    return run.protocol == runs.front().protocol;
+  });
+  if (same && !runs.front().protocol.empty()) return "Held-out PSNR: " + runs.front().protocol;
+  return "Held-out PSNR (protocols differ, see the legend)";
+}
+
+// Names as short as they can be and still differ: "a", else "parent/a".
+std::vector<std::string> LegendsOf(const std::vector<RunCurve>& runs, bool with_protocol) {
+  std::vector<std::string> legends;
+  for (const RunCurve& run : runs) {
+    const auto same_name = std::count_if(runs.begin(), runs.end(),
+                                         [&](const RunCurve& r) { return r.name == run.name; });
+    std::string legend = same_name > 1 ? run.metrics_csv.parent_path().string() : run.name;
+    if (with_protocol && !run.protocol.empty()) legend += " (" + run.protocol + ")";
+    legends.push_back(std::move(legend));
+  }
+  return legends;
+}
+
+std::string CsvCell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+}  // namespace
+
+RunCurve ReadRunCurve(const fs::path& run) {
+  const fs::path folder = fs::exists(run / "3_field") ? run / "3_field" : run;
+  const fs::path absolute = fs::absolute(folder / "").lexically_normal().parent_path();
+  RunCurve curve;
+  curve.metrics_csv = folder / "metrics.csv";
+  if (!fs::exists(curve.metrics_csv)) {
+    throw DataError(fmt::format(
+        "{}: no metrics.csv here or in 3_field; give a run folder or the output of tetrec-optimize",
+        run.string()));
+  }
+  // A field folder of the chain is named by its run.
+  curve.name = absolute.filename() == "3_field" ? absolute.parent_path().filename().string()
+                                                : absolute.filename().string();
+  curve.protocol = ProtocolOf(folder);
+  curve.rows = ReadMetricsCsv(curve.metrics_csv);
+  std::erase_if(curve.rows, [](const MetricsRow& row) {
+    return !row.heldout_psnr || !std::isfinite(*row.heldout_psnr) || !std::isfinite(row.seconds);
+  });
+  if (curve.rows.empty()) {
+    throw DataError(fmt::format("{}: no row has a held-out PSNR", curve.metrics_csv.string()));
+  }
+  return curve;
+}
+
+void WriteChart(const std::vector<RunCurve>& runs, const ChartOptions& options,
+                const fs::path& out) {
+  TETREC_CHECK(!runs.empty(), "a chart needs runs");
+  Plot plot;
+  plot.title = options.title.empty() ? TitleOf(runs) : options.title;
+  plot.x_label = options.log_x ? "seconds of optimisation (log)" : "seconds of optimisation";
+  plot.y_label = "held-out PSNR [dB]";
+  plot.log_x = options.log_x;
+  const bool protocols_differ = std::any_of(runs.begin(), runs.end(), [&](const RunCurve& run) {
+    return run.protocol != runs.front().protocol;
+  });
+  const std::vector<std::string> legends = LegendsOf(runs, protocols_differ);
+
+  std::string csv = "run,iteration,seconds,heldout_psnr,tets,vertices\n";
+  nlohmann::json record = {{"schema", 1},
+                           {"title", plot.title},
+                           {"log_x", options.log_x},
+                           {"runs", nlohmann::json::array()}};
+  for (size_t i = 0; i < runs.size(); ++i) {
+    PlotSeries series;
+    series.legend = legends[i];
+    series.color = int(i);
+    nlohmann::json points = nlohmann::json::array();
+    double best = runs[i].rows.front().heldout_psnr.value();
+    for (const MetricsRow& row : runs[i].rows) {
+      series.x.push_back(row.seconds);
+      series.y.push_back(*row.heldout_psnr);
+      best = std::max(best, *row.heldout_psnr);
+      csv += fmt::format("{},{},{},{},{},{}\n", CsvCell(legends[i]), row.iteration, row.seconds,
+                         *row.heldout_psnr, row.tets, row.vertices);
+      points.push_back({row.seconds, *row.heldout_psnr});
+    }
+    record["runs"].push_back({{"name", legends[i]},
+                              {"metrics_csv", runs[i].metrics_csv.generic_string()},
+                              {"protocol", runs[i].protocol},
+                              {"last_psnr", *runs[i].rows.back().heldout_psnr},
+                              {"best_psnr", best},
+                              {"seconds", runs[i].rows.back().seconds},
+                              {"tets", runs[i].rows.back().tets},
+                              {"seconds_and_heldout_psnr", std::move(points)}});
+    plot.series.push_back(std::move(series));
+  }
+
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) {
+    throw EnvironmentError(fmt::format("{}: cannot be made ({})", out.string(), error.message()));
+  }
+  const fs::path scratch = out / ".gnuplot";
+  DrawPlot(plot, out / "chart.svg", scratch);
+  DrawPlot(plot, out / "chart.png", scratch);
+  fs::remove_all(scratch);
+  WriteText(out / "chart.csv", csv);
+  WriteJson(out / "chart.json", record);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,86 @@
+// Escaping, base64 and JPEG.
+#include "eval/html.h"
+
+#include "core/error.h"
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tetrec {
+namespace {
+
+std::string Base64(std::span<const uint8_t> bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const size_t count = std::min<size_t>(3, bytes.size() - i);
+    uint32_t bits = 0;
+    for (size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? bytes[i + k] : 0u);
+    for (size_t k = 0; k < 4; ++k) {
+      text += k <= count ? kDigits[bits >> (18 - 6 * k) & 63] : '=';
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string EscapeHtml(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&#39;";
+        break;
+      default:
+        const bool control = static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t';
+        escaped += control || c == 0x7f ? std::string("&#xFFFD;") : std::string(1, c);
+    }
+  }
+  return escaped;
+}
+
+std::string JpegDataUri(const Image& rgb, int quality) {
+  TETREC_CHECK(rgb.channels == 3 && !rgb.pixels.empty(), "JPEG pictures are RGB");
+  const cv::Mat view(rgb.height, rgb.width, CV_8UC3, const_cast<uint8_t*>(rgb.pixels.data()));
+  cv::Mat bgr;
+  cv::cvtColor(view, bgr, cv::COLOR_RGB2BGR);
+  std::vector<uint8_t> bytes;
+  TETREC_CHECK(cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality}),
+               "JPEG encoder");
+  return "data:image/jpeg;base64," + Base64(bytes);
+}
+
+std::string SvgDataUri(const std::string& svg) {
+  return "data:image/svg+xml;base64," +
+         Base64({reinterpret_cast<const uint8_t*>(svg.data()), svg.size()});
+}
+
+Image FitInto(const Image& image, int max_size) {
+  const int longer = std::max(image.width, image.height);
+  if (longer <= max_size) return image;
+  const double scale = double(max_size) / longer;
+  return ResizeByArea(image, std::max(1, int(std::lround(image.width * scale))),
+                      std::max(1, int(std::lround(image.height * scale))));
+}
+
+}  // namespace tetrec

@@ -1,0 +1,153 @@
+// Squared error, PSNR, SSIM and error pictures.
+#include "eval/image_metrics.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+namespace tetrec {
+namespace {
+
+void CheckSameSize(const Image& a, const Image& b, const char* b_is) {
+  if (a.width <= 0 || a.height <= 0 || a.width != b.width || a.height != b.height) {
+    throw DataError(fmt::format("render is {}x{} px but its {} is {}x{} px; both must be equal",
+                                a.width, a.height, b_is, b.width, b.height));
+  }
+}
+
+int SquaredDifference(const uint8_t* a, const uint8_t* b) {
+  int sum = 0;
+  for (int c = 0; c < 3; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
+  return sum;
+}
+
+// Sum of 8-bit squared differences of `pixels` pixels as a mean of fractions.
+double AsMean(uint64_t sum, uint64_t pixels) {
+  return double(sum) / (255.0 * 255.0 * 3.0 * double(pixels));
+}
+
+cv::Mat Channel(const Image& image, int channel) {
+  cv::Mat values(image.height, image.width, CV_64F);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      values.at<double>(y, x) = image.At(x, y)[channel] / 255.0;
+    }
+  }
+  return values;
+}
+
+cv::Mat WindowMean(const cv::Mat& values) {
+  static const cv::Mat kWindow = cv::getGaussianKernel(11, 1.5, CV_64F);
+  cv::Mat mean;
+  cv::sepFilter2D(values, mean, CV_64F, kWindow, kWindow, {-1, -1}, 0, cv::BORDER_CONSTANT);
+  return mean;
+}
+
+double SsimOfChannel(const cv::Mat& x, const cv::Mat& y) {
+  constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
+  const cv::Mat mean_x = WindowMean(x), mean_y = WindowMean(y);
+  const cv::Mat mean_xx = WindowMean(x.mul(x)), mean_yy = WindowMean(y.mul(y)),
+                mean_xy = WindowMean(x.mul(y));
+  double sum = 0;
+  for (int row = 0; row < x.rows; ++row) {
+    for (int col = 0; col < x.cols; ++col) {
+      const double mx = mean_x.at<double>(row, col), my = mean_y.at<double>(row, col);
+      const double var_x = mean_xx.at<double>(row, col) - mx * mx;
+      const double var_y = mean_yy.at<double>(row, col) - my * my;
+      const double covariance = mean_xy.at<double>(row, col) - mx * my;
+      // SSIM = (2 mx my + C1)(2 cov + C2) / ((mx^2 + my^2 + C1)(var_x + var_y + C2))
+      sum += (2 * mx * my + kC1) * (2 * covariance + kC2) /
+             ((mx * mx + my * my + kC1) * (var_x + var_y + kC2));
+    }
+  }
+  return sum / double(x.total());
+}
+
+std::array<std::array<uint8_t, 3>, 256> InfernoTable() {
+  cv::Mat ramp(1, 256, CV_8U), colors;
+  for (int i = 0; i < 256; ++i) ramp.at<uint8_t>(0, i) = uint8_t(i);
+  cv::applyColorMap(ramp, colors, cv::COLORMAP_INFERNO);
+  std::array<std::array<uint8_t, 3>, 256> table;
+  for (int i = 0; i < 256; ++i) {
+    const cv::Vec3b bgr = colors.at<cv::Vec3b>(0, i);
+    table[i] = {bgr[2], bgr[1], bgr[0]};
+  }
+  return table;
+}
+
+}  // namespace
+
+double MeanSquaredError(const Image& render, const Image& truth) {
+  CheckSameSize(render, truth, "ground truth");
+  uint64_t sum = 0;
+  for (int y = 0; y < render.height; ++y) {
+    for (int x = 0; x < render.width; ++x) {
+      sum += SquaredDifference(render.At(x, y), truth.At(x, y));
+    }
+  }
+  return AsMean(sum, uint64_t(render.width) * render.height);
+}
+
+std::optional<double> ForegroundMeanSquaredError(const Image& render, const Image& truth,
+                                                 const Image& mask) {
+  CheckSameSize(render, truth, "ground truth");
+  CheckSameSize(render, mask, "mask");
+  uint64_t sum = 0, count = 0;
+  for (int y = 0; y < render.height; ++y) {
+    for (int x = 0; x < render.width; ++x) {
+      if (mask.At(x, y)[0] < 128) continue;
+      sum += SquaredDifference(render.At(x, y), truth.At(x, y));
+      ++count;
+    }
+  }
+  if (count == 0) return std::nullopt;
+  return AsMean(sum, count);
+}
+
+double PsnrFromMse(double mse) {
+  return mse > 0 ? -10 * std::log10(mse) : std::numeric_limits<double>::infinity();
+}
+
+double Ssim(const Image& render, const Image& truth) {
+  CheckSameSize(render, truth, "ground truth");
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) sum += SsimOfChannel(Channel(render, c), Channel(truth, c));
+  return sum / 3;
+}
+
+Image ErrorMap(const Image& render, const Image& truth) {
+  CheckSameSize(render, truth, "ground truth");
+  const auto table = InfernoTable();
+  Image map{render.width, render.height, 3, {}};
+  map.pixels.reserve(size_t(map.width) * map.height * 3);
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width; ++x) {
+      int sum = 0;
+      for (int c = 0; c < 3; ++c) sum += std::abs(render.At(x, y)[c] - truth.At(x, y)[c]);
+      const int level = std::min(255, int(std::lround(kErrorMapGain * sum / 3.0)));
+      map.pixels.insert(map.pixels.end(), table[level].begin(), table[level].end());
+    }
+  }
+  return map;
+}
+
+Image ErrorMapColorBar(int width, int height) {
+  const auto table = InfernoTable();
+  Image bar{width, height, 3, {}};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const auto& color = table[x * 255 / std::max(1, width - 1)];
+      bar.pixels.insert(bar.pixels.end(), color.begin(), color.end());
+    }
+  }
+  return bar;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,218 @@
+// Area sampling, nearest triangles, accuracy, completeness and F-score.
+#include "eval/mesh_metrics.h"
+
+#include "core/error.h"
+#include "core/parallel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nanoflann.hpp>
+#include <random>
+
+namespace tetrec {
+namespace {
+
+constexpr double kCropGrowth = 1.05;
+constexpr size_t kNearestSamples = 16;
+
+struct Triangle {
+  glm::dvec3 a, b, c;
+  double Area() const { return 0.5 * glm::length(glm::cross(b - a, c - a)); }
+};
+
+Triangle TriangleOf(const TriangleMesh& mesh, size_t index) {
+  const glm::uvec3 ids = mesh.triangles[index];
+  return {glm::dvec3(mesh.positions[ids[0]]), glm::dvec3(mesh.positions[ids[1]]),
+          glm::dvec3(mesh.positions[ids[2]])};
+}
+
+// In [0, 1); the standard's distributions differ between libraries, this does not.
+double Uniform(std::mt19937_64& random) { return double(random() >> 11) * 0x1p-53; }
+
+double SegmentDistance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
+  const glm::dvec3 along = b - a;
+  const double squared = glm::dot(along, along);
+  const double t = squared > 0 ? std::clamp(glm::dot(p - a, along) / squared, 0.0, 1.0) : 0.0;
+  return glm::length(p - (a + t * along));
+}
+
+// To the plane where the foot point lies inside the triangle, else to the nearest edge.
+double TriangleDistance(const glm::dvec3& p, const Triangle& t) {
+  const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
+  const double squared = glm::dot(normal, normal);
+  const bool inside = squared > 0 && glm::dot(glm::cross(t.b - t.a, p - t.a), normal) >= 0 &&
+                      glm::dot(glm::cross(t.c - t.b, p - t.b), normal) >= 0 &&
+                      glm::dot(glm::cross(t.a - t.c, p - t.c), normal) >= 0;
+  if (inside) return std::abs(glm::dot(p - t.a, normal)) / std::sqrt(squared);
+  return std::min(
+      {SegmentDistance(p, t.a, t.b), SegmentDistance(p, t.b, t.c), SegmentDistance(p, t.c, t.a)});
+}
+
+// nanoflann reads points through this.
+struct PointCloud {
+  std::vector<glm::dvec3> points;
+  size_t kdtree_get_point_count() const { return points.size(); }
+  double kdtree_get_pt(size_t index, size_t axis) const { return points[index][int(axis)]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>,
+                                                   PointCloud, 3>;
+
+// The triangles whose bounding boxes meet `box`.
+TriangleMesh TrianglesNear(const TriangleMesh& mesh, const Bounds3& box) {
+  TriangleMesh near{mesh.positions, {}, {}};
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle t = TriangleOf(mesh, i);
+    const glm::dvec3 low = glm::min(t.a, glm::min(t.b, t.c)),
+                     high = glm::max(t.a, glm::max(t.b, t.c));
+    const bool apart = low.x > box.max.x || low.y > box.max.y || low.z > box.max.z ||
+                       high.x < box.min.x || high.y < box.min.y || high.z < box.min.z;
+    if (!apart) near.triangles.push_back(mesh.triangles[i]);
+  }
+  return near;
+}
+
+double Area(const TriangleMesh& mesh) {
+  double area = 0;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) area += TriangleOf(mesh, i).Area();
+  return area;
+}
+
+std::vector<glm::dvec3> SamplesInside(const TriangleMesh& mesh, const Bounds3& box,
+                                      const SurfaceScoreOptions& options, uint64_t seed) {
+  const TriangleMesh near = TrianglesNear(mesh, box);
+  if (!(Area(near) > 0)) return {};
+  std::vector<glm::dvec3> points = SampleSurface(near, options.samples, seed).positions;
+  std::erase_if(points, [&](const glm::dvec3& p) { return !box.Contains(p); });
+  return points;
+}
+
+double Mean(std::span<const double> values) {
+  double sum = 0;
+  for (double value : values) sum += value;
+  return sum / double(values.size());
+}
+
+double ShareBelow(std::span<const double> values, double limit) {
+  const auto below =
+      std::count_if(values.begin(), values.end(), [&](double v) { return v < limit; });
+  return double(below) / double(values.size());
+}
+
+}  // namespace
+
+TriangleMesh Transformed(const TriangleMesh& mesh, const Similarity3& similarity) {
+  TriangleMesh moved = mesh;
+  for (glm::vec3& position : moved.positions)
+    position = glm::vec3(similarity * glm::dvec3(position));
+  return moved;
+}
+
+SurfaceSamples SampleSurface(const TriangleMesh& mesh, size_t count, uint64_t seed) {
+  std::vector<double> area_up_to;
+  area_up_to.reserve(mesh.triangles.size());
+  double area = 0;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    area_up_to.push_back(area += TriangleOf(mesh, i).Area());
+  }
+  if (!(area > 0) || !std::isfinite(area)) {
+    throw DataError(fmt::format("mesh of {} triangles has area {:g}; it cannot be sampled",
+                                mesh.triangles.size(), area));
+  }
+  std::mt19937_64 random(seed);
+  SurfaceSamples samples;
+  samples.positions.reserve(count);
+  samples.triangles.reserve(count);
+  for (size_t i = 0; i < count; ++i) {
+    // Stratified over the area: one sample in each of `count` equal shares.
+    const double target = area * (double(i) + Uniform(random)) / double(count);
+    const auto it = std::upper_bound(area_up_to.begin(), area_up_to.end(), target);
+    const size_t index = std::min(size_t(it - area_up_to.begin()), mesh.triangles.size() - 1);
+    const Triangle t = TriangleOf(mesh, index);
+    const double root = std::sqrt(Uniform(random)), v = Uniform(random);
+    samples.positions.push_back((1 - root) * t.a + root * (1 - v) * t.b + root * v * t.c);
+    samples.triangles.push_back(uint32_t(index));
+  }
+  return samples;
+}
+
+std::vector<double> DistancesToSurface(std::span<const glm::dvec3> points, const TriangleMesh& mesh,
+                                       size_t samples, uint64_t seed) {
+  SurfaceSamples on_surface = SampleSurface(mesh, samples, seed);
+  PointCloud cloud{std::move(on_surface.positions)};
+  std::vector<uint32_t> triangle_of = std::move(on_surface.triangles);
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle t = TriangleOf(mesh, i);
+    cloud.points.push_back((t.a + t.b + t.c) / 3.0);
+    triangle_of.push_back(uint32_t(i));
+  }
+  const KdTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+
+  std::vector<double> distances(points.size());
+  ParallelFor(points.size(), 4096, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      uint32_t nearest[kNearestSamples];
+      double squared[kNearestSamples];
+      const size_t found = tree.knnSearch(&points[i].x, kNearestSamples, nearest, squared);
+      double best = std::numeric_limits<double>::infinity();
+      for (size_t k = 0; k < found; ++k) {
+        best =
+            std::min(best, TriangleDistance(points[i], TriangleOf(mesh, triangle_of[nearest[k]])));
+      }
+      distances[i] = best;
+    }
+  });
+  return distances;
+}
+
+SurfaceScores CompareSurfaces(const TriangleMesh& reconstruction, const TriangleMesh& truth,
+                              const SurfaceScoreOptions& options) {
+  Bounds3 truth_bounds;
+  for (const glm::uvec3& triangle : truth.triangles) {
+    for (int i = 0; i < 3; ++i) truth_bounds.Add(glm::dvec3(truth.positions[triangle[i]]));
+  }
+  SurfaceScores scores;
+  scores.crop = options.bounds ? *options.bounds : truth_bounds.Scaled(kCropGrowth);
+  const Bounds3 judged{glm::max(truth_bounds.min, scores.crop.min),
+                       glm::min(truth_bounds.max, scores.crop.max)};
+  const std::vector<glm::dvec3> truth_points =
+      SamplesInside(truth, scores.crop, options, options.seed);
+  if (judged.IsEmpty() || truth_points.empty()) {
+    throw DataError(
+        fmt::format("the ground-truth mesh ({} triangles) has no surface inside the bounds",
+                    truth.triangles.size()));
+  }
+  scores.diagonal = judged.Diagonal();
+  scores.threshold = options.threshold * scores.diagonal;
+  scores.truth_samples = truth_points.size();
+
+  const std::vector<glm::dvec3> points =
+      SamplesInside(reconstruction, scores.crop, options, options.seed + 1);
+  scores.reconstruction_samples = points.size();
+  if (points.empty()) return scores;
+
+  // Surfaces to measure against keep a margin around the box: a wall must not cut off the nearest
+  // point.
+  const glm::dvec3 margin(0.1 * scores.diagonal);
+  const Bounds3 wide{scores.crop.min - margin, scores.crop.max + margin};
+  const std::vector<double> to_truth =
+      DistancesToSurface(points, TrianglesNear(truth, wide), options.samples, options.seed + 2);
+  const std::vector<double> to_reconstruction = DistancesToSurface(
+      truth_points, TrianglesNear(reconstruction, wide), options.samples, options.seed + 3);
+  scores.accuracy = Mean(to_truth);
+  scores.completeness = Mean(to_reconstruction);
+  scores.chamfer = 0.5 * (*scores.accuracy + *scores.completeness);
+  scores.precision = ShareBelow(to_truth, scores.threshold);
+  scores.recall = ShareBelow(to_reconstruction, scores.threshold);
+  const double sum = scores.precision + scores.recall;
+  scores.f_score = sum > 0 ? 2 * scores.precision * scores.recall / sum : 0;
+  return scores;
+}
+
+}  // namespace tetrec

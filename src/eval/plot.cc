@@ -1,0 +1,139 @@
+// Writes a gnuplot script and data files, and runs gnuplot on them.
+#include "eval/plot.h"
+
+#include "core/child_process.h"
+#include "core/error.h"
+#include "core/file.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tetrec {
+namespace {
+
+// Okabe and Ito 2008, "Color universal design", without the yellow that vanishes on white; dash
+// patterns and marks differ too, for print.
+constexpr const char* kPalette[8] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
+                                     "#E69F00", "#56B4E9", "#000000", "#7F7F7F"};
+constexpr int kMarks[8] = {7, 5, 9, 11, 13, 6, 4, 8};
+
+// gnuplot's single-quoted strings know one escape: '' for '.
+std::string Quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) {
+    if (c == '\'') quoted += '\'';
+    quoted += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+  }
+  return quoted + "'";
+}
+
+std::string DataName(size_t series) { return fmt::format("series_{}.txt", series); }
+
+// The points that can be drawn; a blank line breaks the curve.
+std::string DataOf(const Plot& plot, const PlotSeries& series) {
+  std::string lines;
+  const bool log_y = series.on_second_axis ? plot.log_y2 : plot.log_y;
+  for (size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
+    const double x = series.x[i], y = series.y[i];
+    const bool drawable =
+        std::isfinite(x) && std::isfinite(y) && (!plot.log_x || x > 0) && (!log_y || y > 0);
+    lines += drawable ? fmt::format("{} {}\n", x, y) : "\n";
+  }
+  return lines;
+}
+
+bool HasPoints(const std::string& data) {
+  return data.find_first_not_of('\n') != std::string::npos;
+}
+
+std::string Curve(const PlotSeries& series, size_t index) {
+  const int color = series.color % 8;
+  return fmt::format("'{}' using 1:2 {} with {} lc rgb '{}' lw 2 dt {} pt {} ps 0.5 title {}",
+                     DataName(index), series.on_second_axis ? "axes x1y2" : "axes x1y1",
+                     series.marks ? "linespoints" : "lines", kPalette[color],
+                     series.on_second_axis ? 2 : 1, kMarks[color], Quoted(series.legend));
+}
+
+// 1, 2 and 5 times the powers of ten around the data: gnuplot labels only the powers.
+std::string LogTics(const Plot& plot) {
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+  for (const PlotSeries& series : plot.series) {
+    for (const double x : series.x) {
+      if (!(x > 0) || !std::isfinite(x)) continue;
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
+  }
+  std::vector<std::string> tics;
+  for (double power = std::pow(10, std::floor(std::log10(low))); power <= high; power *= 10) {
+    for (const double factor : {1, 2, 5}) tics.push_back(fmt::format("{:g}", factor * power));
+  }
+  tics.push_back(fmt::format("{:g}", std::pow(10, std::ceil(std::log10(high)))));
+  return fmt::format("{}", fmt::join(tics, ", "));
+}
+
+std::string Script(const Plot& plot, const std::vector<std::string>& curves, bool svg) {
+  std::string script;
+  const auto line = [&](const std::string& text) { script += text + "\n"; };
+  line(fmt::format("set terminal {} size {},{} noenhanced font 'sans,{}' background rgb 'white'",
+                   svg ? "svg" : "pngcairo", plot.width_px, plot.height_px, svg ? 14 : 11));
+  line(svg ? "set output 'chart.svg'" : "set output 'chart.png'");
+  line("set encoding utf8");
+  line("set autoscale xfix\nset offsets graph 0.02, graph 0.02, graph 0.04, graph 0.04");
+  line("set border 3 lc rgb '#888888'\nset tics nomirror textcolor rgb '#333333'");
+  line("set grid xtics ytics lc rgb '#dddddd' lw 1 lt 1");
+  line("set key outside top center horizontal noenhanced textcolor rgb '#333333'");
+  line("set title " + Quoted(plot.title) + " noenhanced textcolor rgb '#222222'");
+  line("set xlabel " + Quoted(plot.x_label) + "\nset ylabel " + Quoted(plot.y_label));
+  if (plot.log_x) line("set logscale x\nset xtics (" + LogTics(plot) + ")");
+  if (plot.log_y) line("set logscale y\nset format y '%.0e'");
+  const bool second = std::any_of(plot.series.begin(), plot.series.end(),
+                                  [](const PlotSeries& s) { return s.on_second_axis; });
+  if (second) {
+    line("set border 11\nset y2tics\nset y2label " + Quoted(plot.y2_label));
+    if (plot.log_y2) line("set logscale y2");
+  }
+  line("plot " + fmt::format("{}", fmt::join(curves, ", ")));
+  return script;
+}
+
+}  // namespace
+
+void DrawPlot(const Plot& plot, const std::filesystem::path& out,
+              const std::filesystem::path& scratch) {
+  const std::filesystem::path gnuplot = FindProgram("gnuplot");
+  if (gnuplot.empty()) {
+    throw EnvironmentError(
+        "no program 'gnuplot' in PATH, which draws the charts; install it: "
+        "apt-get install --no-install-recommends gnuplot-nox");
+  }
+  const bool svg = out.extension() == ".svg";
+  TETREC_CHECK(svg || out.extension() == ".png", "charts are .svg or .png, not " + out.string());
+  std::filesystem::create_directories(scratch);
+  std::vector<std::string> curves;
+  for (size_t i = 0; i < plot.series.size(); ++i) {
+    const std::string data = DataOf(plot, plot.series[i]);
+    if (!HasPoints(data)) continue;
+    WriteText(scratch / DataName(i), data);
+    curves.push_back(Curve(plot.series[i], i));
+  }
+  if (curves.empty()) throw DataError(fmt::format("chart '{}' has no point to draw", plot.title));
+  WriteText(scratch / "chart.gp", Script(plot, curves, svg));
+
+  ChildOptions options;
+  options.working_folder = scratch;
+  options.time_limit_s = 60;
+  const ChildResult result = RunChild(gnuplot, {"chart.gp"}, options);
+  if (result.exit_code != 0) {
+    throw EnvironmentError(fmt::format("gnuplot ended with exit code {}: {}", result.exit_code,
+                                       fmt::join(result.last_lines, " | ")));
+  }
+  // The script names its own output, so that a hostile path never enters it.
+  WriteBytes(out, ReadBytes(scratch / (svg ? "chart.svg" : "chart.png")));
+}
+
+}  // namespace tetrec

@@ -1,0 +1,395 @@
+// Writes report.html section by section.
+#include "eval/report.h"
+
+#include "core/progress.h"
+#include "eval/html.h"
+#include "eval/image_metrics.h"
+#include "eval/report_style.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tetrec {
+namespace {
+
+using nlohmann::json;
+
+constexpr size_t kThumbnailBytes = size_t{4} << 20;  // half of the page's 8 MiB
+constexpr int kLargePicture_px = 512, kThumbnail_px = 160;
+constexpr int kLargeQuality = 90, kThumbnailQuality = 80;
+
+std::string E(const std::string& text) { return EscapeHtml(text); }
+
+std::string Picture(const Image& image, int quality, const std::string& alt) {
+  return fmt::format("<img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\">",
+                     JpegDataUri(image, quality), image.width, image.height, E(alt));
+}
+
+std::string Decibel(double psnr) {
+  return std::isfinite(psnr) ? fmt::format("{:.2f} dB", psnr) : "identical (∞ dB)";
+}
+
+// A number of metrics.json in words; a dash where it is null.
+std::string NumberOr(const json& value, const char* format, const char* otherwise = "–") {
+  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : otherwise;
+}
+
+std::string CountOr(const json& value) {
+  return value.is_number_unsigned() || (value.is_number_integer() && value.get<int64_t>() >= 0)
+             ? WithThousands(value.get<uint64_t>())
+             : "–";
+}
+
+std::string Bytes(uint64_t bytes) {
+  if (bytes == 0) return "–";
+  constexpr double kMiB = 1 << 20;
+  if (bytes < (uint64_t{1} << 20)) return fmt::format("{:.1f} KiB", double(bytes) / 1024);
+  return bytes < (uint64_t{1} << 30) ? fmt::format("{:.1f} MiB", double(bytes) / kMiB)
+                                     : fmt::format("{:.2f} GiB", double(bytes) / kMiB / 1024);
+}
+
+// "4:58 min", "1:02:03 h"
+std::string Duration(double seconds) {
+  return AsDuration(seconds) + (seconds + 0.5 >= 3600 ? " h" : " min");
+}
+
+// "1 view", "5 views"
+std::string Plural(size_t count, const std::string& noun) {
+  return fmt::format("{} {}{}", WithThousands(count), noun, count == 1 ? "" : "s");
+}
+
+std::string MeanPsnr(const ReportContent& content) {
+  const json& psnr = content.metrics["psnr"];
+  return psnr.is_number() ? Decibel(psnr.get<double>()) : Decibel(INFINITY);
+}
+
+double OptimizeSeconds(const RunFacts& run) {
+  const StageFacts* stage = run.Find("optimize");
+  return stage ? stage->Seconds() : 0;
+}
+
+double TotalSeconds(const RunFacts& run) {
+  double seconds = 0;
+  for (const StageFacts& stage : run.stages) seconds += stage.Seconds();
+  return seconds;
+}
+
+std::string Verdict(const ReportContent& content) {
+  std::string text = fmt::format("PSNR {} and SSIM {} over {} of the {} split at {}×{} px",
+                                 MeanPsnr(content), NumberOr(content.metrics["ssim"], "{:.3f}"),
+                                 Plural(content.scores.size(), "view"), E(content.rendered.split),
+                                 content.rendered.width, content.rendered.height);
+  const double seconds = OptimizeSeconds(content.run);
+  if (seconds > 0) text += fmt::format(", after {} of optimisation", Duration(seconds));
+  if (content.surface) {
+    const SurfaceResult& surface = *content.surface;
+    text += fmt::format("; a surface of {}", Plural(surface.facts.faces, "triangle"));
+    if (surface.scores) {
+      text += fmt::format(" with F-score {:.3f} at {:.3g} % of the subject's diagonal",
+                          surface.scores->f_score,
+                          100 * surface.scores->threshold / surface.scores->diagonal);
+    }
+  }
+  return text + ".";
+}
+
+std::string Fact(const std::string& label, const std::string& value) {
+  return value.empty() ? "" : fmt::format("<li>{} <b>{}</b></li>", E(label), E(value));
+}
+
+std::string Header(const ReportContent& content) {
+  const json& m = content.metrics;
+  const StageFacts& last = content.run.stages.back();
+  const json git = last.manifest.value("git", json());
+  std::string facts =
+      Fact("Resolution", fmt::format("{}×{} px", content.rendered.width, content.rendered.height)) +
+      Fact("Split",
+           fmt::format("{} ({})", content.rendered.split, Plural(content.scores.size(), "view"))) +
+      Fact("Background", content.rendered.background) +
+      Fact("Rays per pixel", std::to_string(content.rendered.rays_per_pixel)) +
+      Fact("Device", m["device"].is_string() ? m["device"].get<std::string>() : "unknown") +
+      Fact("Seed", m["seed"].is_null() ? "" : m["seed"].dump()) +
+      Fact("Revision", git.is_string() ? git.get<std::string>() : "") +
+      Fact("Wall time", Duration(TotalSeconds(content.run)));
+  return fmt::format(
+      "<header><p class=\"eyebrow\">Tetrec report</p><h1>{}</h1><p class=\"verdict\">{}</p>"
+      "<ul class=\"facts\">{}</ul></header>",
+      E(content.dataset), Verdict(content), facts);
+}
+
+// `value` may end in a unit: "27.31 dB".
+std::string Card(const std::string& value, const std::string& label) {
+  const size_t space = value.rfind(' ');
+  const std::string unit = space == std::string::npos ? "" : value.substr(space + 1);
+  return fmt::format(
+      "<div class=\"card\"><div class=\"value\">{} <small>{}</small></div><div class=\"label\">{}"
+      "</div></div>",
+      E(value.substr(0, space)), E(unit), E(label));
+}
+
+std::string Cards(const ReportContent& content) {
+  const json& m = content.metrics;
+  std::string cards = Card(NumberOr(m["psnr"], "{:.2f} dB", "∞ dB"), "PSNR, mean of views");
+  cards += Card(NumberOr(m["ssim"], "{:.3f}"), "SSIM, mean of views");
+  if (content.surface && content.surface->scores) {
+    cards +=
+        Card(fmt::format("{:.3f}", content.surface->scores->f_score), "F-score of the surface");
+  }
+  cards += Card(CountOr(m["tets"]), "tets");
+  cards += Card(Duration(OptimizeSeconds(content.run)), "optimisation");
+  const uint64_t peak = m["peak_rss_bytes"].is_number() ? m["peak_rss_bytes"].get<uint64_t>() : 0;
+  cards += Card(Bytes(peak), "peak memory");
+  return "<div class=\"cards\">" + cards + "</div>";
+}
+
+std::string Row(const std::string& name, const std::string& value, const std::string& protocol) {
+  return fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td>{}</td></tr>", E(name), E(value),
+                     E(protocol));
+}
+
+std::string KeyNumbers(const ReportContent& content) {
+  const json& m = content.metrics;
+  std::string rows =
+      Row("PSNR, mean of views", MeanPsnr(content),
+          "RGB, 8-bit pictures, mean of each view's PSNR") +
+      Row("PSNR of the mean error", NumberOr(m["psnr_of_mean_mse"], "{:.2f} dB", "∞ dB"),
+          "the views' squared errors averaged first");
+  if (m["foreground_psnr"].is_number()) {
+    rows += Row("PSNR of the foreground", NumberOr(m["foreground_psnr"], "{:.2f} dB"),
+                "only pixels on the subject (alpha at least one half)");
+  }
+  rows += Row("SSIM", NumberOr(m["ssim"], "{:.4f}"),
+              "Gaussian 11×11, σ 1.5, K 0.01 and 0.03, zero padding, mean of RGB");
+  rows += Row("LPIPS", "–", "not computed: it needs a trained network");
+  rows +=
+      Row("Tets / vertices", CountOr(m["tets"]) + " / " + CountOr(m["vertices"]), "of the field");
+  if (m["field_bytes"].is_number()) {
+    rows += Row("Field on disk", Bytes(m["field_bytes"].get<uint64_t>()), "");
+  }
+  return "<h2>Key numbers</h2><div class=\"scroll\"><table><thead><tr><th>Measure</th>"
+         "<th class=\"n\">Value</th><th>Protocol</th></tr></thead><tbody>" +
+         rows + "</tbody></table></div>";
+}
+
+std::string Trio(const ReportContent& content, size_t index, const std::string& rank) {
+  const RenderedView& view = content.rendered.views[index];
+  const ViewScore& score = content.scores[index];
+  const Image truth = ReadImage(view.truth), render = ReadImage(view.render);
+  const auto figure = [&](const Image& image, const std::string& what) {
+    return fmt::format(
+        "<figure>{}<figcaption>{}</figcaption></figure>",
+        Picture(FitInto(image, kLargePicture_px), kLargeQuality, what + " of view " + view.name),
+        E(what));
+  };
+  return fmt::format("<h3>{}: {} · {} · SSIM {:.3f}</h3><div class=\"trio\">{}{}{}</div>", rank,
+                     E(view.name), Decibel(score.psnr), score.ssim, figure(truth, "ground truth"),
+                     figure(render, "render"), figure(ErrorMap(render, truth), "error ×4"));
+}
+
+std::string Comparison(const ReportContent& content) {
+  std::vector<size_t> order(content.scores.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return content.scores[a].psnr > content.scores[b].psnr;
+  });
+  std::string html = "<h2>Ground truth, render, error</h2>";
+  html += fmt::format(
+      "<div class=\"bar\"><span>0</span>{}<span>{:.0f}/255 and more</span></div>"
+      "<p class=\"note\">Error: mean absolute difference of red, green and blue, times {:.0f}.</p>",
+      Picture(ErrorMapColorBar(256, 12), 95,
+              "colour scale of the error from dark, none, to bright"),
+      255 / kErrorMapGain, kErrorMapGain);
+  html += Trio(content, order.front(), "Best");
+  if (order.size() > 2) html += Trio(content, order[order.size() / 2], "Median");
+  if (order.size() > 1) html += Trio(content, order.back(), "Worst");
+  return html;
+}
+
+std::string Thumbnails(const ReportContent& content) {
+  std::string html;
+  size_t shown = 0;
+  for (; shown < content.scores.size() && html.size() < kThumbnailBytes; ++shown) {
+    const RenderedView& view = content.rendered.views[shown];
+    const ViewScore& score = content.scores[shown];
+    const auto thumbnail = [&](const std::filesystem::path& path, const char* what) {
+      return Picture(FitInto(ReadImage(path), kThumbnail_px), kThumbnailQuality,
+                     std::string(what) + " of view " + view.name);
+    };
+    html += fmt::format(
+        "<figure><div class=\"pair\">{}{}</div><figcaption>{}<br>{} · SSIM "
+        "{:.3f}{}</figcaption></figure>",
+        thumbnail(view.truth, "ground truth"), thumbnail(view.render, "render"), E(view.name),
+        Decibel(score.psnr), score.ssim,
+        score.foreground_psnr ? " · subject " + Decibel(*score.foreground_psnr) : "");
+  }
+  std::string heading =
+      "<h2>All views</h2><p class=\"note\">Left the ground truth, right the render.";
+  if (shown < content.scores.size()) {
+    heading +=
+        fmt::format(" The first {} of {} views are shown; metrics.json has the numbers of all.",
+                    shown, content.scores.size());
+  }
+  return heading + "</p><div class=\"thumbs\">" + html + "</div>";
+}
+
+std::string Convergence(const ReportContent& content) {
+  std::string html = "<h2>Convergence</h2>";
+  if (content.curves_svg.empty()) {
+    return html + "<p class=\"note\">No curves: " + E(content.no_curves_reason) + "</p>";
+  }
+  const char* alts[] = {"PSNR of training and held-out views over seconds of optimisation",
+                        "loss and number of tets over seconds of optimisation"};
+  for (size_t i = 0; i < content.curves_svg.size(); ++i) {
+    html += fmt::format("<div class=\"plot\"><img src=\"{}\" alt=\"{}\"></div>",
+                        SvgDataUri(content.curves_svg[i]), alts[std::min<size_t>(i, 1)]);
+  }
+  return html;
+}
+
+std::string Strip(const std::vector<Image>& pictures, const std::string& what) {
+  std::string html;
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    html +=
+        Picture(pictures[i], kLargeQuality,
+                fmt::format("surface, {}, turned by {} degrees", what, 360 * i / pictures.size()));
+  }
+  return html.empty() ? "" : "<div class=\"strip\">" + html + "</div>";
+}
+
+std::string Relative(double value, double diagonal) {
+  return fmt::format("{:.4g} ({:.2f} %)", value, 100 * value / diagonal);
+}
+
+std::string TruthRows(const SurfaceResult& surface) {
+  const SurfaceScores& s = *surface.scores;
+  const auto length = [&](const std::optional<double>& value) {
+    return value ? Relative(*value, s.diagonal) : std::string("–");
+  };
+  std::string rows =
+      Row("F-score", fmt::format("{:.4f}", s.f_score),
+          fmt::format("threshold {} of the subject's diagonal {:.4g}",
+                      Relative(s.threshold, s.diagonal), s.diagonal)) +
+      Row("Precision / recall", fmt::format("{:.4f} / {:.4f}", s.precision, s.recall),
+          fmt::format("shares of {} and {} surface samples",
+                      WithThousands(s.reconstruction_samples), WithThousands(s.truth_samples))) +
+      Row("Accuracy", length(s.accuracy), "mean distance reconstruction to truth") +
+      Row("Completeness", length(s.completeness), "mean distance truth to reconstruction") +
+      Row("Chamfer distance", length(s.chamfer), "mean of accuracy and completeness") +
+      Row("Judged box",
+          fmt::format("{:.3g} × {:.3g} × {:.3g}", s.crop.Size().x, s.crop.Size().y,
+                      s.crop.Size().z),
+          "what lies outside of it is not judged, on neither side");
+  if (surface.alignment) {
+    const Alignment& a = *surface.alignment;
+    rows += Row("Alignment residual", fmt::format("{:.4g}", a.center_rms),
+                fmt::format("rms of {} camera centres after a similarity fit (largest {:.4g}); "
+                            "directions off by {:.2f}° on average",
+                            a.matched, a.center_max, a.rotation_mean_deg));
+  } else {
+    rows += Row("Alignment", "none", "both meshes are taken to share the input's coordinates");
+  }
+  return rows;
+}
+
+std::string Surface(const ReportContent& content) {
+  if (!content.surface) return "<h2>Surface</h2><p class=\"note\">No surface was given.</p>";
+  const SurfaceResult& surface = *content.surface;
+  const MeshFacts& facts = surface.facts;
+  std::string rows =
+      Row("Triangles / vertices",
+          WithThousands(facts.faces) + " / " + WithThousands(facts.vertices), surface.file) +
+      Row("Components", WithThousands(facts.components), "pieces connected through vertices") +
+      Row("Watertight", facts.watertight ? "yes" : "no",
+          fmt::format("{}, {}", Plural(facts.boundary_edges, "open edge"),
+                      Plural(facts.non_manifold_edges, "non-manifold edge"))) +
+      Row("Area", fmt::format("{:.4g}", facts.area), "in square units of the input") +
+      (facts.watertight
+           ? Row("Volume", fmt::format("{:.4g}", facts.volume), "in cubic units of the input")
+           : "");
+  if (surface.scores) rows += TruthRows(surface);
+  return "<h2>Surface</h2>" + Strip(surface.color_pictures, "in its colours") +
+         Strip(surface.clay_pictures, "as grey clay") +
+         "<p class=\"note\">One turn around the up axis, in the field's colours and as clay; back "
+         "sides are blue. Cropped to the subject.</p>"
+         "<div class=\"scroll\"><table><tbody>" +
+         rows + "</tbody></table></div>";
+}
+
+std::string Stages(const RunFacts& run) {
+  std::string rows;
+  for (const StageFacts& stage : run.stages) {
+    std::vector<std::string> counts;
+    if (const auto it = stage.manifest.find("counts");
+        it != stage.manifest.end() && it->is_object()) {
+      for (const auto& [name, value] : it->items()) {
+        if (!value.is_primitive()) continue;
+        const bool whole = value.is_number_unsigned();
+        const std::string text = whole               ? WithThousands(value.get<uint64_t>())
+                                 : value.is_number() ? fmt::format("{:.4g}", value.get<double>())
+                                 : value.is_string() ? value.get<std::string>()
+                                                     : value.dump();
+        counts.push_back(name + " " + text);
+      }
+    }
+    rows += fmt::format(
+        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+        "class=\"note\">{}</td></tr>",
+        E(stage.stage), Duration(stage.Seconds()), Bytes(stage.PeakRssBytes()),
+        E(fmt::format("{}", fmt::join(counts, " · "))));
+  }
+  rows += fmt::format("<tr><th>together</th><td class=\"n\">{}</td><td></td><td></td></tr>",
+                      Duration(TotalSeconds(run)));
+  return "<h2>Stages</h2><div class=\"scroll\"><table><thead><tr><th>Stage</th><th "
+         "class=\"n\">Time</th>"
+         "<th class=\"n\">Peak memory</th><th>Counts</th></tr></thead><tbody>" +
+         rows + "</tbody></table></div>";
+}
+
+std::string Warnings(const ReportContent& content) {
+  std::string items;
+  for (const StageFacts& stage : content.run.stages) {
+    for (const std::string& warning : stage.Warnings()) {
+      items += fmt::format("<li>{}: {}</li>", E(stage.stage), E(warning));
+    }
+  }
+  for (const std::string& warning : content.warnings) items += "<li>" + E(warning) + "</li>";
+  return items.empty() ? "<h2>Warnings</h2><p class=\"note\">None.</p>"
+                       : "<h2>Warnings</h2><ul class=\"warnings\">" + items + "</ul>";
+}
+
+std::string Commands(const RunFacts& run) {
+  std::string lines;
+  for (const StageFacts& stage : run.stages) {
+    const std::string command = stage.Command();
+    lines += E(command.empty() ? fmt::format("# tetrec-{}: command not recorded", stage.stage)
+                               : command) +
+             "\n";
+  }
+  return "<h2>Commands</h2><p class=\"note\">As they were run; the manifest.json of each stage "
+         "holds "
+         "every option.</p><pre>" +
+         lines + "</pre>";
+}
+
+}  // namespace
+
+std::string MakeReport(const ReportContent& content) {
+  return fmt::format(
+             "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+             "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
+             "img-src data:; style-src 'unsafe-inline'\">"
+             "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
+             "<title>Tetrec report: {}</title><style>{}</style></head><body><main>",
+             E(content.dataset), kReportStyle) +
+         Header(content) + Cards(content) + Comparison(content) + KeyNumbers(content) +
+         Convergence(content) + Surface(content) + Thumbnails(content) + Stages(content.run) +
+         Warnings(content) + Commands(content.run) +
+         "<footer>Written by tetrec-evaluate. Colours are display sRGB throughout.</footer>"
+         "</main></body></html>\n";
+}
+
+}  // namespace tetrec

@@ -1,0 +1,24 @@
+// Pinhole cameras. Camera frame as COLMAP: x right, y down, z forward; pixel centres at +0.5.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "geometry/rigid3.h"
+
+namespace tetrec {
+
+struct Camera {
+  int width = 0, height = 0;                 // [px]
+  double fx = 0, fy = 0, cx = 0, cy = 0;     // [px], from the picture's corner
+
+  // Pixel of a point of the camera frame with z > 0.
+  glm::dvec2 ImageFromCam(const glm::dvec3& point_in_cam) const {
+    return {fx * point_in_cam.x / point_in_cam.z + cx, fy * point_in_cam.y / point_in_cam.z + cy};
+  }
+  // Direction with z = 1 (not unit length) through a pixel position.
+  glm::dvec3 CamFromImage(const glm::dvec2& pixel) const {
+    return {(pixel.x - cx) / fx, (pixel.y - cy) / fy, 1.0};
+  }
+};
+
+}  // namespace tetrec

@@ -1,0 +1,71 @@
+// Device buffers that the host fills and reads.
+#pragma once
+
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "gpu/device.h"
+
+namespace tetrec {
+
+// Owns its memory. Mapped where the device's memory is the host's (software and integrated devices);
+// elsewhere transfers go through a staging copy.
+class Buffer {
+ public:
+  Buffer() = default;
+  // `texels`: the format through which kernels read it as a texel buffer, or VK_FORMAT_UNDEFINED.
+  Buffer(const Device& device, std::string name, uint64_t bytes, VkFormat texels = VK_FORMAT_UNDEFINED);
+  Buffer(Buffer&& other) noexcept { Swap(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    Swap(other);
+    return *this;
+  }
+  ~Buffer();
+
+  VkBuffer handle() const { return handle_; }
+  VkBufferView view() const { return view_; }
+  uint64_t bytes() const { return bytes_; }
+  const std::string& name() const { return name_; }
+
+  // Copy between host and device; the device must not be using the buffer.
+  void Upload(const void* source, uint64_t bytes, uint64_t offset = 0);
+  void Download(void* destination, uint64_t bytes, uint64_t offset = 0) const;
+  void FillZero();
+
+  template <class T>
+  void Upload(const std::vector<T>& values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (!values.empty()) Upload(values.data(), values.size() * sizeof(T));
+  }
+  template <class T>
+  std::vector<T> DownloadAs(uint64_t count) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::vector<T> values(count);
+    if (count > 0) Download(values.data(), count * sizeof(T));
+    return values;
+  }
+
+ private:
+  void Swap(Buffer& other) noexcept;
+
+  const Device* device_ = nullptr;
+  std::string name_;
+  uint64_t bytes_ = 0;
+  VkBuffer handle_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkBufferView view_ = VK_NULL_HANDLE;
+  void* mapped_ = nullptr;
+};
+
+// A buffer filled with values; never empty (Vulkan knows no empty buffer).
+template <class T>
+Buffer MakeBuffer(const Device& device, std::string name, const std::vector<T>& values,
+                  VkFormat texels = VK_FORMAT_UNDEFINED) {
+  Buffer buffer(device, std::move(name), values.size() * sizeof(T), texels);
+  buffer.Upload(values);
+  return buffer;
+}
+
+}  // namespace tetrec

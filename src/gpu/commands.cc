@@ -1,0 +1,127 @@
+// Records dispatches into a command buffer, submits it, waits for it.
+#include "gpu/commands.h"
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace tetrec {
+
+CommandRecorder::CommandRecorder(const Device& device) : device_(device) {
+  VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                       .commandPool = device.command_pool,
+                                       .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                       .commandBufferCount = 1};
+  TETREC_VK(vkAllocateCommandBuffers(device.handle, &allocate, &handle_));
+  VkFenceCreateInfo fence{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  TETREC_VK(vkCreateFence(device.handle, &fence, nullptr, &fence_));
+}
+
+CommandRecorder::~CommandRecorder() {
+  if (submitted_) vkWaitForFences(device_.handle, 1, &fence_, VK_TRUE, UINT64_MAX);
+  vkDestroyFence(device_.handle, fence_, nullptr);
+  vkFreeCommandBuffers(device_.handle, device_.command_pool, 1, &handle_);
+}
+
+void CommandRecorder::Begin() {
+  Wait();
+  VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                 .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+  TETREC_VK(vkBeginCommandBuffer(handle_, &begin));
+  read_.clear();
+  written_.clear();
+  barriers_ = 0;
+  // Work of an earlier submission may still be running on the same buffers.
+  Barrier(VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+          VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_READ_BIT |
+              VK_ACCESS_2_TRANSFER_WRITE_BIT);
+  barriers_ = 0;
+}
+
+void CommandRecorder::Barrier(VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access) {
+  const VkMemoryBarrier2 barrier{
+      .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+      .srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+      .srcAccessMask = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT,
+      .dstStageMask = to_stage,
+      .dstAccessMask = to_access};
+  const VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                                    .memoryBarrierCount = 1,
+                                    .pMemoryBarriers = &barrier};
+  vkCmdPipelineBarrier2(handle_, &dependency);
+  read_.clear();
+  written_.clear();
+  ++barriers_;
+}
+
+void CommandRecorder::DispatchBytes(const Program& program, std::span<const Buffer* const> buffers,
+                                    const void* push, uint32_t push_bytes, uint64_t threads,
+                                    uint32_t local_size) {
+  const std::vector<BindingSpec>& specs = program.bindings();
+  TETREC_CHECK(buffers.size() == specs.size() && push_bytes == program.push_bytes(),
+               fmt::format("dispatch of {}: {} buffers, {} push bytes", program.name(),
+                           buffers.size(), push_bytes));
+  const uint64_t groups = (threads + local_size - 1) / local_size;
+  TETREC_CHECK(groups <= device_.properties.limits.maxComputeWorkGroupCount[0],
+               fmt::format("dispatch of {}: {} workgroups", program.name(), groups));
+  if (groups == 0) return;
+
+  bool races = false;
+  for (size_t i = 0; i < specs.size(); ++i) {
+    const VkBuffer buffer = buffers[i]->handle();
+    const bool writes = specs[i].access == Access::kWrite || specs[i].access == Access::kReadWrite;
+    races |= written_.contains(buffer) || (writes && read_.contains(buffer));
+  }
+  if (races) {
+    Barrier(VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+            VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT);
+  }
+
+  std::vector<VkDescriptorBufferInfo> infos(specs.size());
+  std::vector<VkBufferView> views(specs.size());
+  std::vector<VkWriteDescriptorSet> writes(specs.size());
+  for (size_t i = 0; i < specs.size(); ++i) {
+    const bool is_texel = specs[i].access == Access::kTexelRead;
+    TETREC_CHECK(!is_texel || buffers[i]->view() != VK_NULL_HANDLE,
+                 fmt::format("{}: '{}' is no texel buffer", program.name(), buffers[i]->name()));
+    infos[i] = {.buffer = buffers[i]->handle(), .offset = 0, .range = VK_WHOLE_SIZE};
+    views[i] = buffers[i]->view();
+    writes[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                 .dstBinding = specs[i].binding,
+                 .descriptorCount = 1,
+                 .descriptorType = is_texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                                            : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                 .pBufferInfo = is_texel ? nullptr : &infos[i],
+                 .pTexelBufferView = is_texel ? &views[i] : nullptr};
+    const bool is_write = specs[i].access == Access::kWrite || specs[i].access == Access::kReadWrite;
+    (is_write ? written_ : read_).insert(buffers[i]->handle());
+  }
+  vkCmdBindPipeline(handle_, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline());
+  device_.push_descriptor_set(handle_, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout(), 0,
+                              uint32_t(writes.size()), writes.data());
+  if (push_bytes > 0) {
+    vkCmdPushConstants(handle_, program.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes, push);
+  }
+  vkCmdDispatch(handle_, uint32_t(groups), 1, 1);
+}
+
+void CommandRecorder::EndAndSubmit() {
+  Barrier(VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_HOST_WRITE_BIT);
+  TETREC_VK(vkEndCommandBuffer(handle_));
+  const VkCommandBufferSubmitInfo command{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                          .commandBuffer = handle_};
+  const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                             .commandBufferInfoCount = 1,
+                             .pCommandBufferInfos = &command};
+  TETREC_VK(vkQueueSubmit2(device_.queue, 1, &submit, fence_));
+  submitted_ = true;
+}
+
+void CommandRecorder::Wait() {
+  if (!submitted_) return;
+  TETREC_VK(vkWaitForFences(device_.handle, 1, &fence_, VK_TRUE, UINT64_MAX));
+  TETREC_VK(vkResetFences(device_.handle, 1, &fence_));
+  submitted_ = false;
+}
+
+}  // namespace tetrec

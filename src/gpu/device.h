@@ -1,0 +1,50 @@
+// A Vulkan device with one compute queue.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "gpu/device_options.h"
+
+namespace tetrec {
+
+struct Device {
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physical = VK_NULL_HANDLE;
+  VkDevice handle = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;
+  uint32_t queue_family = 0;
+  VkCommandPool command_pool = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
+  VkPhysicalDeviceProperties properties{};
+  VkPhysicalDeviceMemoryProperties memory{};
+  std::string driver;
+  bool has_float_atomics = false;
+  PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
+  std::vector<std::string> validation_messages;  // empty means clean
+
+  Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device();
+};
+
+// Throws EnvironmentError: no Vulkan loader or driver, no such device, a feature that is missing (named).
+std::unique_ptr<Device> CreateDevice(const DeviceOptions& options);
+
+// Names of the devices in the order of their numbers.
+std::vector<std::string> ListDevices();
+
+// For the manifest: name, type, API version, driver.
+nlohmann::json DescribeDevice(const Device& device);
+
+// Throws EnvironmentError (out of memory, device lost) or BugError with the call and the result's name.
+void CheckVulkan(VkResult result, const char* call);
+#define TETREC_VK(call) ::tetrec::CheckVulkan((call), #call)
+
+}  // namespace tetrec

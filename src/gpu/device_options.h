@@ -1,0 +1,15 @@
+// Which Vulkan device to use and how; no Vulkan type in it.
+#pragma once
+
+#include <string>
+
+namespace tetrec {
+
+struct DeviceOptions {
+  // "auto" (a GPU where there is one, else software), "cpu", "gpu", or a number of ListDevices.
+  std::string device = "auto";
+  bool validation = false;    // core and synchronization validation; messages are counted
+  bool float_atomics = true;  // false: compare and swap even where the device adds floats natively
+};
+
+}  // namespace tetrec

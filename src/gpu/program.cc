@@ -1,0 +1,69 @@
+// A compute kernel: pipeline, layout of its bindings, size of its push constants.
+#include "gpu/program.h"
+
+#include <utility>
+
+namespace tetrec {
+
+Program::Program(const Device& device, std::string name, std::span<const uint32_t> spirv,
+                 std::vector<BindingSpec> bindings, uint32_t push_bytes)
+    : device_(&device), name_(std::move(name)), bindings_(std::move(bindings)), push_bytes_(push_bytes) {
+  std::vector<VkDescriptorSetLayoutBinding> slots;
+  for (const BindingSpec& spec : bindings_) {
+    slots.push_back({.binding = spec.binding,
+                     .descriptorType = spec.access == Access::kTexelRead
+                                           ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                                           : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                     .descriptorCount = 1,
+                     .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
+                     .pImmutableSamplers = nullptr});
+  }
+  VkDescriptorSetLayoutCreateInfo set{
+      .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+      .flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR,
+      .bindingCount = uint32_t(slots.size()),
+      .pBindings = slots.data()};
+  TETREC_VK(vkCreateDescriptorSetLayout(device.handle, &set, nullptr, &set_layout_));
+  const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
+  VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                    .setLayoutCount = 1,
+                                    .pSetLayouts = &set_layout_,
+                                    .pushConstantRangeCount = push_bytes > 0 ? 1u : 0u,
+                                    .pPushConstantRanges = &range};
+  TETREC_VK(vkCreatePipelineLayout(device.handle, &layout, nullptr, &layout_));
+  VkShaderModuleCreateInfo module_info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                       .codeSize = spirv.size_bytes(),
+                                       .pCode = spirv.data()};
+  VkShaderModule shader = VK_NULL_HANDLE;
+  TETREC_VK(vkCreateShaderModule(device.handle, &module_info, nullptr, &shader));
+  VkComputePipelineCreateInfo info{
+      .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+      .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                .module = shader,
+                .pName = "main"},
+      .layout = layout_};
+  const VkResult result = vkCreateComputePipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr,
+                                                   &pipeline_);
+  vkDestroyShaderModule(device.handle, shader, nullptr);
+  CheckVulkan(result, name_.c_str());
+}
+
+Program::~Program() {
+  if (device_ == nullptr) return;
+  vkDestroyPipeline(device_->handle, pipeline_, nullptr);
+  vkDestroyPipelineLayout(device_->handle, layout_, nullptr);
+  vkDestroyDescriptorSetLayout(device_->handle, set_layout_, nullptr);
+}
+
+void Program::Swap(Program& other) noexcept {
+  std::swap(device_, other.device_);
+  std::swap(name_, other.name_);
+  std::swap(bindings_, other.bindings_);
+  std::swap(push_bytes_, other.push_bytes_);
+  std::swap(set_layout_, other.set_layout_);
+  std::swap(layout_, other.layout_);
+  std::swap(pipeline_, other.pipeline_);
+}
+
+}  // namespace tetrec

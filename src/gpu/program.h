@@ -1,0 +1,50 @@
+// A compute kernel: pipeline, layout of its bindings, size of its push constants.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/device.h"
+
+namespace tetrec {
+
+// How a kernel uses a binding; the command recorder derives barriers from it.
+enum class Access { kTexelRead, kRead, kWrite, kReadWrite };
+
+struct BindingSpec {
+  uint32_t binding;
+  Access access;
+};
+
+class Program {
+ public:
+  Program() = default;
+  Program(const Device& device, std::string name, std::span<const uint32_t> spirv,
+          std::vector<BindingSpec> bindings, uint32_t push_bytes);
+  Program(Program&& other) noexcept { Swap(other); }
+  Program& operator=(Program&& other) noexcept {
+    Swap(other);
+    return *this;
+  }
+  ~Program();
+
+  VkPipeline pipeline() const { return pipeline_; }
+  VkPipelineLayout layout() const { return layout_; }
+  const std::vector<BindingSpec>& bindings() const { return bindings_; }
+  uint32_t push_bytes() const { return push_bytes_; }
+  const std::string& name() const { return name_; }
+
+ private:
+  void Swap(Program& other) noexcept;
+
+  const Device* device_ = nullptr;
+  std::string name_;
+  std::vector<BindingSpec> bindings_;
+  uint32_t push_bytes_ = 0;
+  VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+  VkPipelineLayout layout_ = VK_NULL_HANDLE;
+  VkPipeline pipeline_ = VK_NULL_HANDLE;
+};
+
+}  // namespace tetrec

@@ -1,0 +1,70 @@
+// The tet mesh file (.tet).
+#include "mesh/tet_io.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <cstring>
+
+namespace tetrec {
+
+static_assert(std::endian::native == std::endian::little, "our formats are little endian");
+static_assert(sizeof(glm::vec3) == 12 && sizeof(glm::uvec4) == 16);
+
+void ExpectMagic(ByteReader& reader, const char (&magic)[9], const char* kind) {
+  const auto found = reader.Read<std::array<char, 8>>("the magic");
+  if (std::memcmp(found.data(), magic, 8) == 0) return;
+  const bool other_version = std::memcmp(found.data(), magic, 7) == 0;
+  throw DataError(
+      other_version
+          ? fmt::format("{}: is a {} of format version '{}', this program reads '{}'",
+                        reader.name(), kind, found[7], magic[7])
+          : fmt::format("{}: is not a {} (it does not begin with {})", reader.name(), kind, magic));
+}
+
+void AppendTetMesh(ByteWriter& writer, const TetMesh& mesh) {
+  writer.WriteArray<char>({"TETRECM1", 8});
+  writer.Write(uint64_t{mesh.positions.size()});
+  writer.Write(uint64_t{mesh.tets.size()});
+  writer.WriteArray<glm::vec3>(mesh.positions);
+  writer.WriteArray<glm::uvec4>(mesh.tets);
+  writer.WriteArray<glm::uvec4>(mesh.neighbors);
+}
+
+TetMesh TakeTetMesh(ByteReader& reader) {
+  ExpectMagic(reader, "TETRECM1", "tet mesh");
+  const auto vertex_count = reader.Read<uint64_t>("the number of vertices");
+  const auto tet_count = reader.Read<uint64_t>("the number of tets");
+  TetMesh mesh;
+  mesh.positions = reader.ReadArray<glm::vec3>(vertex_count, "positions");
+  mesh.tets = reader.ReadArray<glm::uvec4>(tet_count, "tets");
+  mesh.neighbors = reader.ReadArray<glm::uvec4>(tet_count, "neighbours");
+  try {
+    CheckTetMesh(mesh);
+  } catch (const DataError& error) {
+    throw DataError(fmt::format("{}: {}", reader.name(), error.what()));
+  }
+  return mesh;
+}
+
+void WriteTetMesh(const std::filesystem::path& path, const TetMesh& mesh) {
+  ByteWriter writer;
+  AppendTetMesh(writer, mesh);
+  WriteBytes(path, writer.bytes());
+}
+
+TetMesh ReadTetMesh(const std::filesystem::path& path) {
+  return ParseTetMesh(ReadBytes(path), path.string());
+}
+
+TetMesh ParseTetMesh(std::span<const uint8_t> bytes, const std::string& name) {
+  ByteReader reader(bytes, name);
+  TetMesh mesh = TakeTetMesh(reader);
+  reader.ExpectEnd();
+  return mesh;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,317 @@
+// Tetrahedral meshes: neighbour links, checks, quality and order.
+#include "mesh/tet_mesh.h"
+
+#include "core/error.h"
+#include "geometry/orientation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tetrec {
+namespace {
+
+void CheckSizesAndIds(const TetMesh& mesh) {
+  if (mesh.tets.empty()) throw DataError("the mesh has no tet");
+  if (mesh.tets.size() >= kNoTet || mesh.positions.size() >= kNoTet) {
+    throw DataError(fmt::format("{} tets and {} vertices are more than 32-bit ids can name",
+                                mesh.tets.size(), mesh.positions.size()));
+  }
+  if (mesh.neighbors.size() != mesh.tets.size()) {
+    throw DataError(fmt::format("the mesh has {} tets but neighbours of {}", mesh.tets.size(),
+                                mesh.neighbors.size()));
+  }
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::vec3& p = mesh.positions[v];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+      throw DataError(fmt::format("vertex {} is not finite: ({}, {}, {})", v, p.x, p.y, p.z));
+    }
+  }
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    for (int i = 0; i < 4; ++i) {
+      if (mesh.tets[t][i] >= mesh.positions.size()) {
+        throw DataError(
+            fmt::format("tet {} names vertex {} of {}", t, mesh.tets[t][i], mesh.positions.size()));
+      }
+      const uint32_t neighbor = mesh.neighbors[t][i];
+      if (neighbor != kNoTet && neighbor >= mesh.tets.size()) {
+        throw DataError(
+            fmt::format("tet {} names neighbour {} of {}", t, neighbor, mesh.tets.size()));
+      }
+    }
+  }
+}
+
+void CheckOrientations(const TetMesh& mesh) {
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    const glm::uvec4 tet = mesh.tets[t];
+    if (Orientation(mesh.positions[tet[0]], mesh.positions[tet[1]], mesh.positions[tet[2]],
+                    mesh.positions[tet[3]]) <= 0) {
+      throw DataError(fmt::format("tet {} (vertices {}, {}, {}, {}) is flat or inverted", t, tet[0],
+                                  tet[1], tet[2], tet[3]));
+    }
+  }
+}
+
+glm::uvec3 SortedFace(const glm::uvec4& tet, int face) {
+  glm::uvec3 v;
+  for (int i = 0, k = 0; i < 4; ++i) {
+    if (i != face) v[k++] = tet[i];
+  }
+  if (v.x > v.y) std::swap(v.x, v.y);
+  if (v.y > v.z) std::swap(v.y, v.z);
+  if (v.x > v.y) std::swap(v.x, v.y);
+  return v;
+}
+
+// The links must be the ones that the vertex ids imply: symmetric, over equal faces, none missing.
+void CheckNeighbors(const TetMesh& mesh) {
+  const std::vector<glm::uvec4> expected = ComputeNeighbors(mesh.tets, mesh.positions.size());
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    if (mesh.neighbors[t] == expected[t]) continue;
+    for (int i = 0; i < 4; ++i) {
+      if (mesh.neighbors[t][i] == expected[t][i]) continue;
+      throw DataError(fmt::format("face {} of tet {} links to {} but is shared with {} ({} = none)",
+                                  i, t, mesh.neighbors[t][i], expected[t][i], kNoTet));
+    }
+  }
+}
+
+void CheckOneComponent(const TetMesh& mesh) {
+  std::vector<uint8_t> seen(mesh.tets.size(), 0);
+  std::vector<uint32_t> stack{0};
+  seen[0] = 1;
+  size_t reached = 0;
+  while (!stack.empty()) {
+    const uint32_t t = stack.back();
+    stack.pop_back();
+    ++reached;
+    for (int i = 0; i < 4; ++i) {
+      const uint32_t neighbor = mesh.neighbors[t][i];
+      if (neighbor == kNoTet || seen[neighbor]) continue;
+      seen[neighbor] = 1;
+      stack.push_back(neighbor);
+    }
+  }
+  if (reached != mesh.tets.size()) {
+    throw DataError(fmt::format("the mesh falls into parts: {} of {} tets are reached from tet 0",
+                                reached, mesh.tets.size()));
+  }
+}
+
+void CheckAllReferenced(const TetMesh& mesh) {
+  std::vector<uint8_t> used(mesh.positions.size(), 0);
+  for (const glm::uvec4& tet : mesh.tets) {
+    for (int i = 0; i < 4; ++i) used[tet[i]] = 1;
+  }
+  for (size_t v = 0; v < used.size(); ++v) {
+    if (!used[v]) throw DataError(fmt::format("vertex {} belongs to no tet", v));
+  }
+}
+
+// Two boundary faces meet at every boundary edge, and neither's far vertex lies outside the other's
+// plane. A closed surface that is convex along every edge bounds a convex solid.
+void CheckConvex(const TetMesh& mesh) {
+  struct HalfEdge {
+    uint32_t from, to;  // as wound in its face
+    uint32_t far;       // the face's third vertex
+    uint64_t Key() const { return uint64_t(std::min(from, to)) << 32 | std::max(from, to); }
+  };
+  std::vector<HalfEdge> edges;
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    for (int i = 0; i < 4; ++i) {
+      if (mesh.neighbors[t][i] != kNoTet) continue;
+      uint32_t v[3];
+      for (int k = 0; k < 3; ++k) v[k] = mesh.tets[t][kFaceVertices[i][k]];
+      for (int k = 0; k < 3; ++k) edges.push_back({v[k], v[(k + 1) % 3], v[(k + 2) % 3]});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return a.Key() != b.Key() ? a.Key() < b.Key() : a.far < b.far;
+  });
+  for (size_t e = 0; e < edges.size(); e += 2) {
+    const bool is_pair = e + 1 < edges.size() && edges[e].Key() == edges[e + 1].Key() &&
+                         edges[e].from == edges[e + 1].to &&
+                         (e + 2 == edges.size() || edges[e + 2].Key() != edges[e].Key());
+    if (!is_pair) {
+      throw DataError(fmt::format("the boundary is not a closed surface at edge {}-{}",
+                                  edges[e].from, edges[e].to));
+    }
+    const HalfEdge& a = edges[e];
+    // The face (from, to, far) has its normal outside: a point outside makes a positive tet with
+    // it.
+    if (Orientation(mesh.positions[a.from], mesh.positions[a.to], mesh.positions[a.far],
+                    mesh.positions[edges[e + 1].far]) > 0) {
+      throw DataError(
+          fmt::format("the boundary is not convex at edge {}-{}", edges[e].from, edges[e].to));
+    }
+  }
+}
+
+// Spreads the low 21 bits to every third bit.
+uint64_t SpreadBits(uint64_t x) {
+  x &= 0x1FFFFF;
+  x = (x | x << 32) & 0x1F00000000FFFF;
+  x = (x | x << 16) & 0x1F0000FF0000FF;
+  x = (x | x << 8) & 0x100F00F00F00F00F;
+  x = (x | x << 4) & 0x10C30C30C30C30C3;
+  x = (x | x << 2) & 0x1249249249249249;
+  return x;
+}
+
+// Indices of `points` along a Morton curve through their bounding cube; equal codes keep their
+// order.
+std::vector<uint32_t> MortonOrder(const std::vector<glm::vec3>& points) {
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  for (const glm::vec3& p : points) {
+    low = glm::min(low, glm::dvec3(p));
+    high = glm::max(high, glm::dvec3(p));
+  }
+  const glm::dvec3 size = high - low;
+  const double longest = std::max({size.x, size.y, size.z});
+  const double scale = longest > 0 ? double((1 << 21) - 1) / longest : 0.0;
+  std::vector<std::pair<uint64_t, uint32_t>> keys(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    const glm::dvec3 cell = (glm::dvec3(points[i]) - low) * scale;
+    keys[i] = {SpreadBits(uint64_t(cell.x)) | SpreadBits(uint64_t(cell.y)) << 1 |
+                   SpreadBits(uint64_t(cell.z)) << 2,
+               uint32_t(i)};
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<uint32_t> order(points.size());
+  for (size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].second;
+  return order;
+}
+
+std::vector<uint32_t> Inverse(const std::vector<uint32_t>& order) {
+  std::vector<uint32_t> inverse(order.size());
+  for (size_t i = 0; i < order.size(); ++i) inverse[order[i]] = uint32_t(i);
+  return inverse;
+}
+
+}  // namespace
+
+std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count) {
+  // Faces are gathered by their smallest vertex: buckets are short, so matching inside is cheap.
+  std::vector<uint32_t> begin(vertex_count + 1, 0);
+  TETREC_CHECK(tets.size() < (size_t{1} << 30), "4 faces a tet must fit into 32 bits");
+  for (size_t t = 0; t < tets.size(); ++t) {
+    for (int i = 0; i < 4; ++i) {
+      const glm::uvec3 face = SortedFace(tets[t], i);
+      if (face.z >= vertex_count) {
+        throw DataError(fmt::format("tet {} names vertex {} of {}", t, face.z, vertex_count));
+      }
+      if (face.x == face.y || face.y == face.z) {
+        throw DataError(fmt::format("tet {} names vertex {} twice", t, face.y));
+      }
+      ++begin[face.x + 1];
+    }
+  }
+  for (size_t v = 0; v < vertex_count; ++v) begin[v + 1] += begin[v];
+
+  struct Entry {
+    uint32_t middle, largest, tet_face;  // tet * 4 + face
+    bool operator<(const Entry& b) const {
+      return std::tie(middle, largest, tet_face) < std::tie(b.middle, b.largest, b.tet_face);
+    }
+    bool SameFace(const Entry& b) const { return middle == b.middle && largest == b.largest; }
+  };
+  std::vector<Entry> entries(tets.size() * 4);
+  std::vector<uint32_t> next(begin.begin(), begin.end() - 1);
+  for (size_t t = 0; t < tets.size(); ++t) {
+    for (int i = 0; i < 4; ++i) {
+      const glm::uvec3 face = SortedFace(tets[t], i);
+      entries[next[face.x]++] = {face.y, face.z, uint32_t(t * 4 + i)};
+    }
+  }
+
+  std::vector<glm::uvec4> neighbors(tets.size(), glm::uvec4(kNoTet));
+  for (size_t v = 0; v < vertex_count; ++v) {
+    std::sort(entries.begin() + begin[v], entries.begin() + begin[v + 1]);
+    for (uint32_t e = begin[v]; e + 1 < begin[v + 1]; ++e) {
+      const Entry &a = entries[e], &b = entries[e + 1];
+      if (!a.SameFace(b)) continue;
+      if (e + 2 < begin[v + 1] && b.SameFace(entries[e + 2])) {
+        throw DataError(fmt::format("face {}-{}-{} is shared by tets {}, {} and {}", v, a.middle,
+                                    a.largest, a.tet_face / 4, b.tet_face / 4,
+                                    entries[e + 2].tet_face / 4));
+      }
+      neighbors[a.tet_face / 4][a.tet_face % 4] = b.tet_face / 4;
+      neighbors[b.tet_face / 4][b.tet_face % 4] = a.tet_face / 4;
+      ++e;
+    }
+  }
+  return neighbors;
+}
+
+void CheckTetMesh(const TetMesh& mesh) {
+  CheckSizesAndIds(mesh);
+  CheckOrientations(mesh);
+  CheckNeighbors(mesh);
+  CheckOneComponent(mesh);
+  CheckAllReferenced(mesh);
+  CheckConvex(mesh);
+}
+
+TetMeshQuality MeasureQuality(const TetMesh& mesh) {
+  TetMeshQuality quality;
+  if (mesh.tets.empty()) return quality;
+  quality.min_radius_ratio = quality.min_volume = std::numeric_limits<double>::infinity();
+  double ratio_sum = 0;
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    const glm::uvec4 tet = mesh.tets[t];
+    const glm::dvec3 origin(mesh.positions[tet[0]]);
+    const glm::dvec3 a = glm::dvec3(mesh.positions[tet[1]]) - origin;
+    const glm::dvec3 b = glm::dvec3(mesh.positions[tet[2]]) - origin;
+    const glm::dvec3 c = glm::dvec3(mesh.positions[tet[3]]) - origin;
+    const glm::dvec3 bc = glm::cross(b, c), ca = glm::cross(c, a), ab = glm::cross(a, b);
+    const double volume = glm::dot(a, bc) / 6;
+    // r_in = 3 V / (sum of areas), r_circ = |a^2 bc + b^2 ca + c^2 ab| / (12 V).
+    const double area =
+        0.5 * (glm::length(bc) + glm::length(ca) + glm::length(ab) + glm::length(bc + ca + ab));
+    const double circum =
+        glm::length(glm::dot(a, a) * bc + glm::dot(b, b) * ca + glm::dot(c, c) * ab);
+    const double ratio = circum > 0 ? 108 * volume * volume / (area * circum) : 0;
+    quality.min_radius_ratio = std::min(quality.min_radius_ratio, ratio);
+    quality.min_volume = std::min(quality.min_volume, volume);
+    quality.total_volume += volume;
+    ratio_sum += ratio;
+    for (int i = 0; i < 4; ++i) quality.boundary_faces += mesh.neighbors[t][i] == kNoTet;
+  }
+  quality.mean_radius_ratio = ratio_sum / double(mesh.tets.size());
+  quality.mean_volume = quality.total_volume / double(mesh.tets.size());
+  return quality;
+}
+
+std::vector<uint32_t> SortAlongMortonCurve(TetMesh& mesh) {
+  const std::vector<uint32_t> old_vertex = MortonOrder(mesh.positions);
+  const std::vector<uint32_t> new_vertex = Inverse(old_vertex);
+  std::vector<glm::vec3> centers(mesh.tets.size());
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    const glm::uvec4 tet = mesh.tets[t];
+    // Quarters are added, not divided afterwards: no overflow for huge coordinates.
+    for (int i = 0; i < 4; ++i) centers[t] += 0.25f * mesh.positions[tet[i]];
+  }
+  const std::vector<uint32_t> old_tet = MortonOrder(centers);
+  const std::vector<uint32_t> new_tet = Inverse(old_tet);
+
+  TetMesh sorted;
+  sorted.positions.resize(mesh.positions.size());
+  for (size_t v = 0; v < old_vertex.size(); ++v)
+    sorted.positions[v] = mesh.positions[old_vertex[v]];
+  sorted.tets.resize(mesh.tets.size());
+  sorted.neighbors.resize(mesh.tets.size());
+  for (size_t t = 0; t < old_tet.size(); ++t) {
+    for (int i = 0; i < 4; ++i) {
+      sorted.tets[t][i] = new_vertex[mesh.tets[old_tet[t]][i]];
+      const uint32_t neighbor = mesh.neighbors[old_tet[t]][i];
+      sorted.neighbors[t][i] = neighbor == kNoTet ? kNoTet : new_tet[neighbor];
+    }
+  }
+  mesh = std::move(sorted);
+  return old_vertex;
+}
+
+}  // namespace tetrec

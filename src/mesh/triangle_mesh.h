@@ -1,0 +1,23 @@
+// Triangle meshes with vertex colours.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <vector>
+
+namespace tetrec {
+
+struct TriangleMesh {
+  std::vector<glm::vec3> positions;
+  std::vector<std::array<uint8_t, 3>> colors_srgb;  // empty or one a vertex
+  std::vector<glm::uvec3> triangles;                // counter-clockwise seen from outside
+};
+
+// PLY (any scalar types, faces triangulated as fans) in; binary PLY, OBJ with vertex colours out.
+TriangleMesh ReadTriangleMesh(const std::filesystem::path& path);
+void WriteTriangleMeshPly(const std::filesystem::path& path, const TriangleMesh& mesh);
+void WriteTriangleMeshObj(const std::filesystem::path& path, const TriangleMesh& mesh);
+
+}  // namespace tetrec

@@ -1,0 +1,83 @@
+// A run of the optimiser on disk, so that a stopped or killed run goes on where it was.
+#include "optimize/checkpoint.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "core/error.h"
+#include "core/file.h"
+
+namespace tetrec {
+namespace {
+
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '1'};
+
+void CheckFinite(const std::vector<glm::vec4>& rows, const std::string& name, const char* what) {
+  for (size_t v = 0; v < rows.size(); ++v) {
+    for (int i = 0; i < 4; ++i) {
+      if (!std::isfinite(rows[v][i])) {
+        throw DataError(fmt::format("{}: {} of vertex {} is not finite", name, what, v));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
+  ByteWriter writer;
+  writer.Write(kMagic);
+  writer.Write(checkpoint.iteration);
+  writer.Write(checkpoint.seconds);
+  writer.Write(checkpoint.rays);
+  writer.Write(checkpoint.rounds);
+  writer.Write(checkpoint.metrics_bytes);
+  writer.Write(uint64_t(checkpoint.mesh.positions.size()));
+  writer.Write(uint64_t(checkpoint.mesh.tets.size()));
+  writer.WriteArray(std::span<const glm::vec3>(checkpoint.mesh.positions));
+  writer.WriteArray(std::span<const glm::uvec4>(checkpoint.mesh.tets));
+  writer.WriteArray(std::span<const glm::uvec4>(checkpoint.mesh.neighbors));
+  writer.WriteArray(std::span<const glm::vec4>(checkpoint.state.parameters));
+  writer.WriteArray(std::span<const glm::vec4>(checkpoint.state.first_moment));
+  writer.WriteArray(std::span<const glm::vec4>(checkpoint.state.second_moment));
+  WriteBytes(path, writer.bytes());
+}
+
+Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& name) {
+  ByteReader reader(bytes, name);
+  if (reader.Read<std::array<char, 8>>("magic") != kMagic) {
+    throw DataError(fmt::format("{}: is no checkpoint of this version of Tetrec", name));
+  }
+  Checkpoint result;
+  result.iteration = reader.Read<uint64_t>("iteration");
+  result.seconds = reader.Read<double>("seconds");
+  result.rays = reader.Read<uint64_t>("rays");
+  result.rounds = reader.Read<uint32_t>("rounds");
+  result.metrics_bytes = reader.Read<uint64_t>("metrics bytes");
+  const uint64_t vertices = reader.Read<uint64_t>("vertex count");
+  const uint64_t tets = reader.Read<uint64_t>("tet count");
+  result.mesh.positions = reader.ReadArray<glm::vec3>(vertices, "positions");
+  result.mesh.tets = reader.ReadArray<glm::uvec4>(tets, "tets");
+  result.mesh.neighbors = reader.ReadArray<glm::uvec4>(tets, "neighbours");
+  result.state.parameters = reader.ReadArray<glm::vec4>(vertices, "parameters");
+  result.state.first_moment = reader.ReadArray<glm::vec4>(vertices, "first moments");
+  result.state.second_moment = reader.ReadArray<glm::vec4>(vertices, "second moments");
+  reader.ExpectEnd();
+  if (!std::isfinite(result.seconds) || result.seconds < 0) {
+    throw DataError(fmt::format("{}: seconds {} is no time", name, result.seconds));
+  }
+  CheckFinite(result.state.parameters, name, "a parameter");
+  CheckFinite(result.state.first_moment, name, "a first moment");
+  CheckFinite(result.state.second_moment, name, "a second moment");
+  CheckTetMesh(result.mesh);
+  return result;
+}
+
+Checkpoint ReadCheckpoint(const std::filesystem::path& path) {
+  return ParseCheckpoint(ReadBytes(path), path.string());
+}
+
+}  // namespace tetrec

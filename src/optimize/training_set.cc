@@ -1,0 +1,108 @@
+// The views that a field learns from, and which blocks of their pixels to draw.
+#include "optimize/training_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "optimize/random.h"
+#include "scene/image.h"
+
+namespace tetrec {
+namespace {
+
+TargetImage Premultiply(const Image& image) {
+  TargetImage target{image.width, image.height, {}};
+  target.rgba8.resize(size_t(image.width) * image.height);
+  for (size_t i = 0; i < target.rgba8.size(); ++i) {
+    const uint8_t* p = &image.pixels[i * image.channels];
+    const uint32_t alpha = image.channels == 4 ? p[3] : 255;
+    uint32_t packed = alpha << 24;
+    for (int c = 0; c < 3; ++c) packed |= (p[c] * alpha + 127) / 255 << (8 * c);
+    target.rgba8[i] = packed;
+  }
+  return target;
+}
+
+bool ShowsSomething(const TargetImage& target, int x0, int y0, int margin) {
+  const int x_end = std::min(target.width, x0 + kRayBlockWidth + margin);
+  const int y_end = std::min(target.height, y0 + kRayBlockHeight + margin);
+  for (int y = std::max(0, y0 - margin); y < y_end; ++y) {
+    for (int x = std::max(0, x0 - margin); x < x_end; ++x) {
+      if (target.rgba8[size_t(y) * target.width + x] >> 24 != 0) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+RenderView MakeRenderView(const Scene& scene, int view) {
+  return {scene.cameras[scene.views[view].camera], scene.views[view].cam_from_world};
+}
+
+TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Scene& scene,
+                            const std::vector<int>& views) {
+  if (views.empty()) {
+    throw DataError(fmt::format("{}: the scene has no training view", scene_folder.string()));
+  }
+  TrainingSet set;
+  set.views.resize(views.size());
+  set.targets.resize(views.size());
+  ParallelFor(views.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const View& view = scene.views[views[i]];
+      const Camera& camera = scene.cameras[view.camera];
+      const Image image = ReadImage(scene_folder / view.image);
+      if (image.width != camera.width || image.height != camera.height) {
+        throw DataError(fmt::format("{}: picture is {}x{}, its camera {}x{}",
+                                    (scene_folder / view.image).string(), image.width, image.height,
+                                    camera.width, camera.height));
+      }
+      if (image.width < kRayBlockWidth || image.height < kRayBlockHeight) {
+        throw DataError(fmt::format("{}: picture of {}x{} is too small to learn from",
+                                    (scene_folder / view.image).string(), image.width,
+                                    image.height));
+      }
+      set.views[i] = MakeRenderView(scene, views[i]);
+      set.targets[i] = Premultiply(image);
+    }
+  });
+  // A little beside the subject too, where floaters would hide.
+  constexpr int kMarginPx = 4;
+  for (uint32_t v = 0; v < set.views.size(); ++v) {
+    const TargetImage& target = set.targets[v];
+    set.pixels += target.rgba8.size();
+    for (int y = 0; y < target.height; y += kRayBlockHeight) {
+      for (int x = 0; x < target.width; x += kRayBlockWidth) {
+        if (ShowsSomething(target, x, y, kMarginPx)) {
+          set.subject_blocks.push_back(uint32_t(set.blocks.size()));
+        }
+        set.blocks.push_back({v, uint32_t(x), uint32_t(y)});
+      }
+    }
+  }
+  return set;
+}
+
+std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double subject_share,
+                                 uint64_t seed, uint64_t iteration) {
+  Random random(seed, iteration);
+  std::vector<RayBlock> blocks(count);
+  for (RayBlock& block : blocks) {
+    const bool subject = !set.subject_blocks.empty() && random.Uniform() < subject_share;
+    block = subject ? set.blocks[set.subject_blocks[random.Below(uint32_t(set.subject_blocks.size()))]]
+                    : set.blocks[random.Below(uint32_t(set.blocks.size()))];
+    // Any offset, not only aligned ones; the picture's border still keeps whole blocks.
+    const TargetImage& target = set.targets[block.view];
+    const int x = int(block.x) + int(random.Below(kRayBlockWidth)) - kRayBlockWidth / 2;
+    const int y = int(block.y) + int(random.Below(kRayBlockHeight));
+    block.x = uint32_t(std::clamp(x, 0, target.width - kRayBlockWidth));
+    block.y = uint32_t(std::clamp(y, 0, target.height - kRayBlockHeight));
+  }
+  return blocks;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,32 @@
+// The views that a field learns from, and which blocks of their pixels to draw.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "render/renderer.h"
+#include "scene/scene.h"
+
+namespace tetrec {
+
+struct TrainingSet {
+  std::vector<RenderView> views;
+  std::vector<TargetImage> targets;
+  std::vector<RayBlock> blocks;           // every aligned 4 x 2 block of every view
+  std::vector<uint32_t> subject_blocks;   // those that show something, or lie beside it
+  uint64_t pixels = 0;
+};
+
+// Reads and premultiplies the pictures of a split on all cores. Throws DataError (no view, picture of
+// another size than its camera, smaller than a block).
+TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Scene& scene,
+                            const std::vector<int>& views);
+
+RenderView MakeRenderView(const Scene& scene, int view);
+
+// Draws the blocks of one step: `subject_share` of them from subject_blocks. Depends on seed and
+// iteration only, so a resumed run draws what the first would have drawn.
+std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double subject_share,
+                                 uint64_t seed, uint64_t iteration);
+
+}  // namespace tetrec

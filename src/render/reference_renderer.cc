@@ -1,0 +1,252 @@
+// The renderer that judges the others: double precision on the CPU.
+#include "render/reference_renderer.h"
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "shared/segment.glsl.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace tetrec {
+namespace {
+
+using glm::dvec3;
+using glm::dvec4;
+
+struct Ray {
+  dvec3 origin, direction;  // world, direction of length 1
+};
+
+// The part of a ray inside one tet, with the barycentric weights of its ends.
+struct Segment {
+  double begin, end;  // along the ray [world units]
+  uint32_t tet;
+  dvec4 begin_weights, end_weights;
+};
+
+struct Sphere {
+  dvec3 center;
+  double radius;
+};
+
+std::vector<Sphere> BoundingSpheres(const TetMesh& mesh) {
+  std::vector<Sphere> spheres;
+  for (const glm::uvec4& tet : mesh.tets) {
+    Sphere sphere{dvec3(0.0), 0.0};
+    for (int i = 0; i < 4; ++i) sphere.center += 0.25 * dvec3(mesh.positions[tet[i]]);
+    for (int i = 0; i < 4; ++i) {
+      sphere.radius =
+          std::max(sphere.radius, glm::distance(sphere.center, dvec3(mesh.positions[tet[i]])));
+    }
+    spheres.push_back(sphere);
+  }
+  return spheres;
+}
+
+Ray PixelRay(const RenderView& view, int x, int y) {
+  const Rigid3 world_from_cam = view.cam_from_world.Inverse();
+  const dvec3 in_cam = view.camera.CamFromImage({x + 0.5, y + 0.5});
+  return {world_from_cam.translation, glm::normalize(world_from_cam.rotation * in_cam)};
+}
+
+bool Touches(const Ray& ray, const Sphere& sphere) {
+  const dvec3 to_center = sphere.center - ray.origin;
+  const double along = glm::dot(to_center, ray.direction);
+  const double radius = sphere.radius * (1.0 + 1e-9);
+  return along > -radius &&
+         glm::dot(to_center, to_center) - along * along <= radius * radius * (1.0 + 1e-9);
+}
+
+// The plane through three vertices, computed in the order of their ids: the two tets at a face get
+// the same rounding, so their segments join without gap or overlap.
+struct Plane {
+  dvec3 normal, point;
+};
+
+Plane FacePlane(const TetMesh& mesh, const glm::uvec4& tet, int face) {
+  std::array<uint32_t, 3> ids;
+  for (int i = 0; i < 3; ++i) ids[i] = tet[(face + 1 + i) % 4];
+  std::sort(ids.begin(), ids.end());
+  const dvec3 a(mesh.positions[ids[0]]), b(mesh.positions[ids[1]]), c(mesh.positions[ids[2]]);
+  return {glm::cross(b - a, c - a), a};
+}
+
+// Cuts the ray's part ahead of its origin with the four planes; empty where begin >= end.
+Segment CutTet(const TetMesh& mesh, uint32_t t, const Ray& ray) {
+  const glm::uvec4& tet = mesh.tets[t];
+  Segment segment{0.0, std::numeric_limits<double>::infinity(), t, {}, {}};
+  dvec4 weight_at_origin(0.0), weight_slope(0.0);
+  for (int i = 0; i < 4; ++i) {
+    const Plane plane = FacePlane(mesh, tet, i);
+    const double at_vertex = glm::dot(plane.normal, dvec3(mesh.positions[tet[i]]) - plane.point);
+    const double at_origin = glm::dot(plane.normal, ray.origin - plane.point);
+    const double slope = glm::dot(plane.normal, ray.direction);
+    weight_at_origin[i] = at_origin / at_vertex;
+    weight_slope[i] = slope / at_vertex;
+    if (weight_slope[i] > 0.0) {
+      segment.begin = std::max(segment.begin, -at_origin / slope);
+    } else if (weight_slope[i] < 0.0) {
+      segment.end = std::min(segment.end, -at_origin / slope);
+    } else {
+      // Parallel. A ray inside the face's plane belongs to the side that a fixed direction points
+      // to.
+      const double side = glm::dot(plane.normal, dvec3(0.51, 0.62, 0.59)) / at_vertex;
+      const bool outside = weight_at_origin[i] < 0.0 || (weight_at_origin[i] == 0.0 && side < 0.0);
+      if (outside) segment.end = -1.0;
+    }
+  }
+  segment.begin_weights = weight_at_origin + segment.begin * weight_slope;
+  segment.end_weights = weight_at_origin + segment.end * weight_slope;
+  return segment;
+}
+
+double InterpolateDensity(const RadianceField& field, uint32_t tet, const dvec4& weights) {
+  double density = 0.0;
+  for (int i = 0; i < 4; ++i) density += weights[i] * field.density[field.mesh.tets[tet][i]];
+  return std::max(density, 0.0);
+}
+
+dvec3 InterpolateColor(const RadianceField& field, uint32_t tet, const dvec4& weights) {
+  dvec3 color(0.0);
+  for (int i = 0; i < 4; ++i) {
+    color += weights[i] * dvec3(field.color_srgb[field.mesh.tets[tet][i]]);
+  }
+  return color;
+}
+
+// Optical depth per density at the segment's ends: s0 and s1 of segment.glsl.h.
+struct Ends {
+  double s0, s1;
+  dvec3 c0, c1;
+};
+
+Ends EndsOf(const RadianceField& field, const Segment& segment) {
+  const double length = segment.end - segment.begin;
+  return {length * InterpolateDensity(field, segment.tet, segment.begin_weights),
+          length * InterpolateDensity(field, segment.tet, segment.end_weights),
+          InterpolateColor(field, segment.tet, segment.begin_weights),
+          InterpolateColor(field, segment.tet, segment.end_weights)};
+}
+
+// Front to back, up to and with the one that reaches the stop.
+std::vector<Segment> CutMesh(const RadianceField& field, std::span<const Sphere> spheres,
+                             const Ray& ray, double stop_depth) {
+  std::vector<Segment> segments;
+  for (uint32_t t = 0; t < spheres.size(); ++t) {
+    if (!Touches(ray, spheres[t])) continue;
+    const Segment segment = CutTet(field.mesh, t, ray);
+    if (segment.begin < segment.end) segments.push_back(segment);
+  }
+  std::sort(segments.begin(), segments.end(),
+            [](const Segment& a, const Segment& b) { return a.begin < b.begin; });
+  double depth = 0.0;
+  size_t count = 0;
+  while (count < segments.size() && depth < stop_depth) {
+    const Ends ends = EndsOf(field, segments[count]);
+    depth += 0.5 * (ends.s0 + ends.s1);
+    ++count;
+  }
+  segments.resize(count);
+  return segments;
+}
+
+void AddRayGradient(const RadianceField& field, std::span<const Segment> segments,
+                    const dvec4& pixel_gradient, ReferenceGradient& gradient) {
+  const dvec3 g(pixel_gradient);
+  std::vector<double> depth_before;
+  double depth = 0.0;
+  for (const Segment& segment : segments) {
+    const Ends ends = EndsOf(field, segment);
+    depth_before.push_back(depth);
+    depth += 0.5 * (ends.s0 + ends.s1);
+  }
+  // Back to front: `behind` is the loss's part from behind the segment, per transmittance there.
+  double behind = pixel_gradient.a;
+  for (size_t i = segments.size(); i-- > 0;) {
+    const Segment& segment = segments[i];
+    const Ends ends = EndsOf(field, segment);
+    const double before = std::exp(-depth_before[i]), own = std::exp(-0.5 * (ends.s0 + ends.s1));
+    const double length = segment.end - segment.begin;
+    const SegmentAdjoint<double> a = IntegrateSegmentWithDerivatives(ends.s0, ends.s1);
+    const double k0 = glm::dot(g, ends.c0), k1 = glm::dot(g, ends.c1);
+    const double by_s0 = before * (a.dw0_ds0 * k0 + a.dw1_ds0 * k1 - 0.5 * own * behind);
+    const double by_s1 = before * (a.dw0_ds1 * k0 + a.dw1_ds1 * k1 - 0.5 * own * behind);
+    for (int j = 0; j < 4; ++j) {
+      const uint32_t id = field.mesh.tets[segment.tet][j];
+      const double near = segment.begin_weights[j], far = segment.end_weights[j];
+      gradient.color_srgb[id] += before * (a.w0 * near + a.w1 * far) * g;
+      gradient.density[id] += length * (by_s0 * near + by_s1 * far);
+    }
+    behind = a.w0 * k0 + a.w1 * k1 + own * behind;
+  }
+}
+
+double StopDepth(double stop_transmittance) {
+  return stop_transmittance > 0.0 ? -std::log(stop_transmittance)
+                                  : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+ReferenceImage RenderReference(const RadianceField& field, const RenderView& view,
+                               double stop_transmittance) {
+  const std::vector<Sphere> spheres = BoundingSpheres(field.mesh);
+  const int width = view.camera.width, height = view.camera.height;
+  const size_t pixels = size_t(width) * size_t(height);
+  ReferenceImage image{width, height, std::vector<dvec3>(pixels), std::vector<double>(pixels),
+                       std::vector<double>(pixels)};
+  ParallelFor(pixels, 64, [&](size_t first, size_t last) {
+    for (size_t pixel = first; pixel < last; ++pixel) {
+      const Ray ray = PixelRay(view, int(pixel % width), int(pixel / width));
+      dvec3 color(0.0);
+      double depth = 0.0, length = 0.0;
+      for (const Segment& segment : CutMesh(field, spheres, ray, StopDepth(stop_transmittance))) {
+        const Ends ends = EndsOf(field, segment);
+        const SegmentWeights<double> weights = IntegrateSegment(ends.s0, ends.s1);
+        color += std::exp(-depth) * (weights.w0 * ends.c0 + weights.w1 * ends.c1);
+        depth += 0.5 * (ends.s0 + ends.s1);
+        length += segment.end - segment.begin;
+      }
+      image.color_srgb[pixel] = color;
+      image.optical_depth[pixel] = depth;
+      image.length[pixel] = length;
+    }
+  });
+  return image;
+}
+
+ReferenceGradient BackpropagateReference(const RadianceField& field, const RenderView& view,
+                                         std::span<const glm::dvec4> pixel_gradient,
+                                         double stop_transmittance) {
+  const std::vector<Sphere> spheres = BoundingSpheres(field.mesh);
+  const int width = view.camera.width, height = view.camera.height;
+  const size_t pixels = size_t(width) * size_t(height), vertices = field.density.size();
+  TETREC_CHECK(pixel_gradient.size() == pixels, fmt::format("{} gradients", pixel_gradient.size()));
+  // A fixed number of partial sums: the result does not depend on the number of threads.
+  constexpr size_t kParts = 8;
+  std::vector<ReferenceGradient> parts(
+      kParts, {std::vector<dvec3>(vertices, dvec3(0.0)), std::vector<double>(vertices, 0.0)});
+  ParallelFor(kParts, 1, [&](size_t first, size_t last) {
+    for (size_t part = first; part < last; ++part) {
+      for (size_t pixel = part; pixel < pixels; pixel += kParts) {
+        const Ray ray = PixelRay(view, int(pixel % width), int(pixel / width));
+        AddRayGradient(field, CutMesh(field, spheres, ray, StopDepth(stop_transmittance)),
+                       pixel_gradient[pixel], parts[part]);
+      }
+    }
+  });
+  for (size_t part = 1; part < kParts; ++part) {
+    for (size_t v = 0; v < vertices; ++v) {
+      parts[0].color_srgb[v] += parts[part].color_srgb[v];
+      parts[0].density[v] += parts[part].density[v];
+    }
+  }
+  return parts[0];
+}
+
+}  // namespace tetrec

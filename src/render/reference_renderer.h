@@ -1,0 +1,39 @@
+// The renderer that judges the others: double precision on the CPU, no neighbour links, no rounding
+// tricks, a picture of a small mesh in seconds.
+#pragma once
+
+#include "render/renderer.h"
+
+#include <glm/glm.hpp>
+
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+struct ReferenceImage {
+  int width = 0, height = 0;
+  std::vector<glm::dvec3> color_srgb;  // (height x width) before the background
+  std::vector<double> optical_depth;   // (height x width)
+  std::vector<double> length;          // (height x width) of the ray inside the mesh [world units]
+};
+
+// dL/d(colour, density) of every vertex.
+struct ReferenceGradient {
+  std::vector<glm::dvec3> color_srgb;
+  std::vector<double> density;
+};
+
+// One ray through every pixel's centre. A ray ends after the tet in which its transmittance falls
+// to `stop_transmittance`; 0 means never. Every ray is cut with every tet, so the mesh need not be
+// convex or connected, only free of overlap.
+ReferenceImage RenderReference(const RadianceField& field, const RenderView& view,
+                               double stop_transmittance);
+
+// The gradient of a loss whose gradient by (rgb, transmittance) of each pixel is `pixel_gradient`,
+// (height x width).
+ReferenceGradient BackpropagateReference(const RadianceField& field, const RenderView& view,
+                                         std::span<const glm::dvec4> pixel_gradient,
+                                         double stop_transmittance);
+
+}  // namespace tetrec

@@ -1,0 +1,108 @@
+// Pictures of a finished field, beside the ground truth.
+#include "render/render_views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/progress.h"
+#include "render/picture.h"
+#include "scene/image.h"
+#include "scene/scene.h"
+
+namespace tetrec {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<int> ChooseViews(const Scene& scene, const std::string& choice) {
+  if (choice == "train") return scene.ViewsOf(Split::kTrain);
+  if (choice == "heldout") return scene.HeldOutViews();
+  std::vector<int> all(scene.views.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+// "test/r_0.png" becomes "test_r_0".
+std::string FlatName(std::string name) {
+  std::replace(name.begin(), name.end(), '/', '_');
+  const size_t dot = name.rfind('.');
+  return dot == std::string::npos ? name : name.substr(0, dot);
+}
+
+Image MaskOf(const Image& rgba) {
+  Image mask{rgba.width, rgba.height, 3, {}};
+  for (size_t i = 0; i < rgba.pixels.size(); i += 4) {
+    mask.pixels.insert(mask.pixels.end(), 3, rgba.pixels[i + 3]);
+  }
+  return mask;
+}
+
+}  // namespace
+
+void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
+  const fs::path field_folder = stage.Input("FIELD");
+  const fs::path scene_folder = PreviousStage(field_folder, {"sfm", "import"});
+  const Scene scene = ReadScene(scene_folder);
+  const RadianceField field = ReadField(field_folder / "field.tetf");
+  const Background background = options.background == "white"   ? Background::kWhite
+                                : options.background == "black" ? Background::kBlack
+                                                                : scene.background;
+  const std::vector<int> views = ChooseViews(scene, options.views);
+  if (views.empty()) {
+    throw DataError(fmt::format("{}: the scene has no {} views; use --views all",
+                                scene_folder.string(), options.views));
+  }
+  const std::unique_ptr<TrainingRenderer> renderer = CreateMarchRenderer(options.renderer);
+  stage.Device(renderer->DescribeDevice());
+  renderer->SetField(field);
+  for (const char* folder : {"renders", "gt"}) fs::create_directories(stage.Output(folder));
+  if (scene.has_alpha) fs::create_directories(stage.Output("masks"));
+
+  const Timer timer;
+  double render_seconds = 0;
+  Progress progress("render", double(views.size()));
+  nlohmann::json list = nlohmann::json::array();
+  for (size_t i = 0; i < views.size(); ++i) {
+    ThrowIfStopRequested("pictures rendered so far are made again");
+    const View& view = scene.views[views[i]];
+    const Timer render_timer;
+    const RenderedImage rendered =
+        renderer->Render({scene.cameras[view.camera], view.cam_from_world}, options.samples);
+    render_seconds += render_timer.seconds();
+    const std::string file = FlatName(view.name) + ".png";
+    const Image truth = ReadImage(scene_folder / view.image);
+    WriteImage(stage.folder() / "renders" / file, ToPicture(rendered, background));
+    WriteImage(stage.folder() / "gt" / file, OverBackground(truth, background));
+    const bool has_mask = truth.channels == 4;
+    if (has_mask) WriteImage(stage.folder() / "masks" / file, MaskOf(truth));
+    list.push_back({{"name", view.name},
+                    {"split", Name(view.split)},
+                    {"render", "renders/" + file},
+                    {"ground_truth", "gt/" + file},
+                    {"mask", has_mask ? nlohmann::json("masks/" + file) : nlohmann::json(nullptr)}});
+    progress.Update(double(i + 1), view.name);
+  }
+  const Camera& camera = scene.cameras[scene.views[views[0]].camera];
+  WriteJson(stage.Output("views.json"), {{"schema", 1},
+                                         {"background", Name(background)},
+                                         {"rays_per_pixel", options.samples * options.samples},
+                                         {"split", options.views == "heldout"
+                                                       ? Name(scene.views[views[0]].split)
+                                                       : options.views.c_str()},
+                                         {"resolution", {camera.width, camera.height}},
+                                         {"views", list}});
+  const RenderCounts counts = renderer->counts();
+  stage.Count("views", views.size());
+  stage.Count("rays", counts.rays);
+  stage.Count("lost_rays", counts.lost_rays);
+  stage.Seconds("render", render_seconds);
+  LogInfo("{} pictures, {} rays, {} lost; {:.1f} s on the device, {:.1f} s in all", views.size(),
+          WithThousands(counts.rays), counts.lost_rays, render_seconds, timer.seconds());
+}
+
+}  // namespace tetrec

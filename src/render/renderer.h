@@ -1,0 +1,138 @@
+// Renderers of a radiance field, forward and backward. No Vulkan type here.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "field/radiance_field.h"
+#include "geometry/camera.h"
+#include "geometry/rigid3.h"
+#include "gpu/device_options.h"
+
+namespace tetrec {
+
+struct RenderView {
+  Camera camera;
+  Rigid3 cam_from_world;
+};
+
+// Without background: picture = color + transmittance x background.
+struct RenderedImage {
+  int width = 0, height = 0;
+  std::vector<glm::vec3> color_srgb;  // (height x width), row by row
+  std::vector<float> transmittance;   // (height x width)
+};
+
+// What a renderer counted since it was made.
+struct RenderCounts {
+  uint64_t rays = 0;       // marched
+  uint64_t lost_rays = 0;  // ended neither at the stop depth nor where the hull ends; 0 or a bug
+  // Of Render and MarchBlocks where RendererOptions::count_steps is set, else 0.
+  uint64_t hit_rays = 0;
+  uint64_t steps = 0;      // tets
+};
+
+class Renderer {
+ public:
+  virtual ~Renderer() = default;
+  virtual void SetField(const RadianceField& field) = 0;
+  // samples x samples rays a pixel on a regular grid, averaged.
+  virtual RenderedImage Render(const RenderView& view, int samples) = 0;
+  virtual RenderCounts counts() const = 0;
+  virtual nlohmann::json DescribeDevice() const = 0;
+};
+
+// dL/d(colour, density) of every vertex.
+struct FieldGradient {
+  std::vector<glm::vec3> color_srgb;
+  std::vector<float> density;
+};
+
+// A pixel of a picture in [0, 1], colour premultiplied by alpha.
+struct TargetImage {
+  int width = 0, height = 0;
+  std::vector<uint32_t> rgba8;  // r in the lowest byte
+};
+
+// 4 x 2 rays through neighbouring pixels of view `view`, the first at (x, y).
+struct RayBlock {
+  uint32_t view, x, y, padding = 0;
+};
+constexpr int kRayBlockWidth = 4, kRayBlockHeight = 2, kRaysPerBlock = 8;
+
+enum class LossKind { kL2, kL1 };
+
+// Parameters of the field and the state of Adam, one row a vertex: rgb and the logarithm of density.
+struct VertexState {
+  std::vector<glm::vec4> parameters, first_moment, second_moment;
+};
+
+// Vertex parameters of a field. Density 0, which has no logarithm, becomes e^-80.
+std::vector<glm::vec4> ParametersOf(const RadianceField& field);
+
+struct AdamOptions {
+  float beta1 = 0.9f, beta2 = 0.99f;
+  float epsilon = 1e-12f;  // gradients of a mean over many rays are tiny
+  float color_rate = 0.02f, density_rate = 0.2f;
+  float max_density = 1e6f;  // [1 / world unit]
+};
+
+struct TrainingStep {
+  std::span<const RayBlock> blocks;
+  LossKind loss = LossKind::kL2;
+  glm::vec3 background_srgb{0.0f};  // stands behind field and target
+  float jitter_px = 0.0f;
+  uint32_t seed = 0;
+  uint32_t adam_step = 1;           // counts from 1
+  AdamOptions adam;
+};
+
+struct StepResult {
+  double loss = 0;          // mean over rays and channels
+  double squared_error = 0; // mean over rays and channels
+};
+
+struct TetScores {
+  std::vector<float> error;  // (T) sum over rays of squared residual x share of the ray's opacity
+  std::vector<float> seen;   // (T) sum over rays of the transmittance that reaches the tet
+};
+
+// A renderer that learns. The field lives on the device between SetVertexState and ReadVertexState.
+class TrainingRenderer : public Renderer {
+ public:
+  // Views and what they should show; sizes must agree.
+  virtual void SetTargets(std::span<const RenderView> views, std::span<const TargetImage> targets) = 0;
+  virtual void SetVertexState(const TetMesh& mesh, const VertexState& state) = 0;
+  virtual VertexState ReadVertexState() = 0;
+  // Forward, loss, backward, Adam; returns before the device is done. The result is that of the step
+  // before last waits for (one step late), zero for the first.
+  virtual StepResult Step(const TrainingStep& step) = 0;
+  // Adds the blocks' errors to the scores of ReadScores; ClearScores first.
+  virtual void ClearScores() = 0;
+  virtual StepResult AddScores(const TrainingStep& step) = 0;
+  virtual TetScores ReadScores() = 0;
+  // dL/dfield for dL/d(rgb, transmittance) of each pixel of a view rendered with one ray a pixel.
+  virtual FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient) = 0;
+  // Colour before the background and optical depth of every ray of `blocks`, all of `view` (their
+  // `view` is 0), one ray a pixel; zero outside the picture.
+  virtual std::vector<glm::vec4> MarchBlocks(const RenderView& view, std::span<const RayBlock> blocks) = 0;
+  // What the Vulkan validation layer said since the renderer was made; empty means clean or off.
+  virtual std::vector<std::string> ValidationMessages() const = 0;
+};
+
+struct RendererOptions {
+  DeviceOptions device;
+  float stop_transmittance = 1e-3f;  // rays stop below; the same rule forward and backward
+  uint32_t max_steps = 1u << 16;     // tets on one ray
+  bool count_steps = false;          // fill RenderCounts::steps and hit_rays; a little slower
+};
+
+// The default: marches from tet to tet on Vulkan compute.
+std::unique_ptr<TrainingRenderer> CreateMarchRenderer(const RendererOptions& options);
+
+}  // namespace tetrec

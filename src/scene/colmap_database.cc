@@ -1,0 +1,226 @@
+// COLMAP's SQLite database.
+#include "scene/colmap_database.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+namespace tetrec {
+namespace {
+
+constexpr uint64_t kMaxImageId = 2147483647;  // pair id = kMaxImageId * lower + higher
+constexpr int kBusyWait_ms = 10000;
+
+[[noreturn]] void Fail(const std::filesystem::path& path, sqlite3* database) {
+  const int code = sqlite3_errcode(database) & 0xFF;
+  const std::string message = fmt::format("{}: {}", path.string(), sqlite3_errmsg(database));
+  if (code == SQLITE_FULL) throw EnvironmentError(message + "; free some space and run it again");
+  if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR) {
+    throw DataError(message + "; run it again with --force to make the database anew");
+  }
+  throw EnvironmentError(message);
+}
+
+class Statement {
+ public:
+  Statement(const std::filesystem::path& path, sqlite3* database, const char* sql)
+      : path_(path), database_(database) {
+    if (sqlite3_prepare_v2(database, sql, -1, &statement_, nullptr) != SQLITE_OK)
+      Fail(path, database);
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  // True while there is a row.
+  bool Step() {
+    const int code = sqlite3_step(statement_);
+    if (code != SQLITE_ROW && code != SQLITE_DONE) Fail(path_, database_);
+    return code == SQLITE_ROW;
+  }
+  void Reset() { sqlite3_reset(statement_); }
+  void Bind(int index, int64_t value) { Check(sqlite3_bind_int64(statement_, index, value)); }
+  // The bytes must live until the next Step or Reset.
+  void BindBlob(int index, const void* bytes, size_t size) {
+    Check(sqlite3_bind_blob64(statement_, index, bytes, size, SQLITE_STATIC));
+  }
+  int64_t Integer(int column) const { return sqlite3_column_int64(statement_, column); }
+  std::string Text(int column) const {
+    const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column));
+    return text == nullptr ? ""
+                           : std::string(text, size_t(sqlite3_column_bytes(statement_, column)));
+  }
+  std::vector<uint8_t> Blob(int column) const {
+    const auto* bytes = static_cast<const uint8_t*>(sqlite3_column_blob(statement_, column));
+    const auto size = size_t(sqlite3_column_bytes(statement_, column));
+    return bytes == nullptr ? std::vector<uint8_t>() : std::vector<uint8_t>(bytes, bytes + size);
+  }
+
+ private:
+  void Check(int code) {
+    if (code != SQLITE_OK) Fail(path_, database_);
+  }
+  const std::filesystem::path& path_;
+  sqlite3* database_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+}  // namespace
+
+ColmapDatabase::ColmapDatabase(const std::filesystem::path& path)
+    : path_(path), database_(nullptr, &sqlite3_close) {
+  sqlite3* database = nullptr;
+  const int code = sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READWRITE, nullptr);
+  database_.reset(database);
+  if (code != SQLITE_OK) Fail(path_, database_.get());
+  sqlite3_busy_timeout(database_.get(), kBusyWait_ms);
+}
+
+void ColmapDatabase::Execute(const char* sql) {
+  if (sqlite3_exec(database_.get(), sql, nullptr, nullptr, nullptr) != SQLITE_OK)
+    Fail(path_, database_.get());
+}
+
+std::vector<DatabaseImage> ColmapDatabase::Images() const {
+  Statement select(path_, database_.get(),
+                   "SELECT image_id, name, coalesce(descriptors.rows, 0) FROM images "
+                   "LEFT JOIN descriptors USING (image_id) ORDER BY image_id");
+  std::vector<DatabaseImage> images;
+  while (select.Step())
+    images.push_back({uint32_t(select.Integer(0)), select.Text(1), uint64_t(select.Integer(2))});
+  return images;
+}
+
+Descriptors ColmapDatabase::ReadDescriptors(uint32_t image_id) const {
+  Statement select(path_, database_.get(),
+                   "SELECT rows, cols, data FROM descriptors WHERE image_id = ?");
+  select.Bind(1, image_id);
+  if (!select.Step()) return {};
+  Descriptors descriptors = select.Blob(2);
+  const int64_t rows = select.Integer(0);
+  if (rows < 0 || uint64_t(rows) != descriptors.size() / kDescriptorBytes ||
+      select.Integer(1) != int64_t(kDescriptorBytes) ||
+      descriptors.size() % kDescriptorBytes != 0) {
+    throw DataError(fmt::format(
+        "{}: descriptors of image {} have {} bytes for {} rows; run it again with --force",
+        path_.string(), image_id, descriptors.size(), rows));
+  }
+  return descriptors;
+}
+
+// A keypoint is x, y and nothing, or a scale and an angle, or an affine shape a11 a12 a21 a22.
+std::vector<float> ColmapDatabase::ReadScales(uint32_t image_id) const {
+  Statement select(path_, database_.get(),
+                   "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");
+  select.Bind(1, image_id);
+  if (!select.Step()) return {};
+  const std::vector<uint8_t> bytes = select.Blob(2);
+  const int64_t rows = select.Integer(0), columns = select.Integer(1);
+  const bool known = columns == 2 || columns == 4 || columns == 6;
+  if (!known || rows < 0 || uint64_t(rows) != bytes.size() / (sizeof(float) * size_t(columns))) {
+    throw DataError(fmt::format(
+        "{}: keypoints of image {} have {} bytes for {} x {}; run it again with --force",
+        path_.string(), image_id, bytes.size(), rows, columns));
+  }
+  std::vector<float> scales;
+  for (int64_t row = 0; row < rows; ++row) {
+    float k[6] = {0, 0, 1, 0, 0, 1};
+    std::memcpy(k, bytes.data() + size_t(row * columns) * sizeof(float),
+                size_t(columns) * sizeof(float));
+    scales.push_back(columns == 6 ? std::sqrt(std::abs(k[2] * k[5] - k[3] * k[4])) : k[2]);
+  }
+  return scales;
+}
+
+Descriptors ColmapDatabase::ReadCoarsestDescriptors(uint32_t image_id, size_t count) const {
+  const Descriptors all = ReadDescriptors(image_id);
+  const std::vector<float> scales = ReadScales(image_id);
+  std::vector<size_t> order(std::min(scales.size(), all.size() / kDescriptorBytes));
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return scales[a] > scales[b]; });
+  order.resize(std::min(order.size(), count));
+  Descriptors coarse;
+  for (const size_t row : order) {
+    const auto start = all.begin() + std::ptrdiff_t(row * kDescriptorBytes);
+    coarse.insert(coarse.end(), start, start + kDescriptorBytes);
+  }
+  return coarse;
+}
+
+std::set<ImagePair> ColmapDatabase::PairsOf(const char* table) const {
+  const std::string sql = fmt::format("SELECT pair_id FROM {}", table);
+  Statement select(path_, database_.get(), sql.c_str());
+  std::set<ImagePair> pairs;
+  while (select.Step()) {
+    const auto id = uint64_t(select.Integer(0));
+    pairs.insert({uint32_t(id / kMaxImageId), uint32_t(id % kMaxImageId)});
+  }
+  return pairs;
+}
+
+std::set<ImagePair> ColmapDatabase::MatchedPairs() const { return PairsOf("matches"); }
+std::set<ImagePair> ColmapDatabase::VerifiedPairs() const { return PairsOf("two_view_geometries"); }
+
+uint64_t ColmapDatabase::MatchCount() const {
+  Statement select(path_, database_.get(), "SELECT coalesce(sum(rows), 0) FROM matches");
+  return select.Step() ? uint64_t(select.Integer(0)) : 0;
+}
+
+void ColmapDatabase::NumberByName() {
+  TETREC_CHECK(MatchedPairs().empty() && VerifiedPairs().empty(), "pictures are matched already");
+  // By way of negative ids, since an update must not meet an id that is still in use.
+  Execute(
+      "BEGIN IMMEDIATE;"
+      "CREATE TEMP TABLE image_order AS SELECT image_id AS old, row_number() OVER (ORDER BY name) "
+      "AS new FROM images;"
+      "CREATE TEMP TABLE camera_order AS SELECT camera_id AS old, row_number() OVER (ORDER BY "
+      "min(name)) AS new "
+      "  FROM images GROUP BY camera_id;"
+      "DELETE FROM cameras WHERE camera_id NOT IN (SELECT old FROM camera_order);"
+      "UPDATE images SET camera_id = (SELECT new FROM camera_order WHERE old = camera_id);"
+      "UPDATE cameras SET camera_id = -(SELECT new FROM camera_order WHERE old = camera_id);"
+      "UPDATE cameras SET camera_id = -camera_id;"
+      "PRAGMA ignore_check_constraints = 1;"
+      "UPDATE images SET image_id = -(SELECT new FROM image_order WHERE old = image_id);"
+      "UPDATE images SET image_id = -image_id;"
+      "PRAGMA ignore_check_constraints = 0;"
+      "UPDATE keypoints SET image_id = -(SELECT new FROM image_order WHERE old = image_id);"
+      "UPDATE keypoints SET image_id = -image_id;"
+      "UPDATE descriptors SET image_id = -(SELECT new FROM image_order WHERE old = image_id);"
+      "UPDATE descriptors SET image_id = -image_id;"
+      "DROP TABLE image_order; DROP TABLE camera_order;"
+      "COMMIT;");
+}
+
+void ColmapDatabase::WriteMatches(
+    const std::vector<std::pair<ImagePair, std::vector<FeatureMatch>>>& pairs) {
+  static_assert(sizeof(FeatureMatch) == 2 * sizeof(uint32_t));
+  Execute("BEGIN IMMEDIATE");
+  try {
+    Statement insert(path_, database_.get(),
+                     "INSERT INTO matches (pair_id, rows, cols, data) VALUES (?, ?, 2, ?)");
+    for (const auto& [pair, matches] : pairs) {
+      TETREC_CHECK(pair.first < pair.second && pair.second < kMaxImageId, "wrong image pair");
+      insert.Bind(1, int64_t(kMaxImageId * pair.first + pair.second));
+      insert.Bind(2, int64_t(matches.size()));
+      // An empty blob, not NULL, where there are none.
+      insert.BindBlob(3, matches.empty() ? static_cast<const void*>("") : matches.data(),
+                      matches.size() * sizeof(FeatureMatch));
+      insert.Step();
+      insert.Reset();
+    }
+  } catch (...) {
+    sqlite3_exec(database_.get(), "ROLLBACK", nullptr, nullptr, nullptr);
+    throw;
+  }
+  Execute("COMMIT");
+}
+
+}  // namespace tetrec

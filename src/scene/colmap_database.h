@@ -1,0 +1,60 @@
+// COLMAP's SQLite database, as far as Tetrec reads and writes it (format: COLMAP documentation,
+// "Database Format").
+#pragma once
+
+#include "scene/colmap_matching.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+struct sqlite3;
+
+namespace tetrec {
+
+struct DatabaseImage {
+  uint32_t id = 0;
+  std::string name;
+  uint64_t features = 0;
+};
+
+using ImagePair = std::pair<uint32_t, uint32_t>;  // image ids, the lower first
+
+// Every call throws EnvironmentError (disk full, not writable) or DataError (not what COLMAP
+// writes).
+class ColmapDatabase {
+ public:
+  // Opens an existing database.
+  explicit ColmapDatabase(const std::filesystem::path& path);
+
+  std::vector<DatabaseImage> Images() const;  // by id
+  Descriptors ReadDescriptors(uint32_t image_id) const;
+  // Those of the `count` features of the largest scale.
+  Descriptors ReadCoarsestDescriptors(uint32_t image_id, size_t count) const;
+  std::set<ImagePair> MatchedPairs() const;   // with raw matches
+  std::set<ImagePair> VerifiedPairs() const;  // with two-view geometries
+  uint64_t MatchCount() const;                // raw matches of all pairs
+
+  // Gives pictures and cameras ids in the order of the pictures' names: COLMAP numbers them in the
+  // order in which its threads finish, and its mapper's result depends on the numbers. Only while
+  // nothing is matched.
+  void NumberByName();
+
+  // Writes raw matches of several pairs in one transaction; `second` holds matches from the lower
+  // to the higher id.
+  void WriteMatches(const std::vector<std::pair<ImagePair, std::vector<FeatureMatch>>>& pairs);
+
+ private:
+  void Execute(const char* sql);
+  std::vector<float> ReadScales(uint32_t image_id) const;
+  std::set<ImagePair> PairsOf(const char* table) const;
+
+  std::filesystem::path path_;
+  std::unique_ptr<sqlite3, int (*)(sqlite3*)> database_;
+};
+
+}  // namespace tetrec

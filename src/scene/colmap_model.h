@@ -1,0 +1,73 @@
+// COLMAP's sparse models: a careful reader of cameras.bin, images.bin and points3D.bin (COLMAP's
+// own trusts its input). Format: COLMAP documentation, "Output Format".
+#pragma once
+
+#include "geometry/rigid3.h"
+
+#include <glm/glm.hpp>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tetrec {
+
+struct ColmapCamera {
+  int model = 0;  // COLMAP's number, 0 to 10
+  uint64_t width = 0, height = 0;
+  std::vector<double> params;
+};
+
+constexpr uint64_t kNoColmapPoint = ~uint64_t{0};
+
+struct ColmapObservation {
+  glm::dvec2 pixel{0.0};
+  uint64_t point = kNoColmapPoint;
+};
+
+struct ColmapImage {
+  std::string name;
+  uint32_t camera = 0;
+  Rigid3 cam_from_world;
+  std::vector<ColmapObservation> observations;
+};
+
+struct ColmapTrackItem {
+  uint32_t image = 0, observation = 0;
+};
+
+struct ColmapPoint {
+  glm::dvec3 position{0.0};
+  std::array<uint8_t, 3> color_srgb{0, 0, 0};
+  double error_px = 0;  // mean reprojection error
+  std::vector<ColmapTrackItem> track;
+};
+
+struct ColmapModel {
+  std::map<uint32_t, ColmapCamera> cameras;
+  std::map<uint32_t, ColmapImage> images;
+  std::map<uint64_t, ColmapPoint> points;
+};
+
+// Each part: sizes, counts, finite numbers, unique ids, known camera models. Throws DataError with
+// the name and the byte.
+std::map<uint32_t, ColmapCamera> ParseColmapCameras(std::span<const uint8_t> bytes,
+                                                    const std::string& name);
+std::map<uint32_t, ColmapImage> ParseColmapImages(std::span<const uint8_t> bytes,
+                                                  const std::string& name);
+std::map<uint64_t, ColmapPoint> ParseColmapPoints(std::span<const uint8_t> bytes,
+                                                  const std::string& name);
+
+// All three, and whether they fit each other: images refer to cameras, tracks and observations to
+// each other. Throws DataError.
+ColmapModel ReadColmapModel(const std::filesystem::path& folder);
+
+// Means over the points; 0 where there are none.
+double MeanReprojectionError_px(const ColmapModel& model);
+double MeanTrackLength(const ColmapModel& model);
+
+}  // namespace tetrec

@@ -1,0 +1,307 @@
+// COLMAP's steps as child processes.
+#include "scene/colmap_run.h"
+
+#include "core/child_process.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+#include "core/stage.h"
+#include "scene/colmap_database.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <functional>
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr size_t kPairsPerBlock = 200;    // about 5 s of work
+constexpr size_t kExhaustivePhotos = 80;  // up to here kAuto matches all pairs
+constexpr int kSequentialOverlap = 10;    // neighbours on each side, as COLMAP's default
+constexpr size_t kCoarseFeatures = 300;   // a picture, for the choice of pairs
+constexpr size_t kCoarsePartners = 20;    // pairs that each picture may choose
+constexpr size_t kMinCoarseMatches = 4;
+constexpr int kSiftMaxImageSize_px = 1600;  // larger photos are reduced for the search of features
+
+// What COLMAP says when it fails; all but the last with exit code 0.
+struct KnownFailure {
+  const char* text;
+  bool environment;
+  const char* message;
+};
+constexpr KnownFailure kKnownFailures[] = {
+    {"database or disk is full", true, "the disk is full; free some space and run it again"},
+    {"disk I/O error", true, "the disk cannot be written; look at the space left and its health"},
+    {"attempt to write a readonly database", true, "its database cannot be written"},
+    {"unrecognised option", true,
+     "it does not know one of our options; COLMAP 3.8 is the tested version"},
+};
+
+// Runs one step; throws where its output or exit code tells a failure.
+ChildResult RunStep(const ColmapProgram& colmap, const std::string& step,
+                    std::vector<std::string> arguments,
+                    const std::function<void(const std::string&)>& on_line = {}) {
+  arguments.insert(arguments.begin(), step);
+  std::string complaint;
+  const KnownFailure* known = nullptr;
+  ChildOptions options;
+  options.log = colmap.log;
+  // Debian's COLMAP is linked with Qt, which must not look for a display.
+  options.environment = {{"QT_QPA_PLATFORM", "offscreen"}};
+  options.on_line = [&](const std::string& line) {
+    for (const KnownFailure& failure : kKnownFailures) {
+      if (known == nullptr && line.find(failure.text) != std::string::npos) known = &failure;
+    }
+    const bool complains =
+        line.find("ERROR") != std::string::npos || line.find("Check failed") != std::string::npos;
+    if (complaint.empty() && complains) complaint = line;
+    if (on_line) on_line(line);
+  };
+  ChildResult result = RunChild(colmap.path, arguments, options);
+  const std::string name = "colmap " + step;
+  if (known != nullptr) throw EnvironmentError(fmt::format("{}: {}", name, known->message));
+  if (result.exit_code > 128) {
+    const int signal = result.exit_code - 128;
+    const char* advice = signal == 9 ? ", perhaps for want of memory" : "";
+    throw EnvironmentError(
+        fmt::format("{} was ended by signal {}{}{}; its output is in {}", name, signal, advice,
+                    complaint.empty() ? "" : " (" + complaint + ")", colmap.log.string()));
+  }
+  return result;
+}
+
+// "... [12/50]" -> 12
+std::optional<size_t> CounterOf(const std::string& line, const char* start) {
+  if (!line.starts_with(start)) return {};
+  const size_t bracket = line.find('[');
+  size_t value = 0;
+  if (bracket == std::string::npos) return {};
+  const auto [end, error] =
+      std::from_chars(line.data() + bracket + 1, line.data() + line.size(), value);
+  return error == std::errc() ? std::optional<size_t>(value) : std::nullopt;
+}
+
+std::string JoinedLines(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+std::vector<ImagePair> AllPairs(const std::vector<DatabaseImage>& images) {
+  std::vector<ImagePair> pairs;
+  for (size_t i = 0; i < images.size(); ++i) {
+    for (size_t k = i + 1; k < images.size(); ++k) pairs.push_back({images[i].id, images[k].id});
+  }
+  return pairs;
+}
+
+// Neighbours up to the overlap, and at distances of powers of two, which tie longer stretches
+// together.
+void AddSequentialPairs(const std::vector<DatabaseImage>& images, std::set<ImagePair>& pairs) {
+  for (size_t i = 0; i < images.size(); ++i) {
+    for (int k = 0; k < kSequentialOverlap; ++k) {
+      for (const size_t step : {size_t(k) + 1, size_t{1} << k}) {
+        if (i + step < images.size()) pairs.insert({images[i].id, images[i + step].id});
+      }
+    }
+  }
+}
+
+// For each picture the partners with which most of the coarsest features match.
+void AddCoarsePairs(const ColmapDatabase& database, const std::vector<DatabaseImage>& images,
+                    std::set<ImagePair>& pairs) {
+  std::vector<Descriptors> coarse;
+  for (const DatabaseImage& image : images)
+    coarse.push_back(database.ReadCoarsestDescriptors(image.id, kCoarseFeatures));
+  std::vector<std::vector<size_t>> counts(images.size(), std::vector<size_t>(images.size(), 0));
+  ParallelFor(images.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      for (size_t k = i + 1; k < images.size(); ++k)
+        counts[i][k] = MatchDescriptors(coarse[i], coarse[k]).size();
+    }
+  });
+  for (size_t i = 0; i < images.size(); ++i) {
+    std::vector<std::pair<size_t, size_t>> partners;  // count, index
+    for (size_t k = 0; k < images.size(); ++k) {
+      const size_t count = counts[std::min(i, k)][std::max(i, k)];
+      if (k != i && count >= kMinCoarseMatches) partners.push_back({count, k});
+    }
+    std::sort(partners.rbegin(), partners.rend());
+    partners.resize(std::min(partners.size(), kCoarsePartners));
+    for (const auto& [count, k] : partners)
+      pairs.insert({images[std::min(i, k)].id, images[std::max(i, k)].id});
+  }
+}
+
+std::vector<ImagePair> ChoosePairs(const ColmapDatabase& database,
+                                   const std::vector<DatabaseImage>& images, PairChoice choice) {
+  const bool all = choice == PairChoice::kExhaustive ||
+                   (choice == PairChoice::kAuto && images.size() <= kExhaustivePhotos);
+  if (all) return AllPairs(images);
+  std::set<ImagePair> pairs;
+  AddSequentialPairs(images, pairs);
+  if (choice == PairChoice::kAuto) AddCoarsePairs(database, images, pairs);
+  return {pairs.begin(), pairs.end()};
+}
+
+using PairMatches = std::vector<std::pair<ImagePair, std::vector<FeatureMatch>>>;
+
+PairMatches MatchBlock(const std::map<uint32_t, Descriptors>& descriptors,
+                       const std::vector<ImagePair>& block) {
+  PairMatches matches(block.size());
+  ParallelFor(block.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      ThrowIfStopRequested("finished blocks of pairs are kept in the database");
+      const auto [first, second] = block[i];
+      matches[i] = {block[i], MatchDescriptors(descriptors.at(first), descriptors.at(second))};
+    }
+  });
+  return matches;
+}
+
+}  // namespace
+
+ColmapProgram FindColmap(const fs::path& log) {
+  ColmapProgram colmap{FindProgram("colmap"), "unknown", log};
+  if (colmap.path.empty()) {
+    throw EnvironmentError(
+        "there is no colmap in PATH; install it, on Debian by: apt-get install colmap");
+  }
+  ChildOptions options;
+  options.environment = {{"QT_QPA_PLATFORM", "offscreen"}};
+  options.time_limit_s = 60;
+  const std::regex first_line("^COLMAP ([0-9][0-9.]*)");
+  options.on_line = [&](const std::string& line) {
+    std::smatch match;
+    if (colmap.version == "unknown" && std::regex_search(line, match, first_line))
+      colmap.version = match[1];
+  };
+  RunChild(colmap.path, {"help"}, options);
+  if (!colmap.version.starts_with("3.")) {
+    LogWarning("COLMAP {} was not tested with Tetrec; 3.8 was", colmap.version);
+  }
+  return colmap;
+}
+
+void ExtractFeatures(const ColmapProgram& colmap, const fs::path& photos,
+                     const std::vector<std::string>& names, const ExtractOptions& options,
+                     const fs::path& database) {
+  const fs::path list = database.string() + ".txt";
+  WriteText(list, JoinedLines(names));
+  Progress progress("features: picture", double(names.size()));
+  RunStep(colmap, "feature_extractor",
+          {"--database_path", database, "--image_path", photos, "--image_list_path", list,
+           "--ImageReader.camera_model", options.camera_model,
+           options.camera_per_image ? "--ImageReader.single_camera_per_image"
+                                    : "--ImageReader.single_camera_per_folder",
+           "1", "--SiftExtraction.use_gpu", "0", "--SiftExtraction.max_image_size",
+           std::to_string(kSiftMaxImageSize_px), "--SiftExtraction.max_num_features",
+           std::to_string(options.max_features)},
+          [&](const std::string& line) {
+            if (const auto done = CounterOf(line, "Processed file")) progress.Update(double(*done));
+          });
+  std::error_code error;
+  fs::remove(list, error);
+  if (!fs::exists(database)) {
+    throw EnvironmentError(fmt::format(
+        "colmap feature_extractor wrote no database; its output is in {}", colmap.log.string()));
+  }
+  std::map<std::string, uint64_t> features;
+  for (const DatabaseImage& image : ColmapDatabase(database).Images())
+    features[image.name] = image.features;
+  for (const std::string& name : names) {
+    if (!features.contains(name)) {
+      throw DataError(fmt::format("colmap feature_extractor left out {}; its output is in {}", name,
+                                  colmap.log.string()));
+    }
+  }
+}
+
+MatchCounts MatchFeatures(const ColmapProgram& colmap, const fs::path& database_path,
+                          PairChoice choice, const fs::path& scratch) {
+  MatchCounts counts;
+  std::map<uint32_t, Descriptors> descriptors;
+  std::map<uint32_t, std::string> names;
+  std::vector<ImagePair> pairs;
+  {
+    const ColmapDatabase database(database_path);
+    const std::vector<DatabaseImage> images = database.Images();
+    pairs = ChoosePairs(database, images, choice);
+    for (const DatabaseImage& image : images) {
+      names[image.id] = image.name;
+      descriptors[image.id] = database.ReadDescriptors(image.id);
+    }
+  }
+  counts.pairs = pairs.size();
+  const fs::path list = scratch / "pairs.txt";
+  Progress progress("matching: pair", double(pairs.size()));
+  for (size_t start = 0; start < pairs.size(); start += kPairsPerBlock) {
+    const std::vector<ImagePair> block(
+        pairs.begin() + std::ptrdiff_t(start),
+        pairs.begin() + std::ptrdiff_t(std::min(pairs.size(), start + kPairsPerBlock)));
+    std::string lines;
+    {
+      ColmapDatabase database(database_path);
+      const std::set<ImagePair> matched = database.MatchedPairs(),
+                                verified = database.VerifiedPairs();
+      std::vector<ImagePair> unmatched;
+      for (const ImagePair& pair : block) {
+        if (!matched.contains(pair)) unmatched.push_back(pair);
+        if (!matched.contains(pair) || !verified.contains(pair)) {
+          lines += names.at(pair.first) + " " + names.at(pair.second) + "\n";
+        }
+      }
+      database.WriteMatches(MatchBlock(descriptors, unmatched));
+    }
+    if (!lines.empty()) {
+      // With raw matches in the database this command only verifies their geometry.
+      WriteText(list, lines);
+      RunStep(colmap, "matches_importer",
+              {"--database_path", database_path, "--match_list_path", list, "--match_type", "pairs",
+               "--SiftMatching.use_gpu", "0"});
+      const std::set<ImagePair> verified = ColmapDatabase(database_path).VerifiedPairs();
+      const bool complete = std::all_of(block.begin(), block.end(),
+                                        [&](const ImagePair& p) { return verified.contains(p); });
+      if (!complete) {
+        throw EnvironmentError(
+            fmt::format("colmap matches_importer did not verify all pairs; its output is in {}",
+                        colmap.log.string()));
+      }
+    }
+    progress.Update(double(start + block.size()));
+  }
+  counts.matches = ColmapDatabase(database_path).MatchCount();
+  return counts;
+}
+
+std::vector<fs::path> MapScene(const ColmapProgram& colmap, const fs::path& photos,
+                               const fs::path& database, size_t photo_count, int seed,
+                               const fs::path& models) {
+  Progress progress("mapping: picture", double(photo_count));
+  const std::regex registering("^Registering image #[0-9]+ \\(([0-9]+)\\)");
+  RunStep(colmap, "mapper",
+          {"--database_path", database, "--image_path", photos, "--output_path", models,
+           "--random_seed", std::to_string(seed),
+           // More threads are hardly faster and sum in another order each time.
+           "--Mapper.num_threads", "1"},
+          [&](const std::string& line) {
+            std::smatch match;
+            if (std::regex_search(line, match, registering)) progress.Update(std::stod(match[1]));
+          });
+  std::vector<fs::path> folders;
+  while (fs::is_directory(models / std::to_string(folders.size()))) {
+    folders.push_back(models / std::to_string(folders.size()));
+  }
+  return folders;
+}
+
+}  // namespace tetrec

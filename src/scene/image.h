@@ -1,0 +1,41 @@
+// 8-bit pictures in display sRGB and their files.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tetrec {
+
+struct Image {
+  int width = 0, height = 0, channels = 3;  // channels: 3 RGB or 4 RGBA with straight alpha
+  std::vector<uint8_t> pixels;              // height x width x channels, row by row
+
+  uint8_t* At(int x, int y) { return &pixels[(size_t(y) * width + x) * channels]; }
+  const uint8_t* At(int x, int y) const { return &pixels[(size_t(y) * width + x) * channels]; }
+};
+
+// Black; transparent where there is alpha.
+Image MakeImage(int width, int height, int channels);
+
+// Reads PNG, JPEG and what else OpenCV reads, as stored (no EXIF rotation: poses refer to the
+// stored pixels), converted to 8-bit RGB or RGBA. Throws DataError (missing, truncated, no picture,
+// more than 65,536 pixels a side or 2^28 in all, floating-point samples).
+Image ReadImage(const std::filesystem::path& path);
+// The same from memory; `name` is for messages.
+Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name);
+// Format by extension (png, jpg). Written by rename.
+void WriteImage(const std::filesystem::path& path, const Image& image);
+
+// Area mean: each target pixel is the mean over the part of the source it covers, borders weighted
+// by the fraction covered. Alpha is premultiplied while filtering; where it is 0 all channels
+// become 0.
+Image ResizeByArea(const Image& image, int width, int height);
+// Composites straight alpha over a constant: returns RGB.
+Image CompositeOver(const Image& rgba, uint8_t r, uint8_t g, uint8_t b);
+// The alpha channel alone, height x width.
+std::vector<uint8_t> AlphaOf(const Image& rgba);
+
+}  // namespace tetrec

@@ -1,0 +1,285 @@
+// The scene folder on disk: scene.json (schema 1) and points.ply.
+#include "core/error.h"
+#include "core/file.h"
+#include "core/ply.h"
+#include "geometry/rotation.h"
+#include "scene/checked_json.h"
+#include "scene/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+namespace tetrec {
+namespace {
+
+constexpr int kSchema = 1;
+constexpr int kMaxSide_px = 1 << 16;
+// Rotations are written with 17 digits; what is worse than this was not written by us.
+constexpr double kRotationTolerance = 1e-6;
+constexpr const char* kPointsFile = "points.ply";
+
+constexpr Split kSplits[] = {Split::kTrain, Split::kValidation, Split::kTest};
+constexpr Background kBackgrounds[] = {Background::kWhite, Background::kBlack, Background::kScene};
+
+// The one of `values` that has the name that `json` gives.
+template <class T, size_t kCount>
+T OneOf(const T (&values)[kCount], const CheckedJson& json) {
+  const std::string name = json.Text();
+  std::string names;
+  for (const T value : values) {
+    if (name == Name(value)) return value;
+    names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", Name(value));
+  }
+  json.Fail(fmt::format("is \"{}\"; expected one of {}", name, names));
+}
+
+using tetrec::ToJson;  // else hidden by the overloads of this file
+
+nlohmann::json ToJson(const Rigid3& transform) {
+  return {{"rotation", ToJson(transform.rotation)}, {"translation", ToJson(transform.translation)}};
+}
+
+glm::dmat3 ReadRotation(const CheckedJson& json) {
+  const glm::dmat3 rotation = json.Matrix3();
+  const double distance = DistanceFromRotation(rotation);
+  if (!(distance <= kRotationTolerance)) {
+    json.Fail(fmt::format("is no rotation: R^T R is off by {:.2g}", distance));
+  }
+  return rotation;
+}
+
+Rigid3 ReadRigid(const CheckedJson& json) {
+  return {ReadRotation(json.Field("rotation")), json.Field("translation").Vector3()};
+}
+
+nlohmann::json ToJson(const Camera& camera) {
+  return {{"width", camera.width}, {"height", camera.height}, {"fx", camera.fx},
+          {"fy", camera.fy},       {"cx", camera.cx},         {"cy", camera.cy}};
+}
+
+Camera ReadCamera(const CheckedJson& json) {
+  Camera camera;
+  camera.width = int(json.Field("width").IntegerIn(1, kMaxSide_px));
+  camera.height = int(json.Field("height").IntegerIn(1, kMaxSide_px));
+  camera.fx = json.Field("fx").NumberIn(1e-3, 1e9);
+  camera.fy = json.Field("fy").NumberIn(1e-3, 1e9);
+  camera.cx = json.Field("cx").NumberIn(-1e9, 1e9);
+  camera.cy = json.Field("cy").NumberIn(-1e9, 1e9);
+  return camera;
+}
+
+nlohmann::json ToJson(const View& view) {
+  return {{"name", view.name},
+          {"image", view.image},
+          {"camera", view.camera},
+          {"split", Name(view.split)},
+          {"cam_from_world", ToJson(view.cam_from_world)}};
+}
+
+View ReadView(const CheckedJson& json, size_t camera_count) {
+  View view;
+  view.name = json.Field("name").Text();
+  view.image = json.Field("image").Text();
+  view.camera = int(json.Field("camera").IntegerIn(0, int64_t(camera_count) - 1));
+  view.split = OneOf(kSplits, json.Field("split"));
+  view.cam_from_world = ReadRigid(json.Field("cam_from_world"));
+  // Later stages name their own files after views.
+  if (!StaysInside(view.name)) {
+    json.Field("name").Fail(fmt::format("is \"{}\"; expected a relative path", view.name));
+  }
+  if (!StaysInside(view.image)) {
+    json.Field("image").Fail(fmt::format("is \"{}\", which leaves the scene folder", view.image));
+  }
+  return view;
+}
+
+Bounds3 ReadBounds(const CheckedJson& json) {
+  const Bounds3 bounds{json.Field("min").Vector3(), json.Field("max").Vector3()};
+  const glm::dvec3 size = bounds.Size();
+  if (!(std::min({size.x, size.y, size.z}) > 0)) json.Fail("is an empty box");
+  return bounds;
+}
+
+Similarity3 ReadSimilarity(const CheckedJson& json) {
+  return {json.Field("scale").NumberIn(1e-12, 1e12), ReadRotation(json.Field("rotation")),
+          json.Field("translation").Vector3()};
+}
+
+PlyFile PointsToPly(const std::vector<ScenePoint>& points) {
+  PlyElement vertex{"vertex", points.size(), {}};
+  const auto add = [&](const char* name, PlyType type, auto&& value_of) {
+    PlyProperty property;
+    property.name = name;
+    property.type = type;
+    property.values.reserve(points.size());
+    for (const ScenePoint& point : points) property.values.push_back(double(value_of(point)));
+    vertex.properties.push_back(std::move(property));
+  };
+  add("x", PlyType::kDouble, [](const ScenePoint& p) { return p.position.x; });
+  add("y", PlyType::kDouble, [](const ScenePoint& p) { return p.position.y; });
+  add("z", PlyType::kDouble, [](const ScenePoint& p) { return p.position.z; });
+  add("red", PlyType::kUint8, [](const ScenePoint& p) { return p.color_srgb[0]; });
+  add("green", PlyType::kUint8, [](const ScenePoint& p) { return p.color_srgb[1]; });
+  add("blue", PlyType::kUint8, [](const ScenePoint& p) { return p.color_srgb[2]; });
+  add("reprojection_error", PlyType::kFloat,
+      [](const ScenePoint& p) { return p.reprojection_error_px; });
+  add("track_length", PlyType::kUint32, [](const ScenePoint& p) { return p.track_length; });
+  return {{}, {std::move(vertex)}};
+}
+
+// Values of one property, checked to lie in [min, max].
+const std::vector<double>& Column(const PlyElement& vertex, const char* name, double min,
+                                  double max, const std::filesystem::path& path) {
+  const PlyProperty* property = vertex.Find(name);
+  if (property == nullptr || property->is_list) {
+    throw DataError(fmt::format("{}: vertex property '{}' is missing", path.string(), name));
+  }
+  for (size_t i = 0; i < property->values.size(); ++i) {
+    const double value = property->values[i];
+    if (!(value >= min && value <= max)) {
+      throw DataError(fmt::format("{}: {} of vertex {} is {}; expected {} to {}", path.string(),
+                                  name, i, value, min, max));
+    }
+  }
+  return property->values;
+}
+
+std::vector<ScenePoint> ReadPoints(const std::filesystem::path& path, uint64_t expected_count) {
+  const PlyFile ply = ReadPly(path);
+  const PlyElement* vertex = ply.Find("vertex");
+  if (vertex == nullptr) throw DataError(fmt::format("{}: has no vertices", path.string()));
+  if (vertex->count != expected_count) {
+    throw DataError(fmt::format("{}: has {} points where scene.json counts {}", path.string(),
+                                vertex->count, expected_count));
+  }
+  constexpr double kFar = 1e9;
+  const auto& x = Column(*vertex, "x", -kFar, kFar, path);
+  const auto& y = Column(*vertex, "y", -kFar, kFar, path);
+  const auto& z = Column(*vertex, "z", -kFar, kFar, path);
+  const auto& red = Column(*vertex, "red", 0, 255, path);
+  const auto& green = Column(*vertex, "green", 0, 255, path);
+  const auto& blue = Column(*vertex, "blue", 0, 255, path);
+  const auto& error = Column(*vertex, "reprojection_error", 0, kFar, path);
+  const auto& track = Column(*vertex, "track_length", 0, kFar, path);
+  std::vector<ScenePoint> points(vertex->count);
+  for (size_t i = 0; i < points.size(); ++i) {
+    points[i] = {{x[i], y[i], z[i]},
+                 {uint8_t(red[i]), uint8_t(green[i]), uint8_t(blue[i])},
+                 float(error[i]),
+                 uint32_t(track[i])};
+  }
+  return points;
+}
+
+// All but the points; looks at no other file.
+Scene SceneFromJson(const CheckedJson& json) {
+  json.Field("schema").IntegerIn(kSchema, kSchema);
+  Scene scene;
+  scene.background = OneOf(kBackgrounds, json.Field("background"));
+  scene.has_alpha = json.Field("has_alpha").Flag();
+  scene.subject_bounds = ReadBounds(json.Field("subject_bounds"));
+  scene.input_from_world = ReadSimilarity(json.Field("input_from_world"));
+  const CheckedJson cameras = json.Field("cameras");
+  for (size_t i = 0; i < cameras.Size(); ++i) scene.cameras.push_back(ReadCamera(cameras.Item(i)));
+
+  const CheckedJson views = json.Field("views");
+  std::unordered_set<std::string> names;
+  for (size_t i = 0; i < views.Size(); ++i) {
+    scene.views.push_back(ReadView(views.Item(i), scene.cameras.size()));
+    const std::string& name = scene.views.back().name;
+    if (!names.insert(name).second) {
+      views.Item(i).Field("name").Fail(fmt::format("\"{}\" names an earlier view too", name));
+    }
+  }
+  if (scene.views.empty()) views.Fail("is empty; expected at least one view");
+  return scene;
+}
+
+}  // namespace
+
+const char* Name(Split split) {
+  switch (split) {
+    case Split::kTrain:
+      return "train";
+    case Split::kValidation:
+      return "validation";
+    case Split::kTest:
+      return "test";
+  }
+  throw BugError("unknown split");
+}
+
+const char* Name(Background background) {
+  switch (background) {
+    case Background::kWhite:
+      return "white";
+    case Background::kBlack:
+      return "black";
+    case Background::kScene:
+      return "scene";
+  }
+  throw BugError("unknown background");
+}
+
+std::vector<int> Scene::ViewsOf(Split split) const {
+  std::vector<int> indices;
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (views[i].split == split) indices.push_back(int(i));
+  }
+  return indices;
+}
+
+std::vector<int> Scene::HeldOutViews() const {
+  std::vector<int> test = ViewsOf(Split::kTest);
+  return test.empty() ? ViewsOf(Split::kValidation) : test;
+}
+
+Scene ReadScene(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "scene.json";
+  const nlohmann::json file = ReadJson(path);
+  const CheckedJson json(file, path);
+  Scene scene = SceneFromJson(json);
+  for (size_t i = 0; i < scene.views.size(); ++i) {
+    const std::filesystem::path image = folder / scene.views[i].image;
+    std::error_code unusable;  // e.g. a name too long for the file system: not there either
+    if (!std::filesystem::is_regular_file(image, unusable)) {
+      json.Field("views").Item(i).Field("image").Fail(
+          fmt::format("is missing: {}; run the stage that wrote the scene again", image.string()));
+    }
+  }
+  const uint64_t point_count = uint64_t(json.Field("point_count").IntegerIn(0, int64_t{1} << 40));
+  if (point_count > 0) scene.points = ReadPoints(folder / kPointsFile, point_count);
+  return scene;
+}
+
+void WriteScene(const std::filesystem::path& folder, const Scene& scene) {
+  nlohmann::json cameras = nlohmann::json::array(), views = nlohmann::json::array();
+  for (const Camera& camera : scene.cameras) cameras.push_back(ToJson(camera));
+  for (const View& view : scene.views) views.push_back(ToJson(view));
+  const nlohmann::json file = {
+      {"schema", kSchema},
+      {"background", Name(scene.background)},
+      {"has_alpha", scene.has_alpha},
+      {"subject_bounds",
+       {{"min", ToJson(scene.subject_bounds.min)}, {"max", ToJson(scene.subject_bounds.max)}}},
+      {"input_from_world",
+       {{"scale", scene.input_from_world.scale},
+        {"rotation", ToJson(scene.input_from_world.rotation)},
+        {"translation", ToJson(scene.input_from_world.translation)}}},
+      {"cameras", cameras},
+      {"views", views},
+      {"point_count", scene.points.size()}};
+  SceneFromJson(CheckedJson(file, folder / "scene.json"));  // nothing that could not be read again
+  std::filesystem::create_directories(folder);
+  if (!scene.points.empty()) {
+    WritePly(folder / kPointsFile, PointsToPly(scene.points));
+  } else {
+    std::filesystem::remove(folder / kPointsFile);
+  }
+  WriteJson(folder / "scene.json", file);
+}
+
+}  // namespace tetrec

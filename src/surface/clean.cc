@@ -1,0 +1,161 @@
+// What is kept of a raw surface: large pieces, fewer triangles.
+#include "surface/clean.h"
+
+#include <fmt/format.h>
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
+#include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
+#pragma GCC diagnostic pop
+
+#include "core/error.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <vector>
+
+namespace tetrec {
+namespace {
+
+// Root of each vertex' piece; roots are the smallest vertex ids.
+std::vector<uint32_t> PieceOfVertex(const TriangleMesh& mesh) {
+  std::vector<uint32_t> parent(mesh.positions.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root = [&](uint32_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int k = 1; k < 3; ++k) {
+      const uint32_t a = root(t[0]), b = root(t[k]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  for (uint32_t v = 0; v < parent.size(); ++v) parent[v] = root(v);
+  return parent;
+}
+
+struct Piece {
+  double area = 0;
+  double volume = 0;  // signed; meaningful where the piece is closed
+  bool closed = true;
+};
+
+std::map<uint32_t, Piece> MeasurePieces(const TriangleMesh& mesh,
+                                        const std::vector<uint32_t>& piece_of_vertex) {
+  std::map<uint32_t, Piece> pieces;
+  std::vector<std::pair<uint64_t, uint32_t>> edges;  // undirected edge, piece
+  for (const glm::uvec3& t : mesh.triangles) {
+    const uint32_t id = piece_of_vertex[t.x];
+    // Relative to a vertex of the piece: volumes of far pieces keep their digits.
+    const glm::dvec3 origin(mesh.positions[id]);
+    const glm::dvec3 a = glm::dvec3(mesh.positions[t.x]) - origin,
+                     b = glm::dvec3(mesh.positions[t.y]) - origin,
+                     c = glm::dvec3(mesh.positions[t.z]) - origin;
+    pieces[id].area += 0.5 * glm::length(glm::cross(b - a, c - a));
+    pieces[id].volume += glm::dot(a, glm::cross(b, c)) / 6;
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t from = t[k], to = t[(k + 1) % 3];
+      edges.emplace_back(uint64_t{std::min(from, to)} << 32 | std::max(from, to), id);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  for (size_t e = 0; e < edges.size();) {
+    size_t end = e;
+    while (end < edges.size() && edges[end].first == edges[e].first) ++end;
+    if (end - e != 2) pieces[edges[e].second].closed = false;
+    e = end;
+  }
+  return pieces;
+}
+
+}  // namespace
+
+CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& options) {
+  const std::vector<uint32_t> piece_of_vertex = PieceOfVertex(mesh);
+  const std::map<uint32_t, Piece> pieces = MeasurePieces(mesh, piece_of_vertex);
+  CleanResult result;
+  result.components = pieces.size();
+  const auto is_cavity = [&](const Piece& p) {
+    return !options.keep_cavities && p.closed && p.volume < 0;
+  };
+  double largest = 0;
+  for (const auto& [id, piece] : pieces) {
+    if (!is_cavity(piece)) largest = std::max(largest, piece.area);
+  }
+  std::vector<uint8_t> is_kept(mesh.positions.size(), 0);
+  for (const auto& [id, piece] : pieces) {
+    if (is_cavity(piece)) {
+      ++result.dropped_cavities;
+    } else if (piece.area < options.min_component_share * largest) {
+      ++result.dropped_small;
+    } else {
+      is_kept[id] = 1;
+    }
+  }
+
+  std::vector<uint32_t> new_vertex(mesh.positions.size());
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (!is_kept[piece_of_vertex[v]]) continue;
+    new_vertex[v] = uint32_t(result.mesh.positions.size());
+    result.mesh.positions.push_back(mesh.positions[v]);
+    if (!mesh.colors_srgb.empty()) result.mesh.colors_srgb.push_back(mesh.colors_srgb[v]);
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (!is_kept[piece_of_vertex[t.x]]) continue;
+    result.mesh.triangles.emplace_back(new_vertex[t.x], new_vertex[t.y], new_vertex[t.z]);
+  }
+  result.dropped_triangles = mesh.triangles.size() - result.mesh.triangles.size();
+  return result;
+}
+
+TriangleMesh Decimate(const TriangleMesh& mesh, uint64_t max_triangles) {
+  if (mesh.triangles.size() <= max_triangles) return mesh;
+  using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
+  Mesh half_edges;
+  std::vector<Mesh::VertexHandle> vertices;
+  for (const glm::vec3& p : mesh.positions) {
+    vertices.push_back(half_edges.add_vertex(Mesh::Point(p.x, p.y, p.z)));
+  }
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const glm::uvec3& t = mesh.triangles[f];
+    if (!half_edges.add_face(vertices[t.x], vertices[t.y], vertices[t.z]).is_valid()) {
+      throw DataError(
+          fmt::format("triangle {} ({}, {}, {}) makes the surface no manifold", f, t.x, t.y, t.z));
+    }
+  }
+  OpenMesh::Decimater::DecimaterT<Mesh> decimater(half_edges);
+  OpenMesh::Decimater::ModQuadricT<Mesh>::Handle quadric;
+  decimater.add(quadric);
+  decimater.module(quadric).unset_max_err();
+  decimater.initialize();
+  decimater.decimate_to_faces(0, max_triangles);
+
+  // A half-edge collapse moves no vertex: those that stay keep position and colour.
+  TriangleMesh result;
+  std::vector<uint32_t> new_vertex(mesh.positions.size());
+  for (size_t v = 0; v < vertices.size(); ++v) {
+    if (half_edges.status(vertices[v]).deleted() || half_edges.is_isolated(vertices[v])) continue;
+    new_vertex[v] = uint32_t(result.positions.size());
+    result.positions.push_back(mesh.positions[v]);
+    if (!mesh.colors_srgb.empty()) result.colors_srgb.push_back(mesh.colors_srgb[v]);
+  }
+  for (const auto face : half_edges.faces()) {
+    glm::uvec3 triangle;
+    int k = 0;
+    for (const auto vertex : face.vertices()) triangle[k++] = new_vertex[size_t(vertex.idx())];
+    result.triangles.push_back(triangle);
+  }
+  return result;
+}
+
+TriangleMesh Transformed(TriangleMesh mesh, const Similarity3& b_from_a) {
+  for (glm::vec3& p : mesh.positions) p = glm::vec3(b_from_a * glm::dvec3(p));
+  return mesh;
+}
+
+}  // namespace tetrec

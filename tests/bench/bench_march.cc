@@ -1,0 +1,265 @@
+// Speed of the march renderer on about 100,000 tets: rays a second of wall time and of CPU time,
+// and a long march that counts lost rays (--lost_rays=N rays, a million unless told).
+#include "mesh/delaunay.h"
+#include "render/renderer.h"
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace tetrec {
+namespace {
+
+constexpr int kPicture = 256;  // [px] a side
+constexpr int kViews = 32;
+constexpr int kGrid = 26;  // jittered points a side: 17,576, about 110,000 tets
+
+// A soft ball, density up to 25, in a sea of nothing, on a jittered grid in the unit cube.
+RadianceField MakeField(int grid) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> jitter(0.1, 0.9);
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 8; ++i) points.emplace_back(i & 1, i >> 1 & 1, i >> 2);
+  for (int i = 0; i < grid * grid * grid; ++i) {
+    const glm::dvec3 cell(i % grid, i / grid % grid, i / grid / grid);
+    const glm::dvec3 offset(jitter(random), jitter(random), jitter(random));
+    points.emplace_back((cell + offset) / double(grid));
+  }
+  RadianceField field;
+  field.mesh = BuildDelaunay(points).mesh;
+  for (const glm::vec3& p : field.mesh.positions) {
+    const float radius = glm::length(p - glm::vec3(0.5f));
+    field.density.push_back(25.0f * std::clamp((0.4f - radius) / 0.1f, 0.0f, 1.0f));
+    field.color_srgb.push_back(0.5f + 0.5f * glm::sin(20.0f * p));
+  }
+  return field;
+}
+
+// Looks from `eye` at `target`.
+RenderView MakeView(const glm::dvec3& eye, const glm::dvec3& target) {
+  const glm::dvec3 forward = glm::normalize(target - eye);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.02, -0.97, 0.2)));
+  const glm::dmat3 cam_from_world =
+      glm::transpose(glm::dmat3(right, glm::cross(forward, right), forward));
+  const double focal = 1.25 * kPicture;
+  return {{kPicture, kPicture, focal, focal, 0.5 * kPicture, 0.5 * kPicture},
+          {cam_from_world, -(cam_from_world * eye)}};
+}
+
+// Around the cube, two sides away from its centre, spread by the golden angle.
+std::vector<RenderView> ViewsFromOutside() {
+  std::vector<RenderView> views;
+  for (int i = 0; i < kViews; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / kViews, turn = i * std::numbers::phi * 2 * M_PI;
+    const glm::dvec3 side(std::sqrt(1 - z * z) * std::cos(turn),
+                          std::sqrt(1 - z * z) * std::sin(turn), z);
+    views.push_back(MakeView(0.5 + 2.0 * side, glm::dvec3(0.5)));
+  }
+  return views;
+}
+
+std::vector<RayBlock> AllBlocks(uint32_t view) {
+  std::vector<RayBlock> blocks;
+  for (uint32_t y = 0; y < kPicture; y += kRayBlockHeight) {
+    for (uint32_t x = 0; x < kPicture; x += kRayBlockWidth) blocks.push_back({view, x, y});
+  }
+  return blocks;
+}
+
+double ProcessCpuSeconds() {
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+// Reports rays a second from its birth to Report.
+class RayClock {
+ public:
+  RayClock() : cpu_(ProcessCpuSeconds()), wall_(Clock::now()) {}
+  void Report(benchmark::State& state, double rays) const {
+    const double wall = std::chrono::duration<double>(Clock::now() - wall_).count();
+    const double cpu = ProcessCpuSeconds() - cpu_;
+    state.counters["Mrays/s_wall"] = 1e-6 * rays / wall;
+    state.counters["us_cpu/ray"] = 1e6 * cpu / rays;
+    state.counters["rays"] = rays;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double cpu_;
+  Clock::time_point wall_;
+};
+
+// One renderer for all benchmarks: making it and its mesh is no part of what they measure.
+struct Stage {
+  RadianceField field = MakeField(kGrid);
+  std::vector<RenderView> views = ViewsFromOutside();
+  std::unique_ptr<TrainingRenderer> renderer = CreateMarchRenderer({});
+
+  Stage() {
+    renderer->SetField(field);
+    const TargetImage grey{kPicture, kPicture,
+                           std::vector<uint32_t>(kPicture * kPicture, 0xFF808080u)};
+    renderer->SetTargets(views, std::vector<TargetImage>(views.size(), grey));
+  }
+  static Stage& Get() {
+    static Stage stage;
+    return stage;
+  }
+};
+
+void Forward(benchmark::State& state) {
+  Stage& stage = Stage::Get();
+  const std::vector<RayBlock> blocks = AllBlocks(0);
+  size_t i = 0;
+  const RayClock clock;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(stage.renderer->MarchBlocks(stage.views[i++ % kViews], blocks));
+  }
+  clock.Report(state, double(state.iterations()) * kPicture * kPicture);
+}
+
+void ForwardBackward(benchmark::State& state) {
+  Stage& stage = Stage::Get();
+  const std::vector<glm::vec4> gradient(kPicture * kPicture, glm::vec4(1.0f, -1.0f, 0.5f, 0.1f));
+  size_t i = 0;
+  const RayClock clock;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(stage.renderer->Backpropagate(stage.views[i++ % kViews], gradient));
+  }
+  clock.Report(state, double(state.iterations()) * kPicture * kPicture);
+}
+
+// Forward, loss, backward and Adam with rates of zero, so that every step does the same work.
+void RunSteps(benchmark::State& state, const std::vector<std::vector<RayBlock>>& batches) {
+  Stage& stage = Stage::Get();
+  TrainingStep step;
+  step.background_srgb = {0.2f, 0.4f, 0.6f};
+  step.adam.color_rate = step.adam.density_rate = 0.0f;
+  size_t i = 0;
+  double rays = 0;
+  const RayClock clock;
+  for (auto _ : state) {
+    step.blocks = batches[i++ % batches.size()];
+    step.seed = uint32_t(i);
+    rays += double(step.blocks.size()) * kRaysPerBlock;
+    benchmark::DoNotOptimize(stage.renderer->Step(step));
+  }
+  benchmark::DoNotOptimize(stage.renderer->counts());  // waits for the last steps
+  clock.Report(state, rays);
+}
+
+void StepOnWholePictures(benchmark::State& state) {
+  std::vector<std::vector<RayBlock>> batches;
+  for (uint32_t view = 0; view < kViews; ++view) batches.push_back(AllBlocks(view));
+  RunSteps(state, batches);
+}
+
+void StepOnRandomBlocks(benchmark::State& state) {
+  std::mt19937 random(2);
+  std::vector<std::vector<RayBlock>> batches(64);
+  for (std::vector<RayBlock>& batch : batches) {
+    for (int64_t ray = 0; ray < state.range(0); ray += kRaysPerBlock) {
+      batch.push_back({uint32_t(random() % kViews),
+                       uint32_t(random() % (kPicture / kRayBlockWidth)) * kRayBlockWidth,
+                       uint32_t(random() % (kPicture / kRayBlockHeight)) * kRayBlockHeight});
+    }
+  }
+  RunSteps(state, batches);
+}
+
+// Random views from inside and outside, without the early stop: every ray must come out of the
+// hull.
+void LostRays(benchmark::State& state, uint64_t rays) {
+  RendererOptions options;
+  options.count_steps = true;
+  options.stop_transmittance = 0.0f;
+  const auto renderer = CreateMarchRenderer(options);
+  renderer->SetField(Stage::Get().field);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> inside(0.0, 1.0), around(-2.0, 3.0);
+  const std::vector<RayBlock> blocks = AllBlocks(0);
+  const RayClock clock;
+  for (auto _ : state) {
+    for (int i = 0; renderer->counts().rays < rays; ++i) {
+      auto& place = i % 2 == 0 ? inside : around;
+      const glm::dvec3 eye(place(random), place(random), place(random));
+      renderer->MarchBlocks(MakeView(eye, {inside(random), inside(random), inside(random)}),
+                            blocks);
+    }
+  }
+  const RenderCounts counts = renderer->counts();
+  clock.Report(state, double(counts.rays));
+  state.counters["hit"] = double(counts.hit_rays);
+  state.counters["lost"] = double(counts.lost_rays);
+}
+
+// States what is marched: tets, and steps of a ray that hits, with the early stop.
+void PrintScene() {
+  Stage& stage = Stage::Get();
+  RendererOptions options;
+  options.count_steps = true;
+  const auto renderer = CreateMarchRenderer(options);
+  renderer->SetField(stage.field);
+  for (const RenderView& view : stage.views) renderer->MarchBlocks(view, AllBlocks(0));
+  const RenderCounts counts = renderer->counts();
+  fmt::print("device {}\n{} tets, {} vertices, {} views of {} x {} px, {:.0f} % of rays hit\n",
+             renderer->DescribeDevice()["name"].get<std::string>(), stage.field.mesh.tets.size(),
+             stage.field.mesh.positions.size(), kViews, kPicture, kPicture,
+             100.0 * double(counts.hit_rays) / double(counts.rays));
+  fmt::print("{:.1f} steps a ray, {:.1f} a ray that hits, {} lost\n",
+             double(counts.steps) / double(counts.rays),
+             double(counts.steps) / double(counts.hit_rays), counts.lost_rays);
+}
+
+benchmark::internal::Benchmark* Median(benchmark::internal::Benchmark* benchmark) {
+  return benchmark->Unit(benchmark::kMillisecond)
+      ->MeasureProcessCPUTime()
+      ->UseRealTime()
+      ->MinTime(0.3)
+      ->Repetitions(5)
+      ->ReportAggregatesOnly();
+}
+
+}  // namespace
+}  // namespace tetrec
+
+int main(int argc, char** argv) {
+  using namespace tetrec;
+  const std::string flag = "--lost_rays=";
+  uint64_t lost_rays = 1'000'000;
+  std::vector<char*> rest;
+  for (int i = 0; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument.starts_with(flag)) {
+      lost_rays = std::stoull(argument.substr(flag.size()));
+    } else {
+      rest.push_back(argv[i]);
+    }
+  }
+  int count = int(rest.size());
+  benchmark::Initialize(&count, rest.data());
+  if (benchmark::ReportUnrecognizedArguments(count, rest.data())) return 2;
+  PrintScene();
+  Median(benchmark::RegisterBenchmark("Forward", Forward));
+  Median(benchmark::RegisterBenchmark("ForwardBackward", ForwardBackward));
+  Median(benchmark::RegisterBenchmark("StepOnWholePictures", StepOnWholePictures));
+  Median(benchmark::RegisterBenchmark("StepOnRandomBlocks", StepOnRandomBlocks)
+             ->Arg(1024)
+             ->Arg(4096)
+             ->Arg(16384));
+  benchmark::RegisterBenchmark("LostRays", LostRays, lost_rays)
+      ->Unit(benchmark::kSecond)
+      ->Iterations(1);
+  benchmark::RunSpecifiedBenchmarks();
+}

@@ -1,0 +1,305 @@
+#include "eval/report.h"
+
+#include "core/child_process.h"
+#include "core/error.h"
+#include "eval/chart.h"
+#include "eval/fake_run.h"
+#include "eval/html.h"
+#include "eval/mesh_preview.h"
+#include "eval/plot.h"
+#include "expect_error.h"
+#include "scratch_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+namespace tetrec {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Runs tetrec-evaluate with these arguments; returns its exit code.
+ChildResult RunEvaluate(const std::vector<std::string>& arguments) {
+  return RunChild(std::filesystem::path(TETREC_BIN_DIR) / "tetrec-evaluate", arguments, {});
+}
+
+TEST(Html, EverythingThatCouldEndATextOrAnAttributeIsEscaped) {
+  EXPECT_EQ(EscapeHtml("<script>alert('1') & \"2\"</script>"),
+            "&lt;script&gt;alert(&#39;1&#39;) &amp; &quot;2&quot;&lt;/script&gt;");
+  EXPECT_EQ(EscapeHtml(std::string("a\0b\x1b", 4)), "a&#xFFFD;b&#xFFFD;");
+  EXPECT_EQ(EscapeHtml("Zürich 3 × 4"), "Zürich 3 × 4");
+}
+
+TEST(Html, Base64IsThatOfRfc4648) {
+  // The RFC's own examples.
+  const std::string head = "data:image/svg+xml;base64,";
+  EXPECT_EQ(SvgDataUri(""), head);
+  EXPECT_EQ(SvgDataUri("f"), head + "Zg==");
+  EXPECT_EQ(SvgDataUri("fo"), head + "Zm8=");
+  EXPECT_EQ(SvgDataUri("foo"), head + "Zm9v");
+  EXPECT_EQ(SvgDataUri("foobar"), head + "Zm9vYmFy");
+}
+
+TEST(Report, AWholeRunBecomesOneSafePage) {
+  const ScratchFolder folder;
+  FakeRun fake;
+  fake.view_names = {"test/<script>alert(1)</script>", "\" onerror=\"alert(2)", "test/r_2"};
+  fake.dataset = "../../data/<b>bold";
+  fake.warnings = {"<img src=http://example.com/x.png>"};
+  WriteFakeRun(folder.path(), fake);
+  const ChildResult result =
+      RunEvaluate({folder / "4_views", folder / "5_surface", "-o", folder / "6_report"});
+  ASSERT_EQ(result.exit_code, 0) << ::testing::PrintToString(result.last_lines);
+
+  const std::string html = ReadText(folder / "6_report/report.html");
+  EXPECT_LT(html.size(), size_t{8} << 20);
+  EXPECT_THAT(html, HasSubstr("Content-Security-Policy"));
+  EXPECT_THAT(html, HasSubstr("&lt;script&gt;alert(1)&lt;/script&gt;"));
+  for (const char* poison :
+       {"<script", "<b>bold", "<img src=http", "onerror=\"", "src=\"http", "url("}) {
+    EXPECT_THAT(html, Not(HasSubstr(poison)));
+  }
+  // Every picture is inlined and has a text for those who cannot see it.
+  for (size_t at = html.find("<img"); at != std::string::npos; at = html.find("<img", at + 1)) {
+    const std::string tag = html.substr(at, html.find('>', at) - at);
+    EXPECT_EQ(tag.rfind("<img src=\"data:image/", 0), 0u) << tag.substr(0, 80);
+    EXPECT_THAT(tag, HasSubstr(" alt=\""));
+  }
+}
+
+TEST(Report, MetricsJsonHasTheNumbersOfTheRunAndItsProtocol) {
+  const ScratchFolder folder;
+  WriteFakeRun(folder.path(), {});
+  ASSERT_EQ(RunEvaluate({folder / "4_views", "-o", folder / "6_report"}).exit_code, 0);
+  const nlohmann::json m = ReadJson(folder / "6_report/metrics.json");
+  EXPECT_EQ(m["schema"], 1);
+  EXPECT_EQ(m["resolution"], (nlohmann::json{64, 48}));
+  EXPECT_EQ(m["background"], "white");
+  EXPECT_EQ(m["rays_per_pixel"], 4);
+  EXPECT_EQ(m["split"], "test");
+  EXPECT_EQ(m["tets"], 21000);
+  EXPECT_EQ(m["vertices"], 3800);
+  EXPECT_EQ(m["field_bytes"], 1000);
+  EXPECT_EQ(m["seconds"]["optimize"], 120.0);
+  EXPECT_EQ(m["seconds"]["import"], 12.5);
+  EXPECT_TRUE(m["seconds"]["sfm"].is_null());
+  EXPECT_EQ(m["peak_rss_bytes"], 900 << 20);
+  EXPECT_EQ(m["device"], "llvmpipe, Mesa 22.3.6");
+  EXPECT_TRUE(m["lpips"].is_null());
+  EXPECT_TRUE(m["surface"].is_null());
+  ASSERT_EQ(m["views"].size(), 3u);
+  double psnr = 0, mse = 0;
+  for (const nlohmann::json& view : m["views"]) {
+    psnr += view["psnr"].get<double>() / 3;
+    mse += view["mse"].get<double>() / 3;
+    EXPECT_TRUE(view["foreground_psnr"].is_number());
+  }
+  EXPECT_NEAR(m["psnr"].get<double>(), psnr, 1e-12);
+  EXPECT_NEAR(m["psnr_of_mean_mse"].get<double>(), -10 * std::log10(mse), 1e-12);
+  // The logarithm is convex: the mean of PSNRs is never below the PSNR of the mean.
+  EXPECT_GT(psnr, m["psnr_of_mean_mse"].get<double>());
+}
+
+TEST(Report, ATrueSurfaceIsScoredThroughTheCameras) {
+  const ScratchFolder folder;
+  const FakeRun fake;
+  WriteFakeRun(folder.path(), fake);
+  // The truth: the run's unit sphere and cameras, in a frame twice as large and moved.
+  const glm::dvec3 shift(10, -4, 2);
+  WriteTriangleMeshPly(folder / "truth.ply", TestSphere(50, 2, shift));
+  nlohmann::json frames = nlohmann::json::array();
+  for (const View& view : TestScene(fake.view_names).views) {
+    const glm::dmat3& r = view.cam_from_world.rotation;
+    const glm::dvec3 t = -(r * (2.0 * view.cam_from_world.Inverse().translation + shift));
+    nlohmann::json rows;
+    for (int i = 0; i < 3; ++i)
+      rows.push_back(nlohmann::json::array({r[0][i], r[1][i], r[2][i], t[i]}));
+    frames.push_back({{"file", "photos/" + view.name + ".jpg"}, {"cam_from_world", rows}});
+  }
+  WriteJson(folder / "cameras.json", {{"frames", frames}});
+  const ChildResult result = RunEvaluate(
+      {folder / "4_views", folder / "5_surface", "-o", folder / "6_report", "--ground-truth",
+       folder / "truth.ply", "--cameras", folder / "cameras.json", "--surface-samples", "5000"});
+  ASSERT_EQ(result.exit_code, 0) << ::testing::PrintToString(result.last_lines);
+  const nlohmann::json surface = ReadJson(folder / "6_report/metrics.json")["surface"];
+  EXPECT_EQ(surface["ground_truth"]["f_score"], 1.0);
+  // Two polyhedra of one sphere: each lies up to 2 (1 - cos(pi / 40)) = 0.006 below it.
+  EXPECT_LT(surface["ground_truth"]["accuracy"].get<double>(), 0.006);
+  EXPECT_NEAR(surface["alignment"]["scale"].get<double>(), 2, 1e-9);
+  EXPECT_LT(surface["alignment"]["center_rms"].get<double>(), 1e-9);
+  EXPECT_EQ(surface["watertight"], true);
+}
+
+TEST(Report, ViewsEqualToTheTruthAreNullAndCountedInJson) {
+  const ScratchFolder folder;
+  FakeRun fake;
+  fake.noise = 0;
+  WriteFakeRun(folder.path(), fake);
+  ASSERT_EQ(RunEvaluate({folder / "4_views", "-o", folder / "6_report"}).exit_code, 0);
+  const nlohmann::json m = ReadJson(folder / "6_report/metrics.json");
+  EXPECT_TRUE(m["psnr"].is_null());
+  EXPECT_TRUE(m["views"][0]["psnr"].is_null());
+  EXPECT_EQ(m["identical_views"], 3);
+  EXPECT_NEAR(m["ssim"].get<double>(), 1, 1e-12);
+  EXPECT_THAT(ReadText(folder / "6_report/report.html"), HasSubstr("identical"));
+}
+
+TEST(Report, ARunWhoseFieldIsGoneIsStillJudgedAndSaysSo) {
+  const ScratchFolder folder;
+  FakeRun fake;
+  fake.with_field_folder = false;
+  WriteFakeRun(folder.path(), fake);
+  ASSERT_EQ(RunEvaluate({folder / "4_views", "-o", folder / "6_report"}).exit_code, 0);
+  const nlohmann::json m = ReadJson(folder / "6_report/metrics.json");
+  EXPECT_TRUE(m["psnr"].is_number());
+  EXPECT_TRUE(m["tets"].is_null());
+  EXPECT_GE(m["warnings"].size(), 1u);
+}
+
+TEST(Report, BadViewsFilesAndOptionsEndInTheRightExitCode) {
+  const ScratchFolder folder;
+  WriteFakeRun(folder.path(), {});
+  const std::string views = folder / "4_views", surface = folder / "5_surface",
+                    out = folder / "6_report";
+  EXPECT_EQ(RunEvaluate({views}).exit_code, 2);
+  EXPECT_EQ(RunEvaluate({views, "-o", out, "--ground-truth", "truth.ply"}).exit_code,
+            2);  // no surface
+  EXPECT_EQ(RunEvaluate({views, surface, "-o", out, "--threshold", "0"}).exit_code, 2);
+  EXPECT_EQ(RunEvaluate({surface, "-o", out}).exit_code, 3);  // the wrong folder
+  EXPECT_EQ(RunEvaluate({folder / "none", "-o", out}).exit_code, 3);
+
+  const nlohmann::json good = ReadJson(folder / "4_views/views.json");
+  const auto spoil = [&](const std::string& pointer, const nlohmann::json& value) {
+    nlohmann::json bad = good;
+    bad[nlohmann::json::json_pointer(pointer)] = value;
+    WriteJson(folder / "4_views/views.json", bad);
+    ExpectError<DataError>([&] { ReadRenderedViews(folder / "4_views"); }, {"views.json"});
+  };
+  spoil("/schema", 2);
+  spoil("/views", nlohmann::json::array());
+  spoil("/views/0/render", "../../secret.png");
+  spoil("/views/0/render", "/etc/passwd");
+  spoil("/views/1/name", "test/r_0");
+  spoil("/views/0/ground_truth", nullptr);
+  spoil("/rays_per_pixel", -1);
+}
+
+TEST(MeshPreview, ASphereIsADiscInEveryViewAndBackSidesAreBlue) {
+  PreviewOptions options;
+  options.size_px = 64;
+  options.views = 4;
+  options.bounds = {glm::dvec3(-1.01), glm::dvec3(1.01)};
+  options.use_colors = false;
+  TriangleMesh sphere = TestSphere(40, 1);
+  const auto count = [&](const Image& image, auto test) {
+    int pixels = 0;
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 64; ++x) pixels += test(image.At(x, y));
+    }
+    return pixels;
+  };
+  const auto warm = [](const uint8_t* p) { return p[0] > p[2] && p[0] < 230; };
+  const auto blue = [](const uint8_t* p) { return p[2] > p[0] + 10; };
+  // The sphere fills 96 % of the width: a disc of radius 0.96 * 32.
+  const double disc = M_PI * std::pow(0.96 * 32, 2);
+  for (const Image& image : RenderTurntable(sphere, options)) {
+    EXPECT_NEAR(count(image, warm), disc,
+                0.03 * disc);  // rim pixels: circumference / area = 2 / 31
+    EXPECT_EQ(count(image, blue), 0);
+  }
+  for (glm::uvec3& triangle : sphere.triangles) std::swap(triangle.x, triangle.y);
+  for (const Image& image : RenderTurntable(sphere, options)) {
+    EXPECT_NEAR(count(image, blue), disc, 0.06 * disc);
+  }
+}
+
+TEST(MeshPreview, UpIsUpAndTheTurnGoesAround) {
+  // A stick along the up axis with a red top.
+  TriangleMesh stick = TestSphere(20, 1);
+  for (size_t i = 0; i < stick.positions.size(); ++i) {
+    const bool top = stick.positions[i].y > 0;
+    stick.colors_srgb[i] = {uint8_t(top ? 250 : 0), 0, uint8_t(top ? 0 : 250)};
+  }
+  PreviewOptions options;
+  options.size_px = 40;
+  options.up = {0, 1, 0};
+  options.bounds = {glm::dvec3(-1.01), glm::dvec3(1.01)};
+  for (const Image& image : RenderTurntable(stick, options)) {
+    EXPECT_GT(image.At(20, 6)[0], image.At(20, 6)[2]);
+    EXPECT_LT(image.At(20, 34)[0], image.At(20, 34)[2]);
+  }
+}
+
+TEST(MetricsCsv, ColumnsAreFoundByNameAndACutLastLineIsLeftOut) {
+  const ScratchFolder folder;
+  const auto rows = ReadMetricsCsv(folder.Write(
+      "metrics.csv",
+      "seconds,iteration,rays,loss,extra,train_psnr,heldout_psnr,tets,vertices,phase\n"
+      "1.5,10,400,0.01,x,20,,100,30,coarse\n3,20,800,0.005,x,23,22.5,120,40,fine\n4,30,12"));
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].seconds, 1.5);
+  EXPECT_EQ(rows[0].iteration, 10);
+  EXPECT_FALSE(rows[0].heldout_psnr.has_value());
+  EXPECT_EQ(rows[1].heldout_psnr, 22.5);
+  EXPECT_EQ(rows[1].phase, "fine");
+  ExpectError<DataError>([&] { ReadMetricsCsv(folder.Write("b.csv", "seconds,loss\n1,2\n")); },
+                         {"iteration"});
+  ExpectError<DataError>(
+      [&] {
+        ReadMetricsCsv(
+            folder.Write("c.csv",
+                         "iteration,seconds,rays,loss,train_psnr,heldout_psnr,tets,vertices,phase\n"
+                         "1,2,3,4,5,six,7,8,p\n"));
+      },
+      {"line 2", "heldout_psnr", "six"});
+}
+
+TEST(Chart, TwoRunsAreDrawnAndTabulated) {
+  if (FindProgram("gnuplot").empty()) GTEST_SKIP() << "no gnuplot in PATH";
+  const ScratchFolder folder;
+  WriteFakeRun(folder / "it's <a> run", {});
+  WriteFakeRun(folder / "b", {});
+  const std::vector<RunCurve> curves = {ReadRunCurve(folder / "it's <a> run"),
+                                        ReadRunCurve(folder / "b/3_field")};
+  EXPECT_EQ(curves[0].name, "it's <a> run");
+  EXPECT_EQ(curves[1].name, "b");
+  EXPECT_EQ(curves[0].rows.size(), 6u);  // those with a held-out PSNR
+  WriteChart(curves, {}, folder / "chart");
+  const std::string svg = ReadText(folder / "chart/chart.svg");
+  EXPECT_THAT(svg, HasSubstr("it's &lt;a"));
+  EXPECT_THAT(svg, HasSubstr("64x48 px, background white"));
+  EXPECT_EQ(ReadImage(folder / "chart/chart.png").width, 900);
+  const nlohmann::json record = ReadJson(folder / "chart/chart.json");
+  EXPECT_EQ(record["runs"].size(), 2u);
+  EXPECT_EQ(record["runs"][1]["seconds_and_heldout_psnr"].size(), 6u);
+  const std::string csv = ReadText(folder / "chart/chart.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 13);
+  EXPECT_FALSE(std::filesystem::exists(folder / "chart/.gnuplot"));
+}
+
+TEST(Chart, WithoutGnuplotItNamesThePackage) {
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  const ScratchFolder folder;
+  Plot plot;
+  plot.series = {{"a", {1, 2}, {1, 2}, 0, false, true}};
+  ExpectError<EnvironmentError>([&] { DrawPlot(plot, folder / "a.svg", folder / "s"); },
+                                {"gnuplot-nox", "apt-get install"});
+  setenv("PATH", path.c_str(), 1);
+}
+
+TEST(Chart, ARunWithoutMeasurementsIsRefused) {
+  const ScratchFolder folder;
+  ExpectError<DataError>([&] { ReadRunCurve(folder.path()); }, {"metrics.csv"});
+  folder.Write("3_field/metrics.csv",
+               "iteration,seconds,rays,loss,train_psnr,heldout_psnr,tets,vertices,phase\n1,1,1,1,1,"
+               ",1,1,p\n");
+  ExpectError<DataError>([&] { ReadRunCurve(folder.path()); }, {"no row has a held-out PSNR"});
+}
+
+}  // namespace
+}  // namespace tetrec

@@ -1,0 +1,77 @@
+#include "field/radiance_field.h"
+
+#include "core/error.h"
+#include "core/file.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <limits>
+
+namespace tetrec {
+namespace {
+
+RadianceField OneTet() {
+  RadianceField field;
+  field.mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  field.mesh.tets = {{0, 1, 2, 3}};
+  field.mesh.neighbors = {glm::uvec4(kNoTet)};
+  field.density = {0, 1, 2, 3.5f};
+  field.color_srgb = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.1f, 0.5f, 1.1f}};
+  return field;
+}
+
+std::vector<uint8_t> BytesOf(const RadianceField& field) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "field.tetf";
+  WriteField(path, field);
+  return ReadBytes(path);
+}
+
+TEST(RadianceFieldFile, ReadsBackAsItWasWritten) {
+  const RadianceField field = OneTet();
+  const RadianceField read = ParseField(BytesOf(field), "field.tetf");
+  EXPECT_EQ(read.mesh.positions, field.mesh.positions);
+  EXPECT_EQ(read.mesh.tets, field.mesh.tets);
+  EXPECT_EQ(read.mesh.neighbors, field.mesh.neighbors);
+  EXPECT_EQ(read.density, field.density);
+  EXPECT_EQ(read.color_srgb, field.color_srgb);
+}
+
+TEST(RadianceFieldFile, RefusesEveryPrefixAndTrailingBytes) {
+  std::vector<uint8_t> bytes = BytesOf(OneTet());
+  for (size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_THROW(ParseField(std::span(bytes).first(size), "field.tetf"), DataError) << size;
+  }
+  bytes.push_back(0);
+  EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
+}
+
+TEST(RadianceFieldFile, RefusesHugeCounts) {
+  const std::vector<uint8_t> good = BytesOf(OneTet());
+  for (const size_t at : {size_t{16}, size_t{24}}) {  // behind the two magics
+    for (const uint64_t count : {uint64_t{1} << 32, uint64_t{1} << 62, ~uint64_t{0}}) {
+      std::vector<uint8_t> bytes = good;
+      std::memcpy(bytes.data() + at, &count, sizeof(count));
+      EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
+    }
+  }
+}
+
+TEST(CheckField, RefusesNegativeAndNonFiniteValues) {
+  const auto refused = [](auto&& damage) {
+    RadianceField field = OneTet();
+    damage(field);
+    EXPECT_THROW(CheckField(field), DataError);
+  };
+  EXPECT_NO_THROW(CheckField(OneTet()));
+  refused([](RadianceField& f) { f.density[1] = -1e-9f; });
+  refused([](RadianceField& f) { f.density[3] = std::numeric_limits<float>::quiet_NaN(); });
+  refused([](RadianceField& f) { f.density[3] = std::numeric_limits<float>::infinity(); });
+  refused([](RadianceField& f) { f.color_srgb[2].b = std::numeric_limits<float>::quiet_NaN(); });
+  refused([](RadianceField& f) { f.density.pop_back(); });
+  refused([](RadianceField& f) { f.color_srgb.emplace_back(0.0f); });
+}
+
+}  // namespace
+}  // namespace tetrec

@@ -1,0 +1,56 @@
+// What every fuzz target does around the one call that it tests.
+#pragma once
+
+#include "core/error.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+
+namespace fuzz {
+
+// A reader may refuse its input with DataError; every other exception, signal, sanitizer report or
+// excess of memory or time is a finding.
+template <class Body>
+int Refusing(const Body& body) {
+  try {
+    body();
+  } catch (const tetrec::DataError&) {
+  }
+  return 0;
+}
+
+// A folder of this process's own for readers that take files; removed at exit.
+class Folder {
+ public:
+  Folder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "tetrec-fuzz-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr) std::abort();
+    path_ = pattern;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+  void Write(const std::string& name, std::span<const uint8_t> bytes) const {
+    const std::filesystem::path file = path_ / name;
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream out(file, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
+    if (!out) std::abort();
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace fuzz

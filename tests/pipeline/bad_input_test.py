@@ -1,0 +1,113 @@
+"""Bad data and a bad environment: one clear line, the right exit code, nothing half done."""
+import json
+import shutil
+import subprocess
+import unittest
+
+from stage_case import StageCase, limit_file_size
+from tiny_dataset import write_tiny_dataset
+
+
+class BadInputTest(StageCase):
+
+    def photos(self, count):
+        """Photos of nothing: PNGs without texture, as photos go in."""
+        write_tiny_dataset(self.folder / "ball")
+        folder = self.folder / "photos"
+        folder.mkdir()
+        for i in range(count):
+            shutil.copy(self.folder / "ball" / "train" / f"r_{i}.png", folder)
+        return folder
+
+    def test_sfm_of_no_photos(self):
+        result = self.run_stage("sfm", self.photos(0), "-o", self.folder / "out")
+        self.assert_fails(result, 3, str(self.folder / "photos"))
+
+    def test_sfm_of_one_photo(self):
+        self.assert_fails(self.run_stage("sfm", self.photos(1), "-o", self.folder / "out"), 3)
+
+    def test_sfm_of_photos_without_features_finds_no_model(self):
+        result = self.run_stage("sfm", self.photos(4), "-o", self.folder / "out")
+        self.assert_fails(result, 3)
+        self.assertFalse((self.folder / "out" / "manifest.json").exists())
+
+    def test_sfm_names_a_truncated_photo(self):
+        photos = self.photos(4)
+        whole = (photos / "r_2.png").read_bytes()
+        (photos / "r_2.png").write_bytes(whole[:len(whole) // 2])
+        self.assert_fails(self.run_stage("sfm", photos, "-o", self.folder / "out"), 3, "r_2.png")
+
+    def test_sfm_without_colmap_in_path(self):
+        result = self.run_stage("sfm", self.photos(4), "-o", self.folder / "out",
+                                environment={"PATH": str(self.folder)})
+        self.assert_fails(result, 4, "colmap")
+
+    def test_import_names_a_truncated_picture(self):
+        write_tiny_dataset(self.folder / "ball")
+        picture = self.folder / "ball" / "train" / "r_2.png"
+        picture.write_bytes(picture.read_bytes()[:100])
+        result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "out")
+        self.assert_fails(result, 3, "r_2.png")
+
+    def test_import_names_a_missing_picture(self):
+        write_tiny_dataset(self.folder / "ball")
+        (self.folder / "ball" / "test" / "r_1.png").unlink()
+        result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "out")
+        self.assert_fails(result, 3, "r_1")
+
+    def test_import_of_broken_json_tells_where(self):
+        write_tiny_dataset(self.folder / "ball")
+        (self.folder / "ball" / "transforms_train.json").write_text('{"camera_angle_x": 0.8, "frames": [')
+        result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "out")
+        self.assert_fails(result, 3, "transforms_train.json")
+
+    def test_a_damaged_field_is_refused(self):
+        tetrahedra = self.tiny_tetrahedra()
+        field = tetrahedra / "field.tetf"
+        damaged = bytearray(field.read_bytes())
+        damaged[8:24] = b"TETRECM1" + b"\xff" * 8  # as many vertices as a u64 holds
+        field.write_bytes(damaged)
+        result = self.run_stage("optimize", tetrahedra, "-o", self.folder / "run" / "3_field")
+        self.assert_fails(result, 3, "field.tetf")
+
+    def test_optimize_without_a_vulkan_device(self):
+        nowhere = str(self.folder / "no-driver.json")
+        result = self.run_stage("optimize", self.tiny_tetrahedra(), "-o", self.folder / "run" / "3_field",
+                                environment={"VK_ICD_FILENAMES": nowhere, "VK_DRIVER_FILES": nowhere})
+        self.assert_fails(result, 4, "Vulkan")
+
+    def test_a_write_that_fails_leaves_no_manifest_and_the_next_run_mends_it(self):
+        scene = self.tiny_scene()
+        out = self.folder / "run" / "2_tetrahedra"
+        result = self.run_stage("tetrahedralize", scene, "-o", out, restore_signals=False,
+                                preexec_fn=limit_file_size(64 * 1024))
+        self.assert_fails(result, 4, "mesh.tet")
+        self.assertFalse((out / "manifest.json").exists())
+        self.assertEqual(self.status(out), "failed")
+        self.assertEqual([path.name for path in out.iterdir() if path.name.startswith("mesh.tet")], [])
+        self.assert_done(self.run_stage("tetrahedralize", scene, "-o", out))
+
+    def test_a_full_disk_is_told_in_one_line(self):
+        self.program("import")
+        write_tiny_dataset(self.folder / "ball")
+        disk = self.folder / "disk"
+        disk.mkdir()
+        mount = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c",
+                 'mount -t tmpfs -o size=64k tmpfs "$1" && shift && exec "$@"', "sh", str(disk)]
+        if subprocess.run([*mount, "true"], capture_output=True, check=False).returncode:
+            self.skipTest("this machine lets nobody mount a small disk (unshare, tmpfs)")
+        result = subprocess.run(
+            [*mount, str(self.program("import")), str(self.folder / "ball"), "-o", str(disk / "out")],
+            capture_output=True, text=True, check=False)
+        result.args = [self.program("import")]
+        self.assert_fails(result, 4, str(disk))
+
+    def test_an_output_folder_that_cannot_be_made_is_an_environment_error(self):
+        write_tiny_dataset(self.folder / "ball")
+        (self.folder / "file").write_text("in the way")
+        result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "file" / "out")
+        self.assert_fails(result, 4, str(self.folder / "file"))
+
+
+if __name__ == "__main__":
+    unittest.main()

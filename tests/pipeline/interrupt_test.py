@@ -1,0 +1,103 @@
+"""Kill and Ctrl-C in the middle: the same command goes on and ends as if nothing had happened."""
+import signal
+import time
+import unittest
+
+from stage_case import StageCase, hashes
+from tiny_dataset import write_tiny_dataset
+
+
+class InterruptTest(StageCase):
+
+    def interrupt(self, number, delay, *command):
+        """Starts a stage and sends the signal after `delay` seconds; returns its exit code."""
+        process = self.start(*command)
+        time.sleep(delay)
+        process.send_signal(number)
+        process.communicate(timeout=60)
+        return process.returncode
+
+    def check_kills(self, folder, *command):
+        """Kills the stage at growing delays, then lets it end; the bytes must be those of a run of
+        its own in `folder`_whole."""
+        whole = folder.with_name(folder.name + "_whole")
+        self.assert_done(self.run_stage(*command, "-o", whole))
+        killed = 0
+        for delay in (0.005, 0.02, 0.05, 0.1, 0.2, 0.4):
+            code = self.interrupt(signal.SIGKILL, delay, *command, "-o", folder)
+            killed += code == -signal.SIGKILL
+            if code == 0:
+                break
+            self.assertEqual(code, -signal.SIGKILL)
+            self.assertFalse((folder / "manifest.json").exists())
+        self.assertGreater(killed, 0)
+        self.assert_done(self.run_stage(*command, "-o", folder))
+        self.assertEqual(hashes(folder), hashes(whole))
+
+    def test_a_killed_import_ends_with_the_same_bytes(self):
+        write_tiny_dataset(self.folder / "ball")
+        self.check_kills(self.folder / "scene", "import", self.folder / "ball")
+
+    def test_killed_tetrahedra_end_with_the_same_bytes(self):
+        self.check_kills(self.folder / "tetrahedra", "tetrahedralize", self.tiny_scene())
+
+    def test_ctrl_c_ends_with_130_and_the_same_command_ends_the_work(self):
+        scene = self.tiny_scene()
+        out = self.folder / "tetrahedra"
+        command = ("tetrahedralize", scene, "-o", out, "--start", "grid", "--resolution", 64)
+        process = self.start(*command)
+        self.wait_for((out / "log.txt").exists, process, "the log")
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertEqual(self.status(out), "interrupted")
+        self.assertFalse((out / "manifest.json").exists())
+        self.assert_done(self.run_stage(*command, "--resume"))
+        self.assertEqual(self.status(out), "done")
+
+    def optimization(self):
+        """A run of a few seconds with a checkpoint every second, and its command."""
+        out = self.folder / "run" / "3_field"
+        return out, ("optimize", self.tiny_tetrahedra(), "-o", out, "--time-limit", 12)
+
+    def wait_for_rows(self, out, process, rows=3):
+        def ready():
+            return (out / "metrics.csv").exists() and len(
+                (out / "metrics.csv").read_text().splitlines()) > rows
+        self.wait_for(ready, process, "metrics.csv")
+
+    def check_resumed(self, out, rows_before):
+        """The resumed run ended, and its history holds that of the first part."""
+        self.assertEqual(self.status(out), "done")
+        rows = (out / "metrics.csv").read_text().splitlines()
+        self.assertEqual(rows[:rows_before], self.rows[:rows_before])
+        iterations = [int(row.split(",")[0]) for row in rows[1:]]
+        self.assertEqual(iterations, sorted(set(iterations)))
+
+    def test_ctrl_c_in_optimize_writes_a_checkpoint_and_resumes(self):
+        out, command = self.optimization()
+        process = self.start(*command)
+        self.wait_for_rows(out, process)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertEqual(self.status(out), "interrupted")
+        self.rows = (out / "metrics.csv").read_text().splitlines()
+        self.assert_done(self.run_stage(*command, "--resume"))
+        self.check_resumed(out, len(self.rows))
+
+    def test_a_killed_optimize_goes_on_from_its_checkpoint(self):
+        out, command = self.optimization()
+        process = self.start(*command)
+        self.wait_for_rows(out, process)
+        process.kill()
+        process.communicate()
+        self.rows = (out / "metrics.csv").read_text().splitlines()
+        self.assertFalse((out / "manifest.json").exists())
+        self.assert_done(self.run_stage(*command))
+        # What was after the last checkpoint is done again: at least the header stays.
+        self.check_resumed(out, 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,117 @@
+"""How stages behave in a chain: wrong and missing folders, second runs, changed options."""
+import unittest
+
+from stage_case import StageCase, hashes
+from tiny_dataset import write_tiny_dataset
+
+STAGES = ("sfm", "import", "tetrahedralize", "optimize", "render", "surface", "evaluate")
+
+
+class StagesTest(StageCase):
+
+    def test_every_stage_has_help_and_ends_with_0(self):
+        for stage in (*STAGES, "chart"):
+            with self.subTest(stage):
+                result = self.run_stage(stage, "--help")
+                self.assert_done(result)
+                self.assertIn("--output", result.stdout)
+
+    def test_an_unknown_option_is_a_usage_error(self):
+        for stage in STAGES:
+            with self.subTest(stage):
+                result = self.run_stage(stage, self.folder, "-o", self.folder / "out", "--no-such", "1")
+                self.assert_fails(result, 2, "--no-such")
+                self.assertFalse((self.folder / "out").exists())
+
+    def test_a_missing_input_folder_is_bad_data(self):
+        for stage in STAGES:
+            with self.subTest(stage):
+                missing = self.folder / "not-there"
+                result = self.run_stage(stage, missing, "-o", self.folder / "out")
+                self.assert_fails(result, 3, str(missing))
+                self.assertFalse((self.folder / "out" / "manifest.json").exists())
+
+    def test_a_folder_of_another_stage_is_named_as_such(self):
+        scene = self.tiny_scene()
+        for stage in ("optimize", "render", "surface", "evaluate"):
+            with self.subTest(stage):
+                result = self.run_stage(stage, scene, "-o", self.folder / "out")
+                self.assert_fails(result, 3, str(scene), "tetrec-")
+                self.assertFalse((self.folder / "out" / "manifest.json").exists())
+
+    def test_a_folder_of_no_stage_is_told_apart(self):
+        plain = self.folder / "plain"
+        plain.mkdir()
+        (plain / "notes.txt").write_text("mine")
+        for stage in ("tetrahedralize", "optimize", "render", "surface", "evaluate"):
+            with self.subTest(stage):
+                self.assert_fails(self.run_stage(stage, plain, "-o", self.folder / "out"), 3, str(plain))
+
+    def test_nobody_elses_folder_is_written_to(self):
+        write_tiny_dataset(self.folder / "ball")
+        mine = self.folder / "mine"
+        mine.mkdir()
+        (mine / "notes.txt").write_text("mine")
+        result = self.run_stage("import", self.folder / "ball", "-o", mine)
+        self.assert_fails(result, 2, str(mine))
+        self.assertEqual([path.name for path in mine.iterdir()], ["notes.txt"])
+
+    def test_a_second_run_is_up_to_date_and_changes_nothing(self):
+        scene = self.tiny_scene()
+        before = (scene / "manifest.json").stat().st_mtime_ns
+        result = self.run_stage("import", self.folder / "ball", "-o", scene)
+        self.assert_done(result)
+        self.assertIn("up to date", result.stdout)
+        self.assertEqual((scene / "manifest.json").stat().st_mtime_ns, before)
+
+    def test_another_option_starts_over_and_going_back_gives_the_same_bytes(self):
+        tetrahedra = self.tiny_tetrahedra()
+        scene = tetrahedra.parent / "1_scene"
+        first, key = hashes(tetrahedra), self.manifest(tetrahedra)["key"]
+        again = ("tetrahedralize", scene, "-o", tetrahedra, "--resolution", 16, "--outer-points", 50)
+        self.assert_done(self.run_stage(*again, "--seed", 2))
+        self.assertNotEqual(hashes(tetrahedra), first)
+        self.assertNotEqual(self.manifest(tetrahedra)["key"], key)
+        self.assert_done(self.run_stage(*again))
+        self.assertEqual(hashes(tetrahedra), first)
+        self.assertEqual(self.manifest(tetrahedra)["key"], key)
+
+    def test_a_changed_input_makes_a_stage_run_again(self):
+        scene = self.tiny_scene()
+        key = self.manifest(scene)["key"]
+        picture = self.folder / "ball" / "train" / "r_0.png"
+        picture.write_bytes((self.folder / "ball" / "train" / "r_1.png").read_bytes())
+        result = self.run_stage("import", self.folder / "ball", "-o", scene)
+        self.assert_done(result)
+        self.assertNotIn("up to date", result.stdout)
+        self.assertNotEqual(self.manifest(scene)["key"], key)
+
+    def test_a_lost_output_is_made_again(self):
+        scene = self.tiny_scene()
+        before = hashes(scene)
+        (scene / "images" / "train" / "r_3.png").unlink()
+        self.assert_done(self.run_stage("import", self.folder / "ball", "-o", scene))
+        self.assertEqual(hashes(scene), before)
+
+    def test_resume_refuses_a_run_of_other_options(self):
+        tetrahedra = self.tiny_tetrahedra()
+        result = self.run_stage("tetrahedralize", tetrahedra.parent / "1_scene", "-o", tetrahedra,
+                                "--resolution", 8, "--resume")
+        self.assert_fails(result, 3, "--resolution")
+
+    def test_the_manifest_tells_what_was_done(self):
+        tetrahedra = self.tiny_tetrahedra()
+        manifest = self.manifest(tetrahedra)
+        self.assertEqual(manifest["stage"], "tetrahedralize")
+        self.assertEqual(manifest["options"]["resolution"], 16)
+        self.assertEqual(manifest["previous"], "../1_scene")
+        self.assertGreater(manifest["counts"]["tets"], 1000)
+        self.assertGreater(manifest["peak_rss_bytes"], 0)
+        outputs = {output["path"]: output["sha256"] for output in manifest["outputs"]}
+        self.assertEqual(outputs, {k: v for k, v in hashes(tetrahedra).items() if k in outputs})
+        self.assertIn("mesh.tet", outputs)
+        self.assertIn("field.tetf", outputs)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,100 @@
+"""A NeRF-synthetic data set of a shaded ball, rendered here in closed form: 32x32 RGBA."""
+import json
+import math
+import struct
+import zlib
+
+SIZE = 32
+RADIUS = 0.6  # of the ball, around the origin
+DISTANCE = 3.0  # of the cameras
+FOV_RAD = 0.8
+
+
+def write_png(path, width, height, rgba):
+    """8-bit RGBA, `rgba` row by row."""
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    stride = 4 * width
+    rows = b"".join(b"\0" + rgba[y * stride:(y + 1) * stride] for y in range(height))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, 6, 0, 0, 0))
+                     + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def subtract(a, b):
+    return [x - y for x, y in zip(a, b)]
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def unit(a):
+    length = math.sqrt(dot(a, a))
+    return [x / length for x in a]
+
+
+def world_from_camera(eye):
+    """Columns of a camera that looks at the origin, OpenGL axes (x right, y up, z back)."""
+    back = unit(eye)
+    right = unit(cross([0, 0, 1] if abs(back[2]) < 0.99 else [0, 1, 0], back))
+    return right, cross(back, right), back
+
+
+def seen(eye, direction):
+    """Colour and alpha along a ray: a ball whose colour is a function of its normal."""
+    b = dot(eye, direction)
+    inside = b * b - dot(eye, eye) + RADIUS * RADIUS
+    if inside <= 0:
+        return (0, 0, 0, 0)
+    hit = [e + (-b - math.sqrt(inside)) * d for e, d in zip(eye, direction)]
+    return tuple(int(127.5 + 100 * h / RADIUS) for h in hit) + (255,)
+
+
+def picture(eye):
+    """RGBA bytes, 2 x 2 rays averaged with premultiplied alpha."""
+    right, up, back = world_from_camera(eye)
+    scale = 2 * math.tan(FOV_RAD / 2) / SIZE
+    pixels = bytearray()
+    for y in range(SIZE):
+        for x in range(SIZE):
+            total = [0.0, 0.0, 0.0, 0.0]
+            for dy in (0.25, 0.75):
+                for dx in (0.25, 0.75):
+                    u, v = (x + dx - SIZE / 2) * scale, (SIZE / 2 - y - dy) * scale
+                    ray = unit([u * r + v * p - k for r, p, k in zip(right, up, back)])
+                    color = seen(eye, ray)
+                    for c in range(3):
+                        total[c] += color[c] * color[3] / 255
+                    total[3] += color[3]
+            alpha = total[3] / 4
+            pixels += bytes(int(t / 4 * 255 / alpha) if alpha else 0 for t in total[:3])
+            pixels.append(int(alpha))
+    return bytes(pixels)
+
+
+def eyes(count, offset):
+    """Camera centres spread evenly over a sphere (golden angle)."""
+    for i in range(count):
+        z = 1 - 2 * (i + offset) / count
+        angle = 2.399963 * (i + offset)
+        flat = math.sqrt(max(0.0, 1 - z * z))
+        yield [DISTANCE * flat * math.cos(angle), DISTANCE * flat * math.sin(angle), DISTANCE * z]
+
+
+def write_tiny_dataset(folder, train=40, validation=2, test=4):
+    """Writes transforms_*.json and pictures into `folder`."""
+    for split, count, offset in (("train", train, 0.5), ("val", validation, 0.3), ("test", test, 0.4)):
+        (folder / split).mkdir(parents=True)
+        frames = []
+        for i, eye in enumerate(eyes(count, offset)):
+            write_png(folder / split / f"r_{i}.png", SIZE, SIZE, picture(eye))
+            columns = [*world_from_camera(eye), eye]
+            matrix = [[column[row] for column in columns] for row in range(3)] + [[0, 0, 0, 1]]
+            frames.append({"file_path": f"./{split}/r_{i}", "transform_matrix": matrix})
+        (folder / f"transforms_{split}.json").write_text(
+            json.dumps({"camera_angle_x": FOV_RAD, "frames": frames}))

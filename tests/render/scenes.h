@@ -1,0 +1,145 @@
+// Small fields and cameras for the renderers' tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "mesh/delaunay.h"
+#include "render/renderer.h"
+
+namespace tetrec::test {
+
+// Corners of the box that every field here fills; exact floats, no two sides alike.
+inline const glm::vec3 kBoxMin(-0.5f, -0.25f, 0.25f), kBoxMax(0.5f, 1.0f, 1.0f);
+
+// 0 .. 7 -> corner of the box.
+inline glm::vec3 BoxCorner(int i) {
+  return {(i & 1) ? kBoxMax.x : kBoxMin.x, (i & 2) ? kBoxMax.y : kBoxMin.y,
+          (i & 4) ? kBoxMax.z : kBoxMin.z};
+}
+
+// Delaunay mesh of the box's corners and `points` random points strictly inside.
+inline TetMesh RandomBoxMesh(int points, uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(0.001f, 0.999f);
+  std::vector<glm::vec3> all;
+  for (int i = 0; i < 8; ++i) all.push_back(BoxCorner(i));
+  for (int i = 0; i < points; ++i) {
+    const glm::vec3 share(unit(random), unit(random), unit(random));
+    all.push_back(kBoxMin + share * (kBoxMax - kBoxMin));
+  }
+  return BuildDelaunay(all).mesh;
+}
+
+// Random colours in [0, 1]; densities uniform in [0, max_density], some of them tiny.
+inline RadianceField RandomField(int points, uint32_t seed, float max_density) {
+  RadianceField field;
+  field.mesh = RandomBoxMesh(points, seed);
+  std::mt19937 random(seed + 1);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  for (size_t v = 0; v < field.mesh.positions.size(); ++v) {
+    const bool almost_empty = unit(random) < 0.2f;
+    field.density.push_back(max_density * unit(random) * (almost_empty ? 1e-4f : 1.0f));
+    field.color_srgb.emplace_back(unit(random), unit(random), unit(random));
+  }
+  return field;
+}
+
+inline RadianceField ConstantField(TetMesh mesh, float density, const glm::vec3& color) {
+  const size_t vertices = mesh.positions.size();
+  return {std::move(mesh), std::vector<float>(vertices, density),
+          std::vector<glm::vec3>(vertices, color)};
+}
+
+// A camera at `eye` that looks at `target`; focal length in picture widths.
+inline RenderView LookAt(const glm::dvec3& eye, const glm::dvec3& target, int width, int height,
+                         double focal = 1.0) {
+  const glm::dvec3 forward = glm::normalize(target - eye);
+  const glm::dvec3 helper = std::abs(forward.y) < 0.9 ? glm::dvec3(0, -1, 0) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, helper));
+  const glm::dvec3 down = glm::cross(forward, right);
+  RenderView view;
+  view.camera = {width, height, focal * width, focal * width, 0.5 * width, 0.5 * height};
+  const glm::dmat3 cam_from_world_rotation = glm::transpose(glm::dmat3(right, down, forward));
+  view.cam_from_world = {cam_from_world_rotation, -(cam_from_world_rotation * eye)};
+  return view;
+}
+
+// One pixel whose ray runs from `eye` exactly (up to rounding) through `target`.
+inline RenderView AimAt(const glm::dvec3& eye, const glm::dvec3& target) {
+  return LookAt(eye, target, 1, 1);
+}
+
+// Length of the ray's part ahead of `eye` inside the box; 0 where it misses.
+inline double BoxChord(const glm::dvec3& eye, const glm::dvec3& direction) {
+  double begin = 0.0, end = 1e300;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = (kBoxMin[axis] - eye[axis]) / direction[axis];
+    const double high = (kBoxMax[axis] - eye[axis]) / direction[axis];
+    if (direction[axis] == 0.0) {
+      if (eye[axis] <= kBoxMin[axis] || eye[axis] >= kBoxMax[axis]) end = -1.0;
+    } else {
+      begin = std::max(begin, std::min(low, high));
+      end = std::min(end, std::max(low, high));
+    }
+  }
+  return std::max(0.0, end - begin);
+}
+
+// Direction of the ray through the centre of a pixel, world frame, length 1.
+inline glm::dvec3 PixelDirection(const RenderView& view, int x, int y) {
+  return glm::normalize(view.cam_from_world.Inverse().rotation *
+                        view.camera.CamFromImage({x + 0.5, y + 0.5}));
+}
+
+inline glm::dvec3 Eye(const RenderView& view) { return view.cam_from_world.Inverse().translation; }
+
+// Every 4 x 2 block of a picture, row by row.
+inline std::vector<RayBlock> AllBlocks(const Camera& camera, uint32_t view = 0) {
+  std::vector<RayBlock> blocks;
+  for (int y = 0; y < camera.height; y += kRayBlockHeight) {
+    for (int x = 0; x < camera.width; x += kRayBlockWidth) {
+      blocks.push_back({view, uint32_t(x), uint32_t(y)});
+    }
+  }
+  return blocks;
+}
+
+// Holds renderers with validation on; a message of the layer fails the test that caused it.
+class RendererTest : public ::testing::Test {
+ protected:
+  // Skips the test where there is no Vulkan device.
+  TrainingRenderer& MakeRenderer(RendererOptions options = {}) {
+    options.device.validation = true;
+    renderers_.push_back(CreateMarchRenderer(options));
+    return *renderers_.back();
+  }
+
+  void SetUp() override {
+    try {
+      MakeRenderer();
+    } catch (const EnvironmentError& error) {
+      GTEST_SKIP() << error.what();
+    }
+    renderers_.clear();
+  }
+
+  void TearDown() override {
+    for (const auto& renderer : renderers_) {
+      EXPECT_EQ(renderer->ValidationMessages(), std::vector<std::string>{});
+    }
+  }
+
+ private:
+  std::vector<std::unique_ptr<TrainingRenderer>> renderers_;
+};
+
+}  // namespace tetrec::test

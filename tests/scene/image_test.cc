@@ -1,0 +1,247 @@
+#include "scene/image.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "expect_error.h"
+#include "scratch_folder.h"
+
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include <cmath>
+#include <random>
+
+namespace tetrec {
+namespace {
+
+Image RandomImage(int width, int height, int channels, uint32_t seed) {
+  std::mt19937 generator(seed);
+  Image image = MakeImage(width, height, channels);
+  for (uint8_t& value : image.pixels) value = uint8_t(generator());
+  return image;
+}
+
+// A picture with edges and gradients, which JPEG keeps well.
+Image SmoothImage(int width, int height) {
+  Image image = MakeImage(width, height, 3);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      image.At(x, y)[0] = uint8_t(255 * x / width);
+      image.At(x, y)[1] = uint8_t(255 * y / height);
+      image.At(x, y)[2] = 128;
+    }
+  }
+  return image;
+}
+
+std::vector<uint8_t> Encode(const std::string& extension, const cv::Mat& mat,
+                            const std::vector<int>& parameters = {}) {
+  std::vector<uint8_t> bytes;
+  EXPECT_TRUE(cv::imencode(extension, mat, bytes, parameters));
+  return bytes;
+}
+
+std::vector<uint8_t> SomeJpeg(const std::vector<int>& parameters = {}) {
+  cv::Mat mat(48, 64, CV_8UC3);
+  cv::randu(mat, 0, 255);
+  return Encode(".jpg", mat, parameters);
+}
+
+// The JPEG with an APP1 segment behind its start.
+std::vector<uint8_t> WithExif(std::vector<uint8_t> jpeg, const std::vector<uint8_t>& payload) {
+  std::vector<uint8_t> segment = {0xFF, 0xE1, uint8_t((payload.size() + 2) >> 8),
+                                  uint8_t(payload.size() + 2)};
+  segment.insert(segment.end(), payload.begin(), payload.end());
+  jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
+  return jpeg;
+}
+
+void ExpectTruncated(std::vector<uint8_t> bytes, size_t length) {
+  bytes.resize(length);
+  ExpectError<DataError>([&] { DecodeImage(bytes, "cut"); }, {"cut"});
+}
+
+// Second method: every pixel is split into target_w x target_h equal parts, so that each target
+// pixel is the mean of source_w x source_h whole parts.
+double MeanOfParts(const Image& image, int width, int height, int x, int y, int channel) {
+  double colour = 0, weight = 0;
+  for (int j = 0; j < image.height; ++j) {
+    for (int i = 0; i < image.width; ++i) {
+      const uint8_t* pixel =
+          image.At((x * image.width + i) / width, (y * image.height + j) / height);
+      const double alpha = image.channels == 4 ? pixel[3] : 1;
+      weight += channel == 3 ? 1 : alpha;
+      colour += channel == 3 ? alpha : alpha * pixel[channel];
+    }
+  }
+  return weight > 0 ? colour / weight : 0;
+}
+
+TEST(ResizeByArea, EqualsTheMeanOverEqualPartsOfThePixels) {
+  const int sizes[][4] = {{8, 8, 4, 4}, {9, 7, 4, 3}, {5, 5, 3, 2}, {3, 2, 7, 5}, {13, 4, 1, 1}};
+  for (const int channels : {3, 4}) {
+    for (const auto& size : sizes) {
+      const Image image = RandomImage(size[0], size[1], channels, 7);
+      const Image target = ResizeByArea(image, size[2], size[3]);
+      ASSERT_EQ(target.width, size[2]);
+      ASSERT_EQ(target.height, size[3]);
+      for (int y = 0; y < target.height; ++y) {
+        for (int x = 0; x < target.width; ++x) {
+          for (int c = 0; c < channels; ++c) {
+            const double exact = MeanOfParts(image, size[2], size[3], x, y, c);
+            // Rounded to the nearest level; both sides are exact but for double rounding.
+            EXPECT_NEAR(target.At(x, y)[c], exact, 0.5 + 1e-9)
+                << size[0] << "x" << size[1] << " -> " << size[2] << "x" << size[3] << " at " << x
+                << "," << y << " channel " << c;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(ResizeByArea, HidesTheColourOfTransparentPixels) {
+  Image image = MakeImage(2, 1, 4);
+  const uint8_t pixels[] = {200, 100, 50, 255, 125, 125, 125, 0};
+  image.pixels.assign(std::begin(pixels), std::end(pixels));
+  const Image target = ResizeByArea(image, 1, 1);
+  EXPECT_EQ(target.pixels, (std::vector<uint8_t>{200, 100, 50, 128}));
+  image.pixels[3] = 0;
+  EXPECT_EQ(ResizeByArea(image, 1, 1).pixels, (std::vector<uint8_t>{0, 0, 0, 0}));
+}
+
+TEST(ResizeByArea, KeepsAConstantPicture) {
+  Image image = MakeImage(37, 23, 3);
+  image.pixels.assign(image.pixels.size(), 201);
+  for (const int width : {1, 5, 36, 37, 50}) {
+    for (const uint8_t value : ResizeByArea(image, width, 11).pixels) EXPECT_EQ(value, 201);
+  }
+}
+
+TEST(ResizeByArea, OfTheSameSizeChangesNothing) {
+  const Image image = RandomImage(6, 5, 3, 3);
+  EXPECT_EQ(ResizeByArea(image, 6, 5).pixels, image.pixels);
+}
+
+TEST(CompositeOver, MixesByAlpha) {
+  Image image = MakeImage(3, 1, 4);
+  const uint8_t pixels[] = {10, 20, 30, 0, 10, 20, 30, 255, 10, 20, 30, 51};
+  image.pixels.assign(std::begin(pixels), std::end(pixels));
+  const Image over = CompositeOver(image, 255, 0, 110);
+  // alpha 51 is a fifth: 10 / 5 + 255 * 4 / 5 = 206.
+  EXPECT_EQ(over.pixels, (std::vector<uint8_t>{255, 0, 110, 10, 20, 30, 206, 4, 94}));
+}
+
+TEST(ImageFiles, PngReturnsTheSameBytes) {
+  const ScratchFolder folder;
+  for (const int channels : {3, 4}) {
+    const Image image = RandomImage(17, 9, channels, 5);
+    WriteImage(folder / "a.png", image);
+    const Image read = ReadImage(folder / "a.png");
+    EXPECT_EQ(read.width, 17);
+    EXPECT_EQ(read.height, 9);
+    EXPECT_EQ(read.channels, channels);
+    EXPECT_EQ(read.pixels, image.pixels);
+  }
+}
+
+TEST(ImageFiles, JpegReturnsAboutTheSameColoursInTheSameOrder) {
+  const ScratchFolder folder;
+  const Image image = SmoothImage(64, 48);
+  WriteImage(folder / "a.jpg", image);
+  const Image read = ReadImage(folder / "a.jpg");
+  ASSERT_EQ(read.pixels.size(), image.pixels.size());
+  // JPEG at quality 95 of a smooth picture; swapped channels would be off by up to 255.
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    EXPECT_NEAR(read.pixels[i], image.pixels[i], 12) << i;
+  }
+}
+
+TEST(ImageFiles, JpegIsReadAsStoredDespiteItsExifRotation) {
+  // TIFF header, one entry: orientation (0x0112) 6, a quarter turn.
+  const std::vector<uint8_t> exif = {'E',  'x',  'i', 'f', 0, 0, 'I', 'I', 42, 0, 8, 0, 0, 0, 1, 0,
+                                     0x12, 0x01, 3,   0,   1, 0, 0,   0,   6,  0, 0, 0, 0, 0, 0, 0};
+  const std::vector<uint8_t> jpeg = SomeJpeg();
+  const Image plain = DecodeImage(jpeg, "plain"),
+              turned = DecodeImage(WithExif(jpeg, exif), "turned");
+  EXPECT_EQ(turned.width, 64);
+  EXPECT_EQ(turned.height, 48);
+  EXPECT_EQ(turned.pixels, plain.pixels);
+  // The tag is understood by whoever obeys it; else this test would prove nothing.
+  const cv::Mat obeyed = cv::imdecode(WithExif(jpeg, exif), cv::IMREAD_COLOR);
+  EXPECT_EQ(obeyed.cols, 48);
+}
+
+TEST(ImageFiles, SixteenBitsGreyAndPaletteBecomeEightBitColours) {
+  const cv::Mat deep(1, 3, CV_16UC3, cv::Scalar(65535, 257 * 100 + 100, 0));  // blue, green, red
+  const Image image = DecodeImage(Encode(".png", deep), "deep");
+  EXPECT_EQ(image.pixels, (std::vector<uint8_t>{0, 100, 255, 0, 100, 255, 0, 100, 255}));
+
+  const cv::Mat grey(2, 1, CV_8UC1, cv::Scalar(77));
+  EXPECT_EQ(DecodeImage(Encode(".png", grey), "grey").pixels, std::vector<uint8_t>(6, 77));
+
+  // 2 x 2 pixels of a palette: red, green with alpha 128, blue, white.
+  const std::vector<uint8_t> palette = {
+      0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48,
+      0x44, 0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x02, 0x08, 0x03, 0x00, 0x00,
+      0x00, 0x45, 0x68, 0xfd, 0x16, 0x00, 0x00, 0x00, 0x0c, 0x50, 0x4c, 0x54, 0x45, 0xff,
+      0x00, 0x00, 0x00, 0xff, 0x00, 0x00, 0x00, 0xff, 0xff, 0xff, 0xff, 0xfb, 0x00, 0x60,
+      0xf6, 0x00, 0x00, 0x00, 0x02, 0x74, 0x52, 0x4e, 0x53, 0xff, 0x80, 0x08, 0x0f, 0xb3,
+      0x6a, 0x00, 0x00, 0x00, 0x0e, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0x60, 0x60,
+      0x64, 0x60, 0x62, 0x06, 0x00, 0x00, 0x11, 0x00, 0x07, 0x9e, 0xa2, 0x2a, 0x12, 0x00,
+      0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  const Image colours = DecodeImage(palette, "palette");
+  ASSERT_EQ(colours.channels, 4);
+  EXPECT_EQ(colours.pixels, (std::vector<uint8_t>{255, 0, 0, 255, 0, 255, 0, 128,  //
+                                                  0, 0, 255, 255, 255, 255, 255, 255}));
+}
+
+TEST(ImageFiles, APngCutAnywhereIsRefused) {
+  cv::Mat mat(40, 40, CV_8UC4);
+  cv::randu(mat, 0, 255);
+  const std::vector<uint8_t> png = Encode(".png", mat);
+  for (size_t length = 0; length < png.size(); length += 1 + length / 8)
+    ExpectTruncated(png, length);
+  ExpectTruncated(png, png.size() - 1);
+}
+
+TEST(ImageFiles, AJpegCutAnywhereIsRefused) {
+  // A thumbnail of its own inside must not pass for the picture's end.
+  const std::vector<uint8_t> thumbnail = {0xFF, 0xD8, 0xFF, 0xD9};
+  for (const int progressive : {0, 1}) {
+    const std::vector<uint8_t> jpeg =
+        WithExif(SomeJpeg({cv::IMWRITE_JPEG_PROGRESSIVE, progressive}), thumbnail);
+    EXPECT_EQ(DecodeImage(jpeg, "whole").width, 64);
+    for (size_t length = 0; length < jpeg.size(); length += 1 + length / 8) {
+      ExpectTruncated(jpeg, length);
+    }
+    ExpectTruncated(jpeg, jpeg.size() - 1);
+  }
+}
+
+TEST(ImageFiles, BytesBehindTheEndOfAJpegDoNotMatter) {
+  std::vector<uint8_t> jpeg = SomeJpeg();
+  const Image image = DecodeImage(jpeg, "plain");
+  jpeg.insert(jpeg.end(), 100, 0xAB);
+  EXPECT_EQ(DecodeImage(jpeg, "trailer").pixels, image.pixels);
+}
+
+TEST(ImageFiles, OtherThingsAreRefusedWithTheirName) {
+  const ScratchFolder folder;
+  ExpectError<DataError>([&] { ReadImage(folder / "none.png"); }, {"none.png"});
+  ExpectError<DataError>([&] { ReadImage(folder.Write("e.png", "")); }, {"e.png", "empty"});
+  ExpectError<DataError>([&] { ReadImage(folder.Write("t.png", "no picture at all")); },
+                         {"t.png", "not a picture"});
+  const cv::Mat real(4, 4, CV_32FC3, cv::Scalar(0.5, 0.5, 0.5));
+  ExpectError<DataError>([&] { DecodeImage(Encode(".tiff", real), "real.tiff"); },
+                         {"real.tiff", "8 nor 16 bit"});
+}
+
+TEST(ImageFiles, AHugePictureIsRefusedBeforeItIsDecoded) {
+  std::vector<uint8_t> png = Encode(".png", cv::Mat(2, 2, CV_8UC3, cv::Scalar(0)));
+  png[16] = 0x00, png[17] = 0x01, png[18] = 0x86, png[19] = 0xA0;  // 100,000 wide
+  ExpectError<DataError>([&] { DecodeImage(png, "wide"); }, {"wide", "100000 x 2"});
+}
+
+}  // namespace
+}  // namespace tetrec

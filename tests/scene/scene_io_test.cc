@@ -1,0 +1,174 @@
+#include "core/error.h"
+#include "core/file.h"
+#include "expect_error.h"
+#include "scene/scene.h"
+#include "scratch_folder.h"
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace tetrec {
+namespace {
+
+glm::dmat3 Turn(double angle) {
+  return glm::dmat3(
+      glm::rotate(glm::dmat4(1.0), angle, glm::normalize(glm::dvec3(1.0, 0.3, -0.7))));
+}
+
+Scene SomeScene() {
+  Scene scene;
+  scene.cameras = {{64, 48, 70.1, 70.2, 31.5, 24.25}, {32, 32, 40, 40, 16, 16}};
+  scene.views = {
+      {"train/a", "images/train/a.png", 0, {Turn(0.4), {0.1, -2, 1.0 / 3}}, Split::kTrain},
+      {"val/b", "images/val/b.png", 1, {Turn(1.4), {1e-7, 2, 5}}, Split::kValidation},
+      {"test/c", "images/test/c.png", 1, {Turn(-2.4), {3, 2, 5}}, Split::kTest}};
+  scene.points = {{{0.1, 0.2, -1e-9}, {1, 2, 255}, 0.5f, 3}, {{-7, 8, 9}, {0, 0, 0}, 1.25f, 40}};
+  scene.subject_bounds = {{-1, -0.5, -0.25}, {1, 0.5, 0.25}};
+  scene.background = Background::kBlack;
+  scene.has_alpha = true;
+  scene.input_from_world = {2.5, Turn(0.2), {10, 20, 30}};
+  return scene;
+}
+
+void WriteWithPictures(const ScratchFolder& folder, const Scene& scene) {
+  for (const View& view : scene.views) folder.Write(view.image, "only its presence is checked");
+  WriteScene(folder.path(), scene);
+}
+
+TEST(SceneFile, ReadsBackWhatWasWritten) {
+  const ScratchFolder folder;
+  const Scene scene = SomeScene();
+  WriteWithPictures(folder, scene);
+  const Scene read = ReadScene(folder.path());
+
+  ASSERT_EQ(read.cameras.size(), scene.cameras.size());
+  for (size_t i = 0; i < scene.cameras.size(); ++i) {
+    EXPECT_EQ(read.cameras[i].width, scene.cameras[i].width);
+    EXPECT_EQ(read.cameras[i].height, scene.cameras[i].height);
+    EXPECT_EQ(read.cameras[i].fx, scene.cameras[i].fx);
+    EXPECT_EQ(read.cameras[i].fy, scene.cameras[i].fy);
+    EXPECT_EQ(read.cameras[i].cx, scene.cameras[i].cx);
+    EXPECT_EQ(read.cameras[i].cy, scene.cameras[i].cy);
+  }
+  ASSERT_EQ(read.views.size(), scene.views.size());
+  for (size_t i = 0; i < scene.views.size(); ++i) {
+    EXPECT_EQ(read.views[i].name, scene.views[i].name);
+    EXPECT_EQ(read.views[i].image, scene.views[i].image);
+    EXPECT_EQ(read.views[i].camera, scene.views[i].camera);
+    EXPECT_EQ(read.views[i].split, scene.views[i].split);
+    EXPECT_EQ(read.views[i].cam_from_world.rotation, scene.views[i].cam_from_world.rotation);
+    EXPECT_EQ(read.views[i].cam_from_world.translation, scene.views[i].cam_from_world.translation);
+  }
+  ASSERT_EQ(read.points.size(), scene.points.size());
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    EXPECT_EQ(read.points[i].position, scene.points[i].position);
+    EXPECT_EQ(read.points[i].color_srgb, scene.points[i].color_srgb);
+    EXPECT_EQ(read.points[i].reprojection_error_px, scene.points[i].reprojection_error_px);
+    EXPECT_EQ(read.points[i].track_length, scene.points[i].track_length);
+  }
+  EXPECT_EQ(read.subject_bounds.min, scene.subject_bounds.min);
+  EXPECT_EQ(read.subject_bounds.max, scene.subject_bounds.max);
+  EXPECT_EQ(read.background, scene.background);
+  EXPECT_EQ(read.has_alpha, scene.has_alpha);
+  EXPECT_EQ(read.input_from_world.scale, scene.input_from_world.scale);
+  EXPECT_EQ(read.input_from_world.rotation, scene.input_from_world.rotation);
+  EXPECT_EQ(read.input_from_world.translation, scene.input_from_world.translation);
+}
+
+TEST(SceneFile, WithoutPointsLeavesNoPointsFileOfAnEarlierRun) {
+  const ScratchFolder folder;
+  Scene scene = SomeScene();
+  WriteWithPictures(folder, scene);
+  scene.points.clear();
+  WriteScene(folder.path(), scene);
+  EXPECT_FALSE(std::filesystem::exists(folder / "points.ply"));
+  EXPECT_TRUE(ReadScene(folder.path()).points.empty());
+}
+
+TEST(SceneFile, RefusesEveryBrokenFieldByName) {
+  using Json = nlohmann::json;
+  struct Case {
+    const char* field;
+    std::function<void(Json&)> spoil;
+  };
+  const Case cases[] = {
+      {"schema", [](Json& j) { j["schema"] = 2; }},
+      {"schema", [](Json& j) { j.erase("schema"); }},
+      {"background", [](Json& j) { j["background"] = "green"; }},
+      {"has_alpha", [](Json& j) { j["has_alpha"] = 1; }},
+      {"subject_bounds", [](Json& j) { j["subject_bounds"]["min"][1] = 0.5; }},
+      {"subject_bounds.max", [](Json& j) { j["subject_bounds"]["max"].push_back(1); }},
+      {"input_from_world.scale", [](Json& j) { j["input_from_world"]["scale"] = 0; }},
+      {"cameras", [](Json& j) { j["cameras"] = "none"; }},
+      {"cameras[0].width", [](Json& j) { j["cameras"][0]["width"] = 0; }},
+      {"cameras[0].width", [](Json& j) { j["cameras"][0]["width"] = 64.5; }},
+      {"cameras[1].height", [](Json& j) { j["cameras"][1]["height"] = 18446744073709551615u; }},
+      {"cameras[1].fx", [](Json& j) { j["cameras"][1]["fx"] = -40; }},
+      {"cameras[1].cy", [](Json& j) { j["cameras"][1]["cy"] = nullptr; }},
+      {"views", [](Json& j) { j["views"] = Json::array(); }},
+      {"views[1].camera", [](Json& j) { j["views"][1]["camera"] = 2; }},
+      {"views[1].camera", [](Json& j) { j["views"][1]["camera"] = -1; }},
+      {"views[2].name", [](Json& j) { j["views"][2]["name"] = "train/a"; }},
+      {"views[2].name", [](Json& j) { j["views"][2]["name"] = "../c"; }},
+      {"views[0].image", [](Json& j) { j["views"][0]["image"] = "../outside.png"; }},
+      {"views[0].image", [](Json& j) { j["views"][0]["image"] = "/etc/passwd"; }},
+      {"views[0].image", [](Json& j) { j["views"][0]["image"] = "images/none.png"; }},
+      {"views[0].image", [](Json& j) { j["views"][0]["image"] = std::string(5000, 'x'); }},
+      {"views[0].split", [](Json& j) { j["views"][0]["split"] = "val"; }},
+      {"views[0].cam_from_world.rotation",
+       [](Json& j) { j["views"][0]["cam_from_world"]["rotation"][0][0] = 3.0; }},
+      {"views[0].cam_from_world.rotation",
+       [](Json& j) {  // a mirror
+         j["views"][0]["cam_from_world"]["rotation"] = {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
+       }},
+      {"views[0].cam_from_world.translation[2]",
+       [](Json& j) { j["views"][0]["cam_from_world"]["translation"][2] = "near"; }},
+      {"2 points", [](Json& j) { j["point_count"] = 3; }},
+      {"point_count", [](Json& j) { j["point_count"] = -1; }},
+  };
+  const ScratchFolder folder;
+  WriteWithPictures(folder, SomeScene());
+  const nlohmann::json good = ReadJson(folder / "scene.json");
+  for (const Case& broken : cases) {
+    SCOPED_TRACE(broken.field);
+    nlohmann::json json = good;
+    broken.spoil(json);
+    WriteJson(folder / "scene.json", json);
+    ExpectError<DataError>([&] { ReadScene(folder.path()); },
+                           {folder.path().string(), broken.field});
+  }
+}
+
+TEST(SceneFile, RefusesPointsThatAreNotFinite) {
+  const ScratchFolder folder;
+  WriteWithPictures(folder, SomeScene());
+  folder.Write("points.ply",
+               "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"
+               "property double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+               "property float reprojection_error\nproperty uint track_length\nend_header\n"
+               "0 0 0 1 2 3 0.5 3\n1 nan 0 4 5 6 0.25 4\n");
+  ExpectError<DataError>([&] { ReadScene(folder.path()); }, {"points.ply"});
+}
+
+TEST(SceneFile, IsNotWrittenWithWhatCouldNotBeReadBack) {
+  const ScratchFolder folder;
+  Scene scene = SomeScene();
+  scene.views[1].cam_from_world.translation.y = std::nan("");
+  ExpectError<DataError>([&] { WriteScene(folder.path(), scene); },
+                         {"views[1].cam_from_world.translation[1]"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "scene.json"));
+}
+
+TEST(Scene, HeldOutViewsAreTestElseValidation) {
+  Scene scene = SomeScene();
+  EXPECT_EQ(scene.HeldOutViews(), std::vector<int>{2});
+  scene.views[2].split = Split::kTrain;
+  EXPECT_EQ(scene.HeldOutViews(), std::vector<int>{1});
+  EXPECT_EQ(scene.ViewsOf(Split::kTrain), (std::vector<int>{0, 2}));
+}
+
+}  // namespace
+}  // namespace tetrec

@@ -1,0 +1,101 @@
+#include "surface/clean.h"
+
+#include "core/error.h"
+#include "surface/measure.h"
+#include "surface/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace tetrec {
+namespace {
+
+TriangleMesh Sphere(double radius, const glm::dvec3& center, bool inward = false) {
+  static const TetMesh mesh = JitteredBox(14);
+  static const LevelSet set = MarchTetrahedra(mesh, Sampled(mesh, Ball), 0);
+  TriangleMesh sphere = AsTriangles(set);
+  for (glm::vec3& p : sphere.positions) p = glm::vec3(radius * glm::dvec3(p) + center);
+  if (inward) {
+    for (glm::uvec3& t : sphere.triangles) std::swap(t.y, t.z);
+  }
+  for (size_t v = 0; v < sphere.positions.size(); ++v) {
+    sphere.colors_srgb.push_back({uint8_t(v), uint8_t(v >> 8), 7});
+  }
+  return sphere;
+}
+
+TriangleMesh Joined(std::initializer_list<TriangleMesh> parts) {
+  TriangleMesh all;
+  for (const TriangleMesh& part : parts) {
+    const uint32_t offset = uint32_t(all.positions.size());
+    all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
+    all.colors_srgb.insert(all.colors_srgb.end(), part.colors_srgb.begin(), part.colors_srgb.end());
+    for (const glm::uvec3& t : part.triangles) all.triangles.push_back(t + offset);
+  }
+  return all;
+}
+
+TEST(KeepLargePieces, DropsSmallPiecesAndCavities) {
+  const TriangleMesh large = Sphere(1, {0, 0, 0});
+  const TriangleMesh all = Joined(
+      {Sphere(0.05, {3, 0, 0}), large, Sphere(0.5, {0, 0, 0}, true), Sphere(0.3, {0, 4, 0})});
+  const CleanResult result = KeepLargePieces(all, {});
+  EXPECT_EQ(result.components, 4u);
+  EXPECT_EQ(result.dropped_small, 1u);
+  EXPECT_EQ(result.dropped_cavities, 1u);
+  EXPECT_EQ(result.dropped_triangles, 2 * large.triangles.size());
+  EXPECT_EQ(result.mesh.positions.size(), 2 * large.positions.size());
+  EXPECT_EQ(result.mesh.colors_srgb.size(), result.mesh.positions.size());
+  EXPECT_EQ(result.mesh.colors_srgb[300], large.colors_srgb[300]);
+  EXPECT_TRUE(MeasureSurface(result.mesh).IsClosedManifold());
+  CleanOptions keep;
+  keep.keep_cavities = true;
+  keep.min_component_share = 0;
+  EXPECT_EQ(KeepLargePieces(all, keep).mesh.triangles, all.triangles);
+}
+
+TEST(Decimate, KeepsShapeTopologyAndColours) {
+  const TriangleMesh sphere = Sphere(1, {0, 0, 0});
+  const TriangleMesh small = Decimate(sphere, sphere.triangles.size() / 4);
+  EXPECT_LE(small.triangles.size(), sphere.triangles.size() / 4);
+  EXPECT_GT(small.triangles.size(), sphere.triangles.size() / 5);
+  const SurfaceFacts facts = MeasureSurface(small);
+  EXPECT_TRUE(facts.IsClosedManifold());
+  EXPECT_EQ(facts.euler_characteristic, 2);
+  EXPECT_NEAR(facts.volume, 4 * std::numbers::pi / 3, 0.1);
+  for (size_t v = 0; v < small.positions.size(); ++v) {
+    const auto& c = small.colors_srgb[v];
+    EXPECT_EQ(sphere.positions[size_t(c[0] | c[1] << 8)], small.positions[v]);
+  }
+  EXPECT_EQ(Decimate(sphere, sphere.triangles.size()).triangles, sphere.triangles);
+}
+
+TEST(Decimate, RefusesWhatIsNoManifold) {
+  TriangleMesh book;
+  book.positions = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}};
+  book.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
+  EXPECT_THROW(Decimate(book, 1), DataError);
+}
+
+TEST(Transformed, ScalesAreasBySquareOfTheScale) {
+  const TriangleMesh sphere = Sphere(1, {0, 0, 0});
+  // A quarter turn about z.
+  const Similarity3 transform{3.0, glm::dmat3({0, 1, 0}, {-1, 0, 0}, {0, 0, 1}), {10, 20, 30}};
+  const SurfaceFacts before = MeasureSurface(sphere),
+                     after = MeasureSurface(Transformed(sphere, transform));
+  EXPECT_NEAR(after.area, 9 * before.area, 1e-4 * after.area);  // float vertices
+  EXPECT_NEAR(after.volume, 27 * before.volume, 1e-4 * after.volume);
+}
+
+TEST(MeasureSurface, FindsAVertexThatJoinsTwoPieces) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
+  const SurfaceFacts facts = MeasureSurface(mesh);
+  EXPECT_EQ(facts.non_manifold_vertices, 1u);
+  EXPECT_EQ(facts.border_edges, 6u);
+}
+
+}  // namespace
+}  // namespace tetrec
