@@ -22,16 +22,19 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
                  "learning rates fall exponentially to this share")
       ->check(CLI::Range(1e-6, 1.0));
   app.add_option("--max-density", options.max_density, "upper bound of density [1 / world unit]");
-  app.add_option("--jitter", options.jitter_px, "rays move inside their pixel by up to half of this [px]")
+  app.add_option("--jitter", options.jitter_px,
+                 "rays move inside their pixel by up to half of this [px]")
       ->check(CLI::Range(0.0, 2.0));
   app.add_option("--subject-share", options.subject_share,
                  "share of the rays drawn where the masks show something")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_flag("--random-background,!--fixed-background", options.random_background,
-               "another background each step tells empty from background-coloured; else the scene's");
+  app.add_flag(
+      "--random-background,!--fixed-background", options.random_background,
+      "another background each step tells empty from background-coloured; else the scene's");
   app.add_option("--rounds", options.schedule.rounds, "refinements of the mesh")
       ->check(CLI::Range(0, 100));
-  app.add_option("--last-round", options.schedule.last_round, "share of the run before the last refinement")
+  app.add_option("--last-round", options.schedule.last_round,
+                 "share of the run before the last refinement")
       ->check(CLI::Range(0.01, 1.0));
   app.add_option("--max-vertices", options.max_vertices, "vertices; 0: what the time affords");
   app.add_option("--score-rays", options.score_rays_per_tet,
@@ -40,8 +43,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   app.add_option("--watched-views", options.watched_views,
                  "held-out views whose PSNR goes into metrics.csv")
       ->check(CLI::Range(0, 1000));
-  command.DoesNotChangeResults(app.add_option("--checkpoint-interval", options.checkpoint_interval_s,
-                                              "seconds between checkpoints"));
+  command.DoesNotChangeResults(app.add_option(
+      "--checkpoint-interval", options.checkpoint_interval_s, "seconds between checkpoints"));
   command.DoesNotChangeResults(app.add_option("--device", options.renderer.device.device,
                                               "Vulkan device: auto, cpu, gpu or a number"));
 }
@@ -50,8 +53,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
-  tetrec::StageCommand command("optimize", 1,
-                               "Fits density and colour on a tet mesh to the pictures of its scene.");
+  tetrec::StageCommand command(
+      "optimize", 1, "Fits density and colour on a tet mesh to the pictures of its scene.");
   command.InputStage("TETRAHEDRA", "folder of tetrec-tetrahedralize", {"tetrahedralize"});
   AddOptions(command, options);
   return command.Run(

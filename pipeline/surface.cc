@@ -64,7 +64,7 @@ float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
 }
 
 TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, Stage& stage) {
-  CleanResult kept = KeepLargePieces(raw, options.clean);
+  CleanResult kept = KeepLargePieces(SeparateFans(raw), options.clean);
   LogInfo("pieces: {} in all, {} dropped as small, {} as cavities ({} triangles)",
           WithThousands(kept.components), WithThousands(kept.dropped_small),
           WithThousands(kept.dropped_cavities), WithThousands(kept.dropped_triangles));

@@ -22,14 +22,12 @@ libglm-dev                  geometry: vectors and matrices
 libopencv-core-dev          scene, eval: pictures
 libopencv-imgproc-dev       scene, eval: pictures
 libopencv-imgcodecs-dev     scene, eval: picture files
-libopencv-videoio-dev       render: camera paths as video
 libcgal-dev                 mesh: Delaunay tetrahedralization
 libopenmesh-dev             surface: clean-up
 libnanoflann-dev            eval: nearest points
 libvulkan-dev               gpu: headers and loader
 mesa-vulkan-drivers         gpu: lavapipe, the Vulkan device of a machine without one
 glslang-tools               shaders: GLSL to SPIR-V
-spirv-tools                 shaders: SPIR-V optimisation and validation
 vulkan-validationlayers     tests: any message of the validation layer fails a test
 libgtest-dev                tests
 libgmock-dev                tests

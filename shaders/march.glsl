@@ -13,7 +13,12 @@
 // The including kernel defines Payload, the per-vertex quantity carried beside the density, and
 // MakePayload(color).
 
+#define TETREC_NEVER (push.ray_count == 0u)
+
 #include "shared/gpu_types.glsl.h"
+
+layout(push_constant) uniform Push { MarchPush push; };
+
 #include "shared/segment.glsl.h"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -24,7 +29,6 @@ layout(binding = kBindHull) uniform textureBuffer hull;
 layout(std430, binding = kBindViews) readonly buffer Views { GpuView views[]; };
 layout(std430, binding = kBindBlocks) readonly buffer Blocks { GpuBlock blocks[]; };
 layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
-layout(push_constant) uniform Push { MarchPush push; };
 
 const uint kNoTet = 0xFFFFFFFFu;
 const uint kMiss = 0xFFFFFFFFu;
@@ -47,6 +51,15 @@ struct MarchState {
   Corner a, b, c;
   vec3 e;
   uint tet;
+};
+
+// Where a ray begins: on the entry triangle, or at a camera inside the first tet. Barycentric weights
+// of the begin on the corners a, b, c and on the first tet's fourth vertex.
+struct Begin {
+  float z, density;
+  Payload payload;
+  vec3 w;
+  float w_apex;
 };
 
 // PCG hash (Jarzynski and Olano 2020, "Hash functions for GPU rendering").
@@ -90,6 +103,8 @@ Corner FetchCorner(Ray ray, uint id) {
   vec3 r = place.xyz - ray.origin;
   Corner corner;
   corner.p = vec3(dot(r, ray.u), dot(r, ray.v), dot(r, ray.direction));
+  // A ray exactly through a vertex passes beside it, always on the same side: it cannot circle there.
+  if (corner.p.x == 0.0 && corner.p.y == 0.0) corner.p.x = 1e-20;
   corner.density = place.w;
   corner.payload = MakePayload(color.rgb);
   corner.id = id;
@@ -127,7 +142,8 @@ uint FindEntryFace(Ray ray, float rounding) {
   uint i = 0u;
   while (i < push.hull_faces) {
     vec4 plane = texelFetch(hull, int(2u * i));
-    if (dot(plane.xyz, ray.direction) < 0.0 && abs(dot(plane.xyz, ray.origin) - plane.w) <= rounding) {
+    TETREC_RARELY(dot(plane.xyz, ray.direction) < 0.0 &&
+                  abs(dot(plane.xyz, ray.origin) - plane.w) <= rounding) {
       uvec4 ids = floatBitsToUint(texelFetch(hull, int(2u * i + 1u)));
       float inside = Least(EdgeFunctions(FetchCorner(ray, ids.x), FetchCorner(ray, ids.y),
                                          FetchCorner(ray, ids.z)));
@@ -176,11 +192,8 @@ MarchState EnterFromInside(Ray ray, uint t) {
   return state;
 }
 
-// Moves the ray's origin to where the ray enters the hull, so that the frame's coordinates are as
-// precise as the mesh is small. Returns the length inside the hull.
-float MoveToHull(inout Ray ray, vec2 interval) {
-  ray.origin += interval.x * ray.direction;
-  return interval.y - interval.x;
+Corner FetchApex(Ray ray, MarchState state, uvec4 ids) {
+  return FetchCorner(ray, ids.x ^ ids.y ^ ids.z ^ ids.w ^ state.a.id ^ state.b.id ^ state.c.id);
 }
 
 // Barycentric weights of the hit point on the triangle of the state.
@@ -198,8 +211,11 @@ vec3 HitWeights(MarchState state) {
 uint StepThrough(inout MarchState state, Corner fresh, uvec4 ids, uvec4 neighbors) {
   float sa = EdgeFunction(state.a, fresh), sb = EdgeFunction(state.b, fresh);
   float sc = EdgeFunction(state.c, fresh);
-  bool c_leaves = sa < 0.0 && sb >= 0.0;
-  bool b_leaves = sa >= 0.0 && sc < 0.0;
+  // How deep inside the three exit triangles the ray is: exactly one is positive, unless the ray
+  // meets an edge or a vertex and rounding has its say; then the one least wrong.
+  float without_a = min(sc, -sb), without_b = min(sa, -sc), without_c = min(sb, -sa);
+  bool c_leaves = without_c >= max(without_a, without_b);
+  bool b_leaves = !c_leaves && without_b >= without_a;
   uint leaving_id;
   uint leaving;
   if (c_leaves) {
@@ -225,6 +241,47 @@ uint StepThrough(inout MarchState state, Corner fresh, uvec4 ids, uvec4 neighbor
   return leaving;
 }
 
-Corner FetchApex(Ray ray, MarchState state, uvec4 ids) {
-  return FetchCorner(ray, ids.x ^ ids.y ^ ids.z ^ ids.w ^ state.a.id ^ state.b.id ^ state.c.id);
+Begin BeginOnTriangle(MarchState state) {
+  Begin begin;
+  begin.w = HitWeights(state);
+  begin.w_apex = 0.0;
+  begin.z = AtHit(begin.w, state, p.z);
+  begin.density = AtHit(begin.w, state, density);
+  begin.payload = AtHit(begin.w, state, payload);
+  return begin;
+}
+
+// The frame's origin is the camera: its weights are ratios of the volumes of the tets that it forms
+// with the faces.
+Begin BeginAtCamera(MarchState state, Corner apex) {
+  vec3 a = state.a.p, b = state.b.p, c = state.c.p, d = apex.p;
+  vec4 volumes = vec4(dot(b, cross(d, c)), dot(a, cross(c, d)), dot(a, cross(d, b)), dot(a, cross(b, c)));
+  volumes = max(sign(dot(b - a, cross(d - a, c - a))) * volumes, vec4(0.0));
+  float sum = volumes.x + volumes.y + volumes.z + volumes.w;
+  volumes = sum > 0.0 ? volumes / sum : vec4(0.25);
+  Begin begin;
+  begin.w = volumes.xyz;
+  begin.w_apex = volumes.w;
+  begin.z = 0.0;
+  begin.density = AtHit(begin.w, state, density) + begin.w_apex * apex.density;
+  begin.payload = AtHit(begin.w, state, payload) + begin.w_apex * apex.payload;
+  return begin;
+}
+
+// How a ray came into the mesh; x: hull face, or kMiss; y: distance to it, as bits.
+#define Entry uvec2
+const Entry kNoEntry = Entry(kMiss, 0u);
+
+// Lets the ray begin: at its camera's tet, or at its entry into the hull. There the ray's origin is
+// moved to the hull, so that the frame's coordinates are as precise as the mesh is small.
+void BeginMarch(inout Ray ray, Entry entry, bool go, inout MarchState state, inout Begin begin) {
+  TETREC_RARELY(go && ray.start_tet != kNoTet) {
+    state = EnterFromInside(ray, ray.start_tet);
+    begin = BeginAtCamera(state, FetchApex(ray, state, texelFetch(tets, int(2u * ray.start_tet))));
+  }
+  TETREC_RARELY(go && ray.start_tet == kNoTet) {
+    ray.origin += uintBitsToFloat(entry.y) * ray.direction;
+    state = EnterThroughFace(ray, entry.x);
+    begin = BeginOnTriangle(state);
+  }
 }

@@ -7,7 +7,7 @@
 #include "march.glsl"
 
 layout(std430, binding = kBindRayColors) writeonly buffer RayColors { vec4 ray_colors[]; };
-layout(std430, binding = kBindRayStates) writeonly buffer RayStates { uint ray_states[]; };
+layout(std430, binding = kBindRayEntries) writeonly buffer RayEntries { Entry ray_entries[]; };
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
@@ -15,63 +15,79 @@ void main() {
   Ray ray = MakeRay(exists ? index : 0u);
   bool go = exists && ray.valid;
   bool inside = ray.start_tet != kNoTet;
-  uint face = kMiss;
+  Entry entry = kNoEntry;
   float hull_length = 0.0;
+  float far = 0.0;
   MarchState state;
+  Begin begin;
   state.tet = kNoTet;
-  if (go && inside) {
-    state = EnterFromInside(ray, ray.start_tet);
-  } else if (go) {
+  TETREC_RARELY(go && !inside) {
     vec2 interval = HullInterval(ray);
+    far = interval.y;
     go = interval.x <= interval.y && interval.x >= 0.0;
-    if (go) {
-      hull_length = MoveToHull(ray, interval);
+    TETREC_RARELY(go) {
+      hull_length = far - interval.x;
+      Ray at_hull = ray;
+      at_hull.origin += interval.x * ray.direction;
       // A few roundings of coordinates as large as the way to the far side of the hull.
-      face = FindEntryFace(ray, 4e-6 * interval.y);
-      go = face != kMiss;
-      if (go) state = EnterThroughFace(ray, face);
+      entry = Entry(FindEntryFace(at_hull, 4e-6 * far), floatBitsToUint(interval.x));
+      go = entry.x != kMiss;
     }
   }
   bool hit = go;
+  BeginMarch(ray, entry, go, state, begin);
 
   vec3 color = vec3(0.0);
   float depth = 0.0;  // optical
   uint steps = 0u;
-  vec3 w = HitWeights(state);
-  float z0 = AtHit(w, state, p.z);
-  float density0 = AtHit(w, state, density);
-  vec3 color0 = AtHit(w, state, payload);
+  float z0 = begin.z;
+  float density0 = begin.density;
+  vec3 color0 = begin.payload;
   while (go) {
-    uvec4 ids = texelFetch(tets, int(2u * state.tet));
-    uvec4 neighbors = texelFetch(tets, int(2u * state.tet + 1u));
-    StepThrough(state, FetchApex(ray, state, ids), ids, neighbors);
-    w = HitWeights(state);
-    float z1 = max(z0, AtHit(w, state, p.z));
-    float density1 = AtHit(w, state, density);
-    vec3 color1 = AtHit(w, state, payload);
-    // A camera inside the first tet: the segment begins at the camera.
-    float behind = (inside && z0 < 0.0) ? (z1 > 0.0 ? -z0 / (z1 - z0) : 1.0) : 0.0;
-    float near_density = mix(density0, density1, behind);
-    float length_in_tet = (1.0 - behind) * (z1 - z0);
-    float s0 = near_density * length_in_tet, s1 = density1 * length_in_tet;
-    SegmentWeights segment = IntegrateSegment(s0, s1);
-    color += exp(-depth) * (segment.w0 * mix(color0, color1, behind) + segment.w1 * color1);
-    depth += 0.5 * (s0 + s1);
-    z0 = z1;
-    density0 = density1;
-    color0 = color1;
-    steps += 1u;
-    go = state.tet != kNoTet && depth < push.stop_depth && steps < push.max_steps;
+    // Thick segments are integrated outside the inner loop, which they would slow down for all.
+    bool thick = false;
+    float s0 = 0.0, s1 = 0.0;
+    vec3 color_before = color0;
+    while (go && !thick) {
+      uvec4 ids = texelFetch(tets, int(2u * state.tet));
+      uvec4 neighbors = texelFetch(tets, int(2u * state.tet + 1u));
+      StepThrough(state, FetchApex(ray, state, ids), ids, neighbors);
+      vec3 w = HitWeights(state);
+      float z1 = max(z0, AtHit(w, state, p.z));
+      float density1 = AtHit(w, state, density);
+      vec3 color1 = AtHit(w, state, payload);
+      s0 = density0 * (z1 - z0);
+      s1 = density1 * (z1 - z0);
+      thick = !IsThinSegment(s0, s1);
+      if (!thick) {
+        SegmentWeights segment = IntegrateThinSegment(s0, s1);
+        color += exp(-depth) * (segment.w0 * color0 + segment.w1 * color1);
+        depth += 0.5 * (s0 + s1);
+      }
+      color_before = color0;
+      z0 = z1;
+      density0 = density1;
+      color0 = color1;
+      steps += 1u;
+      go = state.tet != kNoTet && depth < push.stop_depth && steps < push.max_steps;
+    }
+    if (thick) {
+      SegmentWeights segment = IntegrateThickSegment(s0, s1);
+      color += exp(-depth) * (segment.w0 * color_before + segment.w1 * color0);
+      depth += 0.5 * (s0 + s1);
+      go = go && depth < push.stop_depth;
+    }
   }
 
   if (exists) {
     ray_colors[index] = vec4(color, depth);
-    ray_states[index] = face;
+    ray_entries[index] = entry;
   }
   // A ray that did not stop early must have come out of the mesh where the hull ends.
   bool stopped = depth >= push.stop_depth;
   bool lost = hit && !stopped &&
-              (state.tet != kNoTet || (!inside && abs(z0 - hull_length) > 1e-3 * (hull_length + z0)));
+              (state.tet != kNoTet ||
+               (!inside && abs(z0 - hull_length) > 1e-3 * (hull_length + z0) + 8e-6 * far));
   if (lost) atomicAdd(counters[kCounterLostRays], 1u);
 #ifdef TETREC_COUNT_STEPS
   atomicAdd(counters[kCounterSteps], steps);

@@ -1,7 +1,8 @@
 // The subset of language that GLSL and C++ share, so that a formula is written once.
 //
-// Rules: scalars are Real (float in GLSL; float, double or ceres::Jet in C++), literals Real(0.5), no
-// swizzles, no inout, results are returned as structs. A templated struct S is named TETREC_T(S).
+// Rules: scalars are Real (float in GLSL; float, double or ceres::Jet in C++), literals Real(0.5),
+// no swizzles, no inout, results are returned as structs. A templated struct S is named
+// TETREC_T(S).
 #ifndef TETREC_GLSL_SUBSET_H_
 #define TETREC_GLSL_SUBSET_H_
 
@@ -15,9 +16,14 @@ using std::sqrt;
 }  // namespace tetrec
 #define TETREC_BEGIN namespace tetrec {
 #define TETREC_END }
-#define TETREC_STRUCT template <class Real> struct
-#define TETREC_FN template <class Real> inline
+#define TETREC_STRUCT   \
+  template <class Real> \
+  struct
+#define TETREC_FN       \
+  template <class Real> \
+  inline
 #define TETREC_T(type) type<Real>
+#define TETREC_RARELY(condition) if (condition)
 #else
 #define Real float
 #define TETREC_BEGIN
@@ -25,6 +31,10 @@ using std::sqrt;
 #define TETREC_STRUCT struct
 #define TETREC_FN
 #define TETREC_T(type) type
+// A branch that really is skipped: lavapipe runs both sides of an `if` under masks, but leaves a
+// loop that no lane enters. The kernel defines TETREC_NEVER, a condition that is false whenever a
+// ray exists and that the compiler cannot know to be (it would turn the loop back into an `if`).
+#define TETREC_RARELY(condition) for (bool rarely_ = (condition); rarely_; rarely_ = TETREC_NEVER)
 #endif
 
 #endif  // TETREC_GLSL_SUBSET_H_

@@ -4,8 +4,9 @@
 #define TETREC_GPU_TYPES_GLSL_H_
 
 #ifdef __cplusplus
-#include <cstdint>
 #include <glm/glm.hpp>
+
+#include <cstdint>
 namespace tetrec::gpu_types {
 using uint = uint32_t;
 using vec4 = glm::vec4;
@@ -42,18 +43,18 @@ struct Moments {
 struct MarchPush {
   uint ray_count;
   uint hull_faces;
-  uint max_steps;         // a ray that needs more is counted as lost
+  uint max_steps;  // a ray that needs more is counted as lost
   uint jitter_seed;
-  float jitter_px;        // rays are moved inside their pixel by up to half of this
-  float stop_depth;       // rays stop at this optical depth (-log of transmittance)
+  float jitter_px;   // rays are moved inside their pixel by up to half of this
+  float stop_depth;  // rays stop at this optical depth (-log of transmittance)
 };
 
 struct LossPush {
   uint ray_count;
-  uint loss;              // kLossL2 or kLossL1
-  float gradient_scale;   // 1 / (3 x rays)
+  uint loss;             // kLossL2 or kLossL1
+  float gradient_scale;  // 1 / (3 x rays)
   uint padding;
-  vec4 background;        // rgb [display sRGB], stands behind field and target
+  vec4 background;  // rgb [display sRGB], stands behind field and target
 };
 #define kLossL2 0
 #define kLossL1 1
@@ -61,8 +62,8 @@ struct LossPush {
 struct AdamPush {
   uint vertex_count;
   float beta1, beta2, epsilon;
-  float color_rate, density_rate;        // after bias correction of the first moment
-  float second_moment_correction;        // 1 / (1 - beta2^t)
+  float color_rate, density_rate;  // after bias correction of the first moment
+  float second_moment_correction;  // 1 / (1 - beta2^t)
   float max_log_density;
 };
 
@@ -73,17 +74,17 @@ struct AdamPush {
 #define kCounterCount 4
 
 // Bindings.
-#define kBindTets 0         // texels uvec4: vertex ids, neighbours
-#define kBindVertices 1     // texels vec4: position | density, colour | 0
-#define kBindHull 2         // texels: per hull face plane (n, w) and ids (a, b, c, tet) as bits
+#define kBindTets 0      // texels uvec4: vertex ids, neighbours
+#define kBindVertices 1  // texels vec4: position | density, colour | 0
+#define kBindHull 2      // texels: per hull face plane (n, w) and ids (a, b, c, tet) as bits
 #define kBindViews 3
 #define kBindBlocks 4
-#define kBindRayColors 5    // vec4 a ray: colour before the background | optical depth
-#define kBindRayStates 6    // uint a ray: hull face of entry
-#define kBindRayGradients 7 // vec4 a ray: dL/dcolour | dL/dtransmittance
+#define kBindRayColors 5     // vec4 a ray: colour before the background | optical depth
+#define kBindRayEntries 6    // uvec2 a ray: hull face of entry, distance to it
+#define kBindRayGradients 7  // vec4 a ray: dL/dcolour | dL/dtransmittance
 #define kBindVertexGradients 8
 #define kBindCounters 9
-#define kBindTargets 10     // texels rgba8: premultiplied target pictures
+#define kBindTargets 10  // texels rgba8: premultiplied target pictures
 #define kBindTetScores 11
 #define kBindPartialLosses 12
 #define kBindParameters 13

@@ -5,9 +5,18 @@
 //   C = c0 w0 + c1 w1,  w0 = 1 - M,  w1 = M - T,  opacity 1 - T = w0 + w1
 // (integration by parts of int_0^1 tau'(s) e^(-tau(s)) ((1 - s) c0 + s c1) ds).
 //
-// Below kSegmentSwitch w0 and w1 are integrated by Gauss-Legendre in the positive form
-// int (1 - s) tau' e^(-tau), int s tau' e^(-tau), which does not cancel; above it M is closed:
-//   s1 > s0: M = sqrt(pi / 2D) [erfcx(x0) - T erfcx(x1)],  s1 < s0: M = sqrt(2 / D) [F(x0) - T F(x1)]
+// Thin segments (tau < kSegmentSwitch): density being linear, everything follows from three
+// moments,
+//   E0 = int (1-s)^2 e^(-tau(s)) ds, E1 = int s (1-s) e^(-tau(s)) ds, E2 = int s^2 e^(-tau(s)) ds:
+//   w0 = s0 E0 + s1 E1, w1 = s0 E1 + s1 E2, int s e^(-tau) = E1 + E2, T = 1 - w0 - w1,
+// sums of positive terms that do not cancel. With y = s - 1/2, m = (s0 + s1) / 2, p = (s1 - s0) / 2
+//   e^(-tau(s)) = e^(-tau(1/2)) e^(-m y - p y^2),  e^(-m y) = cosh my - sinh my,
+// integrated by seven-point Gauss-Legendre, nodes in pairs, with short series for cosh, sinh and
+// exp: one true exponential a segment. Relative error in float: 9e-7.
+//
+// Thick segments: M is closed,
+//   s1 > s0: M = sqrt(pi / 2D) [erfcx(x0) - T erfcx(x1)],  s1 < s0: M = sqrt(2 / D) [F(x0) - T
+//   F(x1)]
 // with D = |s1 - s0|, x_i = s_i / sqrt(2 D), F Dawson's integral. Relative error in float: 8e-7.
 #ifndef TETREC_SEGMENT_GLSL_H_
 #define TETREC_SEGMENT_GLSL_H_
@@ -20,11 +29,14 @@
 
 TETREC_BEGIN
 
-#define kSegmentSwitch Real(1.5)
+#define kSegmentSwitch Real(2.5)
 
 TETREC_STRUCT SegmentWeights {
   Real w0, w1;  // weights of the colours at entry and exit
 };
+
+// int (1-s)^2 e^(-tau), int s (1-s) e^(-tau), int s^2 e^(-tau) over the segment.
+TETREC_STRUCT SegmentMoments { Real e0, e1, e2; };
 
 // The weights and their derivatives by s0 and s1; dT/ds0 = dT/ds1 = -T / 2.
 TETREC_STRUCT SegmentAdjoint {
@@ -85,7 +97,8 @@ TETREC_FN Real SegmentMeanClosed(Real s0, Real s1, Real t) {
   Real d = s1 - s0;
   Real size = d < Real(0.0) ? -d : d;
   Real largest = s0 < s1 ? s1 : s0;
-  // Equal densities: the fits' arguments would run to infinity; the error of the mean is of order d.
+  // Equal densities: the fits' arguments would run to infinity; the error of the mean is of order
+  // d.
   if (size <= Real(1e-7) * largest) return (Real(1.0) - t) / (Real(0.5) * (s0 + s1));
   Real scale = Real(1.0) / sqrt(Real(2.0) * size);
   if (d > Real(0.0)) {
@@ -94,105 +107,152 @@ TETREC_FN Real SegmentMeanClosed(Real s0, Real s1, Real t) {
   return Real(2.0) * scale * (Dawson(s0 * scale) - t * Dawson(s1 * scale));
 }
 
-// One Gauss-Legendre node at s with weight g, added to the sums.
-TETREC_FN TETREC_T(SegmentWeights)
-    AddSegmentNode(TETREC_T(SegmentWeights) sum, Real s0, Real s1, Real s, Real g) {
-  Real d = s1 - s0;
-  Real e = g * (s0 + d * s) * exp(-(s * (s0 + Real(0.5) * d * s)));
-  sum.w1 = sum.w1 + s * e;
-  sum.w0 = sum.w0 + (Real(1.0) - s) * e;
+// Adds the nodes y and -y of [-1/2, 1/2] with weight g to sums of f, y f and y^2 f, where
+// f = e^(-m y - p y^2). With |m y| < 1.19, |p y^2| < 0.57 the series are cut off below 2e-8.
+TETREC_FN TETREC_T(SegmentMoments)
+    AddNodePair(TETREC_T(SegmentMoments) sum, Real m, Real p, Real y, Real g) {
+  Real u = m * m * (y * y);
+  Real cosh_my = u * Real(2.75573192e-7) + Real(2.48015873e-5);
+  cosh_my = cosh_my * u + Real(1.38888889e-3);
+  cosh_my = cosh_my * u + Real(4.16666667e-2);
+  cosh_my = cosh_my * u + Real(0.5);
+  cosh_my = cosh_my * u + Real(1.0);
+  Real sinh_over_my = u * Real(2.50521084e-8) + Real(2.75573192e-6);
+  sinh_over_my = sinh_over_my * u + Real(1.98412698e-4);
+  sinh_over_my = sinh_over_my * u + Real(8.33333333e-3);
+  sinh_over_my = sinh_over_my * u + Real(1.66666667e-1);
+  sinh_over_my = sinh_over_my * u + Real(1.0);
+  Real v = p * (-y * y);
+  Real e = v * Real(2.48015873e-5) + Real(1.98412698e-4);
+  e = e * v + Real(1.38888889e-3);
+  e = e * v + Real(8.33333333e-3);
+  e = e * v + Real(4.16666667e-2);
+  e = e * v + Real(1.66666667e-1);
+  e = e * v + Real(0.5);
+  e = e * v + Real(1.0);
+  e = e * v + Real(1.0);
+  Real even = (Real(2.0) * g) * (e * cosh_my);
+  sum.e0 = sum.e0 + even;
+  sum.e1 = sum.e1 - (Real(2.0) * g * y * y) * (e * sinh_over_my) * m;
+  sum.e2 = sum.e2 + (y * y) * even;
   return sum;
 }
 
-// Gauss-Legendre nodes s and 1 - s of [0, 1] that share the weight g.
-TETREC_FN TETREC_T(SegmentWeights)
-    AddSegmentNodes(TETREC_T(SegmentWeights) sum, Real s0, Real s1, Real s, Real g) {
-  return AddSegmentNode(AddSegmentNode(sum, s0, s1, s, g), s0, s1, Real(1.0) - s, g);
+// Moments of a thin segment, tau < kSegmentSwitch.
+TETREC_FN TETREC_T(SegmentMoments) ThinSegmentMoments(Real s0, Real s1) {
+  Real m = Real(0.5) * (s0 + s1);
+  Real p = Real(0.5) * (s1 - s0);
+  TETREC_T(SegmentMoments) sum;        // of f, y f, y^2 f
+  sum.e0 = Real(0.20897959183673469);  // the node y = 0
+  sum.e1 = Real(0.0);
+  sum.e2 = Real(0.0);
+  sum = AddNodePair(sum, m, p, Real(0.47455395617137926), Real(0.064742483084434846));
+  sum = AddNodePair(sum, m, p, Real(0.37076559279969724), Real(0.13985269574463833));
+  sum = AddNodePair(sum, m, p, Real(0.20292257568869859), Real(0.19091502525255947));
+  Real middle = exp(-(Real(0.5) * m - Real(0.25) * p));
+  Real quarter = Real(0.25) * sum.e0;
+  TETREC_T(SegmentMoments) moments;
+  moments.e0 = middle * (sum.e2 - sum.e1 + quarter);
+  moments.e1 = middle * (quarter - sum.e2);
+  moments.e2 = middle * (sum.e2 + sum.e1 + quarter);
+  return moments;
+}
+
+TETREC_FN bool IsThinSegment(Real s0, Real s1) { return Real(0.5) * (s0 + s1) < kSegmentSwitch; }
+
+TETREC_FN TETREC_T(SegmentWeights) IntegrateThinSegment(Real s0, Real s1) {
+  TETREC_T(SegmentMoments) moments = ThinSegmentMoments(s0, s1);
+  TETREC_T(SegmentWeights) result;
+  result.w0 = s0 * moments.e0 + s1 * moments.e1;
+  result.w1 = s0 * moments.e1 + s1 * moments.e2;
+  return result;
+}
+
+TETREC_FN TETREC_T(SegmentWeights) IntegrateThickSegment(Real s0, Real s1) {
+  Real t = exp(-(Real(0.5) * (s0 + s1)));
+  Real mean = SegmentMeanClosed(s0, s1, t);
+  TETREC_T(SegmentWeights) result;
+  result.w0 = Real(1.0) - mean;
+  result.w1 = mean - t;
+  return result;
 }
 
 // s0, s1 >= 0, finite.
 TETREC_FN TETREC_T(SegmentWeights) IntegrateSegment(Real s0, Real s1) {
-  Real tau = Real(0.5) * (s0 + s1);
-  TETREC_T(SegmentWeights) sum;
-  sum.w0 = Real(0.0);
-  sum.w1 = Real(0.0);
-  if (tau < kSegmentSwitch) {
-    sum = AddSegmentNodes(sum, s0, s1, Real(0.033765242898423989), Real(0.085662246189585178));
-    sum = AddSegmentNodes(sum, s0, s1, Real(0.16939530676686774), Real(0.18038078652406930));
-    sum = AddSegmentNodes(sum, s0, s1, Real(0.38069040695840155), Real(0.23395696728634552));
-  } else {
-    Real t = exp(-tau);
-    Real m = SegmentMeanClosed(s0, s1, t);
-    sum.w0 = Real(1.0) - m;
-    sum.w1 = m - t;
-  }
-  return sum;
+  if (IsThinSegment(s0, s1)) return IntegrateThinSegment(s0, s1);
+  return IntegrateThickSegment(s0, s1);
 }
 
-// Moments of e^(-tau): m1 = int s e^(-tau), m2 = int s^2 e^(-tau), and the weights.
-TETREC_STRUCT SegmentMoments {
-  Real w0, w1, m1, m2;
-};
-
+// Adds the Gauss-Legendre node s with weight g.
 TETREC_FN TETREC_T(SegmentMoments)
     AddMomentNode(TETREC_T(SegmentMoments) sum, Real s0, Real s1, Real s, Real g) {
-  Real d = s1 - s0;
-  Real e = g * exp(-(s * (s0 + Real(0.5) * d * s)));
-  Real a = e * (s0 + d * s);
-  sum.w1 = sum.w1 + s * a;
-  sum.w0 = sum.w0 + (Real(1.0) - s) * a;
-  sum.m1 = sum.m1 + s * e;
-  sum.m2 = sum.m2 + s * s * e;
+  Real e = g * exp(-(s * (s0 + Real(0.5) * (s1 - s0) * s)));
+  sum.e0 = sum.e0 + (Real(1.0) - s) * (Real(1.0) - s) * e;
+  sum.e1 = sum.e1 + s * (Real(1.0) - s) * e;
+  sum.e2 = sum.e2 + s * s * e;
   return sum;
 }
 
-// Nodes s and 1 - s of [0, 1], scaled to [0, end].
+// Adds the nodes s and 1 - s of [0, 1], scaled to [0, end].
 TETREC_FN TETREC_T(SegmentMoments)
     AddMomentNodes(TETREC_T(SegmentMoments) sum, Real s0, Real s1, Real end, Real s, Real g) {
-  return AddMomentNode(AddMomentNode(sum, s0, s1, end * s, end * g), s0, s1,
-                       end * (Real(1.0) - s), end * g);
+  return AddMomentNode(AddMomentNode(sum, s0, s1, end * s, end * g), s0, s1, end * (Real(1.0) - s),
+                       end * g);
 }
 
-// The weights of IntegrateSegment with their derivatives:
-//   dw0/ds0 = m1 - m2/2, dw0/ds1 = m2/2, dw1/ds0 = T/2 - m1 + m2/2, dw1/ds1 = (T - m2)/2.
-// Above the switch 16 nodes over the part of the segment where tau(s) < 22 (beyond it 3e-10
-// is left); relative error 2e-6. The recurrence m1 = (1 - T - s0 M) / (s1 - s0) cancels: not used.
-TETREC_FN TETREC_T(SegmentAdjoint) IntegrateSegmentWithDerivatives(Real s0, Real s1) {
-  Real tau = Real(0.5) * (s0 + s1);
-  Real t = exp(-tau);
+// Moments of a thick segment: 16 nodes over the part of it where tau(s) < 22 (beyond it 3e-10
+// is left); relative error 2e-6. The recurrence of the first moment from M cancels: not used.
+TETREC_FN TETREC_T(SegmentMoments) ThickSegmentMoments(Real s0, Real s1) {
+  // tau(end) = 22; where the density falls so fast that 22 is never reached, the root is past 1.
+  Real inside = s0 * s0 + Real(44.0) * (s1 - s0);
+  Real root = Real(0.0);
+  if (inside > Real(0.0)) root = sqrt(inside);
+  Real end = Real(44.0) / (s0 + root);
+  if (end > Real(1.0)) end = Real(1.0);
   TETREC_T(SegmentMoments) sum;
-  sum.w0 = Real(0.0);
-  sum.w1 = Real(0.0);
-  sum.m1 = Real(0.0);
-  sum.m2 = Real(0.0);
-  if (tau < kSegmentSwitch) {
-    Real one = Real(1.0);
-    sum = AddMomentNodes(sum, s0, s1, one, Real(0.033765242898423989), Real(0.085662246189585178));
-    sum = AddMomentNodes(sum, s0, s1, one, Real(0.16939530676686774), Real(0.18038078652406930));
-    sum = AddMomentNodes(sum, s0, s1, one, Real(0.38069040695840155), Real(0.23395696728634552));
-  } else {
-    // tau(end) = 22; where the density falls so fast that 22 is never reached, the root is past 1.
-    Real inside = s0 * s0 + Real(44.0) * (s1 - s0);
-    Real root = inside > Real(0.0) ? sqrt(inside) : Real(0.0);
-    Real end = Real(44.0) / (s0 + root);
-    if (end > Real(1.0)) end = Real(1.0);
-    sum = AddMomentNodes(sum, s0, s1, end, Real(0.0052995325041750331), Real(0.013576229705877048));
-    sum = AddMomentNodes(sum, s0, s1, end, Real(0.027712488463383700), Real(0.031126761969323946));
-    sum = AddMomentNodes(sum, s0, s1, end, Real(0.067184398806084120), Real(0.047579255841246393));
-    sum = AddMomentNodes(sum, s0, s1, end, Real(0.12229779582249850), Real(0.062314485627766936));
-    sum = AddMomentNodes(sum, s0, s1, end, Real(0.19106187779867811), Real(0.074797994408288366));
-    sum = AddMomentNodes(sum, s0, s1, end, Real(0.27099161117138632), Real(0.084578259697501271));
-    sum = AddMomentNodes(sum, s0, s1, end, Real(0.35919822461037054), Real(0.091301707522461792));
-    sum = AddMomentNodes(sum, s0, s1, end, Real(0.45249374508118127), Real(0.094725305227534248));
-  }
+  sum.e0 = Real(0.0);
+  sum.e1 = Real(0.0);
+  sum.e2 = Real(0.0);
+  sum = AddMomentNodes(sum, s0, s1, end, Real(0.0052995325041750331), Real(0.013576229705877048));
+  sum = AddMomentNodes(sum, s0, s1, end, Real(0.027712488463383700), Real(0.031126761969323946));
+  sum = AddMomentNodes(sum, s0, s1, end, Real(0.067184398806084120), Real(0.047579255841246393));
+  sum = AddMomentNodes(sum, s0, s1, end, Real(0.12229779582249850), Real(0.062314485627766936));
+  sum = AddMomentNodes(sum, s0, s1, end, Real(0.19106187779867811), Real(0.074797994408288366));
+  sum = AddMomentNodes(sum, s0, s1, end, Real(0.27099161117138632), Real(0.084578259697501271));
+  sum = AddMomentNodes(sum, s0, s1, end, Real(0.35919822461037054), Real(0.091301707522461792));
+  sum = AddMomentNodes(sum, s0, s1, end, Real(0.45249374508118127), Real(0.094725305227534248));
+  return sum;
+}
+
+// The weights with their derivatives, m1 = E1 + E2, m2 = E2:
+//   dw0/ds0 = m1 - m2/2, dw0/ds1 = m2/2, dw1/ds0 = T/2 - m1 + m2/2, dw1/ds1 = (T - m2)/2.
+TETREC_FN TETREC_T(SegmentAdjoint)
+    AdjointOfMoments(TETREC_T(SegmentMoments) moments, Real s0, Real s1, Real t) {
   TETREC_T(SegmentAdjoint) result;
-  result.w0 = sum.w0;
-  result.w1 = sum.w1;
-  result.dw0_ds0 = sum.m1 - Real(0.5) * sum.m2;
-  result.dw0_ds1 = Real(0.5) * sum.m2;
-  result.dw1_ds0 = Real(0.5) * t - sum.m1 + Real(0.5) * sum.m2;
-  result.dw1_ds1 = Real(0.5) * (t - sum.m2);
+  result.w0 = s0 * moments.e0 + s1 * moments.e1;
+  result.w1 = s0 * moments.e1 + s1 * moments.e2;
+  result.dw0_ds0 = moments.e1 + Real(0.5) * moments.e2;
+  result.dw0_ds1 = Real(0.5) * moments.e2;
+  result.dw1_ds0 = Real(0.5) * (t - moments.e2) - moments.e1;
+  result.dw1_ds1 = Real(0.5) * (t - moments.e2);
   return result;
+}
+
+TETREC_FN TETREC_T(SegmentAdjoint) IntegrateThinSegmentWithDerivatives(Real s0, Real s1) {
+  TETREC_T(SegmentMoments) moments = ThinSegmentMoments(s0, s1);
+  Real t = Real(1.0) - (s0 * moments.e0 + (s0 + s1) * moments.e1 + s1 * moments.e2);
+  return AdjointOfMoments(moments, s0, s1, t);
+}
+
+TETREC_FN TETREC_T(SegmentAdjoint) IntegrateThickSegmentWithDerivatives(Real s0, Real s1) {
+  TETREC_T(SegmentMoments) moments = ThickSegmentMoments(s0, s1);
+  return AdjointOfMoments(moments, s0, s1, exp(-(Real(0.5) * (s0 + s1))));
+}
+
+// s0, s1 >= 0, finite.
+TETREC_FN TETREC_T(SegmentAdjoint) IntegrateSegmentWithDerivatives(Real s0, Real s1) {
+  if (IsThinSegment(s0, s1)) return IntegrateThinSegmentWithDerivatives(s0, s1);
+  return IntegrateThickSegmentWithDerivatives(s0, s1);
 }
 
 TETREC_END

@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/personality.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -76,7 +77,7 @@ struct Command {
 };
 
 [[noreturn]] void BecomeChild(const Command& command, const char* folder, int output, int report,
-                              pid_t parent) {
+                              bool fixed_addresses, pid_t parent) {
   const auto fail = [report] {
     const int error = errno;
     [[maybe_unused]] const ssize_t n = write(report, &error, sizeof(error));
@@ -94,6 +95,10 @@ struct Command {
     fail();
   }
   if (folder != nullptr && chdir(folder) != 0) fail();
+  if (fixed_addresses) {
+    const int now = personality(0xffffffff);  // asks
+    if (now >= 0) personality(static_cast<unsigned long>(now) | ADDR_NO_RANDOMIZE);
+  }
   execve(command.argv[0], command.argv.data(), command.envp.data());
   fail();
   _exit(127);
@@ -181,7 +186,7 @@ ChildResult RunChild(const fs::path& program, const std::vector<std::string>& ar
     throw EnvironmentError(fmt::format("cannot start {} ({})", name, std::strerror(errno)));
   if (pid == 0) {
     BecomeChild(command, folder.empty() ? nullptr : folder.c_str(), output.write_end,
-                report.write_end, parent);
+                report.write_end, options.fixed_addresses, parent);
   }
   ChildGuard child{pid};
   output.CloseWrite();

@@ -14,7 +14,10 @@ struct ChildOptions {
   std::vector<std::pair<std::string, std::string>> environment;  // set on top of ours
   std::filesystem::path log;                             // stdout and stderr are appended here
   std::function<void(const std::string& line)> on_line;  // called for each output line
-  double time_limit_s = 0;                               // 0: none; then killed, EnvironmentError
+  // The same memory addresses each time (no ASLR), where the system allows it: for programs whose
+  // results depend on them.
+  bool fixed_addresses = false;
+  double time_limit_s = 0;  // 0: none; then killed, EnvironmentError
 };
 
 struct ChildResult {

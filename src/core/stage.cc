@@ -223,36 +223,38 @@ void RemoveOwned(const fs::path& path) {
   }
 }
 
-// A name of our own folder as status.json gives it: no way out of the folder.
-bool IsTopName(const json& name) {
-  if (!name.is_string()) return false;
-  const fs::path path = name.get<std::string>();
-  return !path.empty() && !path.has_parent_path() && path != "." && path != "..";
+// A path of our own folder as a file gives it: no way out of the folder, nor all of it.
+bool StaysInFolder(const fs::path& path) {
+  if (path.empty() || path.is_absolute()) return false;
+  return std::none_of(path.begin(), path.end(),
+                      [](const fs::path& part) { return part == "." || part == ".."; });
 }
 
-// Top names that an earlier run declared in this role ("own" or "caches").
-std::set<std::string> DeclaredNames(const json& status, const char* role) {
-  std::set<std::string> names;
+// What an earlier run declared in this role: "own" (top names of outputs), "scratch" or "caches".
+std::set<std::string> DeclaredPaths(const json& status, const char* role) {
+  std::set<std::string> paths;
   const auto list = status.is_object() ? status.find(role) : status.end();
-  if (!status.is_object() || list == status.end() || !list->is_array()) return names;
-  for (const json& name : *list) {
-    if (IsTopName(name)) names.insert(name.get<std::string>());
+  if (!status.is_object() || list == status.end() || !list->is_array()) return paths;
+  for (const json& path : *list) {
+    if (path.is_string() && StaysInFolder(path.get<std::string>()))
+      paths.insert(path.get<std::string>());
   }
-  return names;
+  return paths;
 }
 
 void RemoveOldRun(const fs::path& folder, const json& manifest, const json& status,
                   bool caches_too) {
-  std::set<std::string> names = DeclaredNames(status, "own");
+  std::set<std::string> paths = DeclaredPaths(status, "own");
+  paths.merge(DeclaredPaths(status, "scratch"));
   if (manifest.is_object() && manifest.contains("outputs") && manifest["outputs"].is_array()) {
     for (const json& output : manifest["outputs"]) {
       const fs::path path = output.is_object() ? TextOr(output, "path", "") : "";
-      if (!path.empty() && IsTopName(path.begin()->string())) names.insert(path.begin()->string());
+      if (StaysInFolder(path)) paths.insert(path.begin()->string());
     }
   }
-  if (caches_too) names.merge(DeclaredNames(status, "caches"));
+  if (caches_too) paths.merge(DeclaredPaths(status, "caches"));
   RemoveOwned(folder / kManifest);  // first: a half-removed folder must not look finished
-  for (const std::string& name : names) RemoveOwned(folder / name);
+  for (const std::string& path : paths) RemoveOwned(folder / path);
   RemoveOwned(folder / kLog);
 }
 
@@ -411,36 +413,32 @@ const json& Stage::InputManifest(const std::string& name) const {
   return input_manifests_.at(WithoutDashes(name));
 }
 
-fs::path Stage::Declare(const std::string& relative, const char* role) {
+fs::path Stage::Declare(const std::string& relative, const char* role, bool by_top_name) {
   const fs::path path = fs::path(relative).lexically_normal();
-  TETREC_CHECK(!path.empty() && path.is_relative() && *path.begin() != ".." && *path.begin() != ".",
-               "not a path inside the stage folder: " + relative);
-  const json top = path.begin()->string();
+  TETREC_CHECK(StaysInFolder(path), "not a path inside the stage folder: " + relative);
+  const json name = by_top_name ? path.begin()->string() : path.string();
   json& names = status_[role];
-  if (std::find(names.begin(), names.end(), top) == names.end()) {
-    names.push_back(top);
+  if (std::find(names.begin(), names.end(), name) == names.end()) {
+    names.push_back(name);
     WriteJson(folder_ / kStatus, status_);
   }
+  const fs::path parent = (folder_ / path).parent_path();
   std::error_code error;
-  fs::create_directories((folder_ / path).parent_path(), error);
-  if (error) {
-    throw EnvironmentError(fmt::format("{}: cannot be made ({})",
-                                       (folder_ / path).parent_path().string(), error.message()));
-  }
+  fs::create_directories(parent, error);
+  if (error)
+    throw EnvironmentError(
+        fmt::format("{}: cannot be made ({})", parent.string(), error.message()));
   return folder_ / path;
 }
 
 fs::path Stage::Output(const std::string& relative) {
   outputs_.insert(relative);
-  return Declare(relative, "own");
+  return Declare(relative, "own", true);
 }
 
-fs::path Stage::Scratch(const std::string& relative) {
-  scratch_.insert(relative);
-  return Declare(relative, "own");
-}
+fs::path Stage::Scratch(const std::string& relative) { return Declare(relative, "scratch", false); }
 
-fs::path Stage::Cache(const std::string& relative) { return Declare(relative, "caches"); }
+fs::path Stage::Cache(const std::string& relative) { return Declare(relative, "caches", true); }
 
 struct StageCommand::Request {
   fs::path folder;
@@ -535,7 +533,9 @@ StageCommand::Request StageCommand::MakeRequest() const {
 }
 
 void StageCommand::Finish(Stage& stage, const Request& request, double seconds) {
-  for (const std::string& scratch : stage.scratch_) RemoveOwned(stage.folder_ / scratch);
+  // Scratch of the attempts before this one too.
+  for (const std::string& path : DeclaredPaths(stage.status_, "scratch"))
+    RemoveOwned(stage.folder_ / path);
   const std::vector<std::string> warnings = TakeWarnings();
   if (!warnings.empty()) {
     LogLine(LogLevel::kInfo,
@@ -598,17 +598,18 @@ void StageCommand::RunLocked(const Request& request, const std::string& command_
                    {"status", "running"},        {"key", request.key},
                    {"options", request.options}, {"pid", getpid()},
                    {"started", NowUtc()},        {"error", nullptr},
-                   {"own", json::array()},       {"caches", json::array()}};
+                   {"own", json::array()},       {"scratch", json::array()},
+                   {"caches", json::array()}};
   stage.status_["command"] = command_line;
   double seconds_before = 0;
   if (stage.resume_) {
-    stage.status_["own"] = DeclaredNames(status, "own");
+    for (const char* role : {"own", "scratch"}) stage.status_[role] = DeclaredPaths(status, role);
     if (status.contains("seconds") && status["seconds"].is_number())
       seconds_before = status["seconds"];
   } else {
     RemoveOldRun(request.folder, manifest, status, force_);
   }
-  if (!force_) stage.status_["caches"] = DeclaredNames(status, "caches");
+  if (!force_) stage.status_["caches"] = DeclaredPaths(status, "caches");
   WriteJson(request.folder / kStatus, stage.status_);
 
   SetLogFile(request.folder / kLog);

@@ -48,14 +48,15 @@ class Stage {
 
  private:
   friend class StageCommand;
-  // Records who owns the top folder or file of `relative` before anything is written to it.
-  std::filesystem::path Declare(const std::string& relative, const char* role);
+  // Records in status.json that a path (or the top folder that it lies in) is ours, before anything
+  // is written to it.
+  std::filesystem::path Declare(const std::string& relative, const char* role, bool by_top_name);
 
   std::filesystem::path folder_;
   nlohmann::json status_;  // as in status.json
   std::map<std::string, std::filesystem::path> inputs_;
   std::map<std::string, nlohmann::json> input_manifests_;
-  std::set<std::string> outputs_, scratch_;
+  std::set<std::string> outputs_;
   std::string key_;
   bool resume_ = false;
   nlohmann::json counts_ = nlohmann::json::object(), seconds_ = nlohmann::json::object(),

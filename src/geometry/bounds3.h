@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+
 #include <limits>
 
 namespace tetrec {
@@ -19,7 +20,8 @@ struct Bounds3 {
     max = glm::max(max, point);
   }
   bool Contains(const glm::dvec3& p) const {
-    return p.x >= min.x && p.y >= min.y && p.z >= min.z && p.x <= max.x && p.y <= max.y && p.z <= max.z;
+    return p.x >= min.x && p.y >= min.y && p.z >= min.z && p.x <= max.x && p.y <= max.y &&
+           p.z <= max.z;
   }
   // Grown about its centre by a factor.
   Bounds3 Scaled(double factor) const {

@@ -1,15 +1,15 @@
 // Pinhole cameras. Camera frame as COLMAP: x right, y down, z forward; pixel centres at +0.5.
 #pragma once
 
-#include <glm/glm.hpp>
-
 #include "geometry/rigid3.h"
+
+#include <glm/glm.hpp>
 
 namespace tetrec {
 
 struct Camera {
-  int width = 0, height = 0;                 // [px]
-  double fx = 0, fy = 0, cx = 0, cy = 0;     // [px], from the picture's corner
+  int width = 0, height = 0;              // [px]
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // [px], from the picture's corner
 
   // Pixel of a point of the camera frame with z > 0.
   glm::dvec2 ImageFromCam(const glm::dvec3& point_in_cam) const {

@@ -1,23 +1,26 @@
 // Device buffers that the host fills and reads.
 #include "gpu/buffer.h"
 
+#include "core/error.h"
+#include "gpu/commands.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstring>
-
-#include "core/error.h"
-#include "gpu/commands.h"
 
 namespace tetrec {
 namespace {
 
 uint32_t TexelBytes(VkFormat format) {
   switch (format) {
-    case VK_FORMAT_R8G8B8A8_UNORM: return 4;
+    case VK_FORMAT_R8G8B8A8_UNORM:
+      return 4;
     case VK_FORMAT_R32G32B32A32_SFLOAT:
-    case VK_FORMAT_R32G32B32A32_UINT: return 16;
-    default: return 0;
+    case VK_FORMAT_R32G32B32A32_UINT:
+      return 16;
+    default:
+      return 0;
   }
 }
 
@@ -30,8 +33,8 @@ int FindMemoryType(const Device& device, uint32_t allowed, VkMemoryPropertyFlags
   return -1;
 }
 
-constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
-                                        VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+constexpr VkMemoryPropertyFlags kHost =
+    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 
 struct Allocation {
   VkBuffer buffer = VK_NULL_HANDLE;
@@ -111,9 +114,10 @@ Buffer::Buffer(const Device& device, std::string name, uint64_t bytes, VkFormat 
   const uint64_t limit = is_texel ? uint64_t(limits.maxTexelBufferElements) * TexelBytes(texels)
                                   : limits.maxStorageBufferRange;
   if (bytes_ > limit) {
-    throw EnvironmentError(fmt::format(
-        "buffer '{}' needs {} MiB, device '{}' takes {} MiB in one: use fewer tets or smaller pictures",
-        name_, bytes_ >> 20, device.properties.deviceName, limit >> 20));
+    throw EnvironmentError(
+        fmt::format("buffer '{}' needs {} MiB, device '{}' takes {} MiB in one: use fewer tets or "
+                    "smaller pictures",
+                    name_, bytes_ >> 20, device.properties.deviceName, limit >> 20));
   }
   VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                              VK_BUFFER_USAGE_TRANSFER_DST_BIT;

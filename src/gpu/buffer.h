@@ -1,22 +1,23 @@
 // Device buffers that the host fills and reads.
 #pragma once
 
+#include "gpu/device.h"
+
 #include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
 
-#include "gpu/device.h"
-
 namespace tetrec {
 
-// Owns its memory. Mapped where the device's memory is the host's (software and integrated devices);
-// elsewhere transfers go through a staging copy.
+// Owns its memory. Mapped where the device's memory is the host's (software and integrated
+// devices); elsewhere transfers go through a staging copy.
 class Buffer {
  public:
   Buffer() = default;
   // `texels`: the format through which kernels read it as a texel buffer, or VK_FORMAT_UNDEFINED.
-  Buffer(const Device& device, std::string name, uint64_t bytes, VkFormat texels = VK_FORMAT_UNDEFINED);
+  Buffer(const Device& device, std::string name, uint64_t bytes,
+         VkFormat texels = VK_FORMAT_UNDEFINED);
   Buffer(Buffer&& other) noexcept { Swap(other); }
   Buffer& operator=(Buffer&& other) noexcept {
     Swap(other);

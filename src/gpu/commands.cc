@@ -1,9 +1,9 @@
 // Records dispatches into a command buffer, submits it, waits for it.
 #include "gpu/commands.h"
 
-#include <fmt/format.h>
-
 #include "core/error.h"
+
+#include <fmt/format.h>
 
 namespace tetrec {
 
@@ -33,8 +33,8 @@ void CommandRecorder::Begin() {
   barriers_ = 0;
   // Work of an earlier submission may still be running on the same buffers.
   Barrier(VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-          VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_READ_BIT |
-              VK_ACCESS_2_TRANSFER_WRITE_BIT);
+          VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT |
+              VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
   barriers_ = 0;
 }
 
@@ -93,7 +93,8 @@ void CommandRecorder::DispatchBytes(const Program& program, std::span<const Buff
                                             : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
                  .pBufferInfo = is_texel ? nullptr : &infos[i],
                  .pTexelBufferView = is_texel ? &views[i] : nullptr};
-    const bool is_write = specs[i].access == Access::kWrite || specs[i].access == Access::kReadWrite;
+    const bool is_write =
+        specs[i].access == Access::kWrite || specs[i].access == Access::kReadWrite;
     (is_write ? written_ : read_).insert(buffers[i]->handle());
   }
   vkCmdBindPipeline(handle_, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline());

@@ -1,18 +1,19 @@
 // Records dispatches into a command buffer, submits it, waits for it.
 #pragma once
 
+#include "gpu/buffer.h"
+#include "gpu/program.h"
+
 #include <set>
 #include <span>
 #include <vector>
 
-#include "gpu/buffer.h"
-#include "gpu/program.h"
-
 namespace tetrec {
 
-// Barriers are derived, not written by hand: the recorder keeps account of which buffers were read and
-// written since the last barrier and puts one before a dispatch that would race. (Synchronization
-// validation misses hazards between dispatches, so this account is the only guard.)
+// Barriers are derived, not written by hand: the recorder keeps account of which buffers were read
+// and written since the last barrier and puts one before a dispatch that would race.
+// (Synchronization validation misses hazards between dispatches, so this account is the only
+// guard.)
 class CommandRecorder {
  public:
   explicit CommandRecorder(const Device& device);
@@ -35,8 +36,8 @@ class CommandRecorder {
   uint32_t barriers() const { return barriers_; }  // since Begin
 
  private:
-  void DispatchBytes(const Program& program, std::span<const Buffer* const> buffers, const void* push,
-                     uint32_t push_bytes, uint64_t threads, uint32_t local_size);
+  void DispatchBytes(const Program& program, std::span<const Buffer* const> buffers,
+                     const void* push, uint32_t push_bytes, uint64_t threads, uint32_t local_size);
   void Barrier(VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);
 
   const Device& device_;

@@ -1,26 +1,35 @@
 // A Vulkan device with one compute queue.
 #include "gpu/device.h"
 
-#include <algorithm>
-#include <cstring>
-
 #include "core/error.h"
 #include "core/log.h"
+
+#include <algorithm>
+#include <cstring>
 
 namespace tetrec {
 namespace {
 
 const char* ResultName(VkResult result) {
   switch (result) {
-    case VK_ERROR_OUT_OF_HOST_MEMORY: return "out of host memory";
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY: return "out of device memory";
-    case VK_ERROR_DEVICE_LOST: return "device lost";
-    case VK_ERROR_INITIALIZATION_FAILED: return "initialization failed";
-    case VK_ERROR_INCOMPATIBLE_DRIVER: return "no compatible driver";
-    case VK_ERROR_LAYER_NOT_PRESENT: return "layer not present";
-    case VK_ERROR_EXTENSION_NOT_PRESENT: return "extension not present";
-    case VK_ERROR_FEATURE_NOT_PRESENT: return "feature not present";
-    default: return "error";
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+      return "out of host memory";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      return "out of device memory";
+    case VK_ERROR_DEVICE_LOST:
+      return "device lost";
+    case VK_ERROR_INITIALIZATION_FAILED:
+      return "initialization failed";
+    case VK_ERROR_INCOMPATIBLE_DRIVER:
+      return "no compatible driver";
+    case VK_ERROR_LAYER_NOT_PRESENT:
+      return "layer not present";
+    case VK_ERROR_EXTENSION_NOT_PRESENT:
+      return "extension not present";
+    case VK_ERROR_FEATURE_NOT_PRESENT:
+      return "feature not present";
+    default:
+      return "error";
   }
 }
 
@@ -35,22 +44,32 @@ VKAPI_ATTR VkBool32 VKAPI_CALL OnValidationMessage(VkDebugUtilsMessageSeverityFl
 
 const char* TypeName(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete GPU";
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated GPU";
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual GPU";
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "software";
-    default: return "other";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual GPU";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "software";
+    default:
+      return "other";
   }
 }
 
 // Lower is preferred by "auto".
 int Rank(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 0;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 1;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 2;
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return 3;
-    default: return 4;
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return 1;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return 3;
+    default:
+      return 4;
   }
 }
 
@@ -124,8 +143,8 @@ VkPhysicalDevice ChooseDevice(VkInstance instance, const std::string& wish) {
   if (!wish.empty() && std::all_of(wish.begin(), wish.end(), ::isdigit)) {
     const size_t number = wish.size() > 6 ? devices.size() : std::stoul(wish);
     if (number < devices.size()) return devices[number];
-    throw EnvironmentError(fmt::format("no Vulkan device {}: there are {}, numbered from 0", wish,
-                                       devices.size()));
+    throw EnvironmentError(
+        fmt::format("no Vulkan device {}: there are {}, numbered from 0", wish, devices.size()));
   }
   if (wish != "auto" && wish != "cpu" && wish != "gpu") {
     throw UsageError(fmt::format("--device '{}' is not auto, cpu, gpu or a number", wish));
@@ -238,9 +257,8 @@ Device::~Device() {
     vkDestroyDevice(handle, nullptr);
   }
   if (messenger != VK_NULL_HANDLE) {
-    reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
-        vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"))(instance, messenger,
-                                                                            nullptr);
+    reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(
+        instance, "vkDestroyDebugUtilsMessengerEXT"))(instance, messenger, nullptr);
   }
   if (instance != VK_NULL_HANDLE) vkDestroyInstance(instance, nullptr);
 }

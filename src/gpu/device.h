@@ -1,15 +1,15 @@
 // A Vulkan device with one compute queue.
 #pragma once
 
+#include "gpu/device_options.h"
+
+#include <nlohmann/json.hpp>
 #include <vulkan/vulkan.h>
 
 #include <cstdint>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
-
-#include "gpu/device_options.h"
 
 namespace tetrec {
 
@@ -34,7 +34,8 @@ struct Device {
   ~Device();
 };
 
-// Throws EnvironmentError: no Vulkan loader or driver, no such device, a feature that is missing (named).
+// Throws EnvironmentError: no Vulkan loader or driver, no such device, a feature that is missing
+// (named).
 std::unique_ptr<Device> CreateDevice(const DeviceOptions& options);
 
 // Names of the devices in the order of their numbers.
@@ -43,7 +44,8 @@ std::vector<std::string> ListDevices();
 // For the manifest: name, type, API version, driver.
 nlohmann::json DescribeDevice(const Device& device);
 
-// Throws EnvironmentError (out of memory, device lost) or BugError with the call and the result's name.
+// Throws EnvironmentError (out of memory, device lost) or BugError with the call and the result's
+// name.
 void CheckVulkan(VkResult result, const char* call);
 #define TETREC_VK(call) ::tetrec::CheckVulkan((call), #call)
 

@@ -7,7 +7,10 @@ namespace tetrec {
 
 Program::Program(const Device& device, std::string name, std::span<const uint32_t> spirv,
                  std::vector<BindingSpec> bindings, uint32_t push_bytes)
-    : device_(&device), name_(std::move(name)), bindings_(std::move(bindings)), push_bytes_(push_bytes) {
+    : device_(&device),
+      name_(std::move(name)),
+      bindings_(std::move(bindings)),
+      push_bytes_(push_bytes) {
   std::vector<VkDescriptorSetLayoutBinding> slots;
   for (const BindingSpec& spec : bindings_) {
     slots.push_back({.binding = spec.binding,
@@ -43,8 +46,8 @@ Program::Program(const Device& device, std::string name, std::span<const uint32_
                 .module = shader,
                 .pName = "main"},
       .layout = layout_};
-  const VkResult result = vkCreateComputePipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr,
-                                                   &pipeline_);
+  const VkResult result =
+      vkCreateComputePipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
   vkDestroyShaderModule(device.handle, shader, nullptr);
   CheckVulkan(result, name_.c_str());
 }

@@ -1,11 +1,11 @@
 // A compute kernel: pipeline, layout of its bindings, size of its push constants.
 #pragma once
 
+#include "gpu/device.h"
+
 #include <span>
 #include <string>
 #include <vector>
-
-#include "gpu/device.h"
 
 namespace tetrec {
 

@@ -1,17 +1,18 @@
 // Delaunay tetrahedralization. The only door to CGAL.
 #pragma once
 
+#include "mesh/tet_mesh.h"
+
 #include <glm/glm.hpp>
+
 #include <span>
 #include <vector>
-
-#include "mesh/tet_mesh.h"
 
 namespace tetrec {
 
 struct DelaunayResult {
-  TetMesh mesh;                          // Morton-sorted, valid (CheckTetMesh holds)
-  std::vector<uint32_t> point_of_vertex; // (V) index of the input point; duplicates are dropped
+  TetMesh mesh;                           // Morton-sorted, valid (CheckTetMesh holds)
+  std::vector<uint32_t> point_of_vertex;  // (V) index of the input point; duplicates are dropped
 };
 
 // Exact predicates: right for every finite input. Points are taken as the exact values of their

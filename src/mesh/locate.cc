@@ -4,8 +4,8 @@
 namespace tetrec {
 namespace {
 
-// Six times the signed volume of the tet with its vertex `face` replaced by the point: negative where
-// the point lies beyond that face.
+// Six times the signed volume of the tet with its vertex `face` replaced by the point: negative
+// where the point lies beyond that face.
 double Side(const TetMesh& mesh, uint32_t tet, int face, const glm::dvec3& point) {
   glm::dvec3 p[4];
   for (int i = 0; i < 4; ++i) {
@@ -36,10 +36,10 @@ uint32_t FindTet(const TetMesh& mesh, const glm::dvec3& point, uint32_t start) {
     const int face = FaceBeyond(mesh, tet, point);
     if (face < 0) return tet;
     const uint32_t next = mesh.neighbors[tet][face];
-    if (next == kNoTet) break;
+    if (next == kNoTet) return kNoTet;  // beyond a face of a convex hull
     tet = next;
   }
-  // Outside, or the walk left a mesh that is not convex on its way, or went in circles by rounding.
+  // The walk went in circles by rounding.
   for (uint32_t t = 0; t < mesh.tets.size(); ++t) {
     if (FaceBeyond(mesh, t, point) < 0) return t;
   }

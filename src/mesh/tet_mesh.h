@@ -1,9 +1,10 @@
 // Tetrahedral meshes as flat arrays.
 #pragma once
 
+#include <glm/glm.hpp>
+
 #include <cstdint>
 #include <filesystem>
-#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
@@ -32,15 +33,15 @@ struct TetMeshQuality {
 // Neighbour links from vertex ids. Throws DataError where more than two tets share a face.
 std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count);
 
-// Throws DataError naming the first offence: non-finite position, id out of range, tet not positively
-// oriented (exact predicate), asymmetric neighbour, more than one component, unreferenced vertex,
-// boundary not convex.
+// Throws DataError naming the first offence: non-finite position, id out of range, tet not
+// positively oriented (exact predicate), asymmetric neighbour, more than one component,
+// unreferenced vertex, boundary not convex.
 void CheckTetMesh(const TetMesh& mesh);
 
 TetMeshQuality MeasureQuality(const TetMesh& mesh);
 
-// Sorts vertices and tets along a Morton curve (marching is 1.9 times faster than in random order at
-// 1 M tets). Returns old vertex index per new vertex.
+// Sorts vertices and tets along a Morton curve (marching is 1.9 times faster than in random order
+// at 1 M tets). Returns old vertex index per new vertex.
 std::vector<uint32_t> SortAlongMortonCurve(TetMesh& mesh);
 
 // Own format, little endian: "TETRECM1", u64 V, u64 T, positions f32 x 3 V, tets u32 x 4 T,

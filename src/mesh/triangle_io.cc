@@ -27,7 +27,7 @@ void ReadPositions(const PlyElement& vertices, const std::string& name, Triangle
              &z = Scalars(vertices, "z", name);
   mesh.positions.reserve(x.size());
   for (size_t v = 0; v < x.size(); ++v) {
-    const glm::vec3 p(float(x[v]), float(y[v]), float(z[v]));
+    const glm::vec3 p{float(x[v]), float(y[v]), float(z[v])};
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
       throw DataError(fmt::format("{}: vertex {} is not finite", name, v));
     }

@@ -1,10 +1,11 @@
 // Triangle meshes with vertex colours.
 #pragma once
 
+#include <glm/glm.hpp>
+
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <glm/glm.hpp>
 #include <vector>
 
 namespace tetrec {

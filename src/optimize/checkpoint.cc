@@ -1,14 +1,14 @@
 // A run of the optimiser on disk, so that a stopped or killed run goes on where it was.
 #include "optimize/checkpoint.h"
 
+#include "core/error.h"
+#include "core/file.h"
+
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
 #include <cstring>
-
-#include "core/error.h"
-#include "core/file.h"
 
 namespace tetrec {
 namespace {

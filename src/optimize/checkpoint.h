@@ -1,11 +1,11 @@
 // A run of the optimiser on disk, so that a stopped or killed run goes on where it was.
 #pragma once
 
-#include <filesystem>
-#include <span>
-
 #include "mesh/tet_mesh.h"
 #include "render/renderer.h"
+
+#include <filesystem>
+#include <span>
 
 namespace tetrec {
 
@@ -13,7 +13,7 @@ struct Checkpoint {
   uint64_t iteration = 0;  // steps done
   double seconds = 0;      // of optimisation
   uint64_t rays = 0;
-  uint32_t rounds = 0;     // refinements done
+  uint32_t rounds = 0;         // refinements done
   uint64_t metrics_bytes = 0;  // length of metrics.csv then
   TetMesh mesh;
   VertexState state;

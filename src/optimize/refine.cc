@@ -1,14 +1,14 @@
 // Coarse to fine: new vertices where the pictures are wrong, none where there is nothing.
 #include "optimize/refine.h"
 
+#include "core/error.h"
+#include "mesh/delaunay.h"
+#include "optimize/random.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
-
-#include "core/error.h"
-#include "mesh/delaunay.h"
-#include "optimize/random.h"
 
 namespace tetrec {
 namespace {
@@ -44,13 +44,13 @@ Edge LongestEdge(const TetMesh& mesh, const glm::uvec4& tet) {
 }
 
 // The edges to split, worst tets first.
-std::vector<Edge> ChooseEdges(const TetMesh& mesh, const std::vector<float>& error,
+std::vector<Edge> ChooseEdges(const TetMesh& mesh, std::span<const float> error,
                               const std::vector<uint8_t>& on_hull, size_t count,
                               const RefineOptions& options) {
   std::vector<uint32_t> order(mesh.tets.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
-                   [&error](uint32_t x, uint32_t y) { return error[x] > error[y]; });
+                   [error](uint32_t x, uint32_t y) { return error[x] > error[y]; });
   std::vector<int> splits(mesh.positions.size(), 0);
   std::set<std::pair<uint32_t, uint32_t>> taken;
   std::vector<Edge> edges;
@@ -73,41 +73,26 @@ std::vector<Edge> ChooseEdges(const TetMesh& mesh, const std::vector<float>& err
   return edges;
 }
 
-struct Useless {
-  std::vector<uint8_t> empty, unseen;  // one a vertex
-};
-
-// A vertex is empty where no edge of its tets is opaque enough to show, unseen where light reaches
-// none of its tets.
-Useless FindUseless(const TetMesh& mesh, const VertexState& state, const TetScores& scores,
-                    double empty_depth) {
-  const size_t count = mesh.positions.size();
-  std::vector<float> depth(count, 0.0f);  // largest optical depth of an incident edge
-  std::vector<uint8_t> seen(count, 0);
-  for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    float largest_edge = 0.0f, largest_density = 0.0f;
+// A vertex is empty where no edge of its tets is opaque enough to show.
+std::vector<uint8_t> EmptyVertices(const TetMesh& mesh, const VertexState& state,
+                                   double empty_depth) {
+  std::vector<uint8_t> empty(mesh.positions.size(), 1);
+  for (const glm::uvec4& tet : mesh.tets) {
+    double longest = 0.0, densest = 0.0;
     for (const auto& ends : kTetEdges) {
-      largest_edge = std::max(largest_edge,
-                              float(EdgeLength(mesh, {mesh.tets[t][ends[0]], mesh.tets[t][ends[1]]})));
+      longest = std::max(longest, EdgeLength(mesh, {tet[ends[0]], tet[ends[1]]}));
     }
     for (int i = 0; i < 4; ++i) {
-      largest_density = std::max(largest_density, std::exp(state.parameters[mesh.tets[t][i]].a));
+      densest = std::max(densest, double(std::exp(state.parameters[tet[i]].a)));
     }
-    for (int i = 0; i < 4; ++i) {
-      const uint32_t v = mesh.tets[t][i];
-      depth[v] = std::max(depth[v], largest_edge * largest_density);
-      if (scores.seen[t] > 0.0f) seen[v] = 1;
-    }
+    if (longest * densest < empty_depth) continue;
+    for (int i = 0; i < 4; ++i) empty[tet[i]] = 0;
   }
-  Useless result{std::vector<uint8_t>(count), std::vector<uint8_t>(count)};
-  for (size_t v = 0; v < count; ++v) {
-    result.empty[v] = depth[v] < empty_depth;
-    result.unseen[v] = !seen[v];
-  }
-  return result;
+  return empty;
 }
 
-// Linear interpolation of the field at share f from a to b; density is linear, its logarithm is not.
+// Linear interpolation of the field at share f from a to b; density is linear, its logarithm is
+// not.
 glm::vec4 MixParameters(const glm::vec4& a, const glm::vec4& b, float f) {
   glm::vec4 result = glm::mix(a, b, f);
   result.a = std::log(std::max(glm::mix(std::exp(a.a), std::exp(b.a), f), 1.8e-35f));
@@ -116,22 +101,20 @@ glm::vec4 MixParameters(const glm::vec4& a, const glm::vec4& b, float f) {
 
 }  // namespace
 
-RefineResult Refine(const TetMesh& mesh, const VertexState& state, const TetScores& scores,
+RefineResult Refine(const TetMesh& mesh, const VertexState& state, std::span<const float> error,
                     const RefineOptions& options) {
   const size_t count = mesh.positions.size();
-  TETREC_CHECK(scores.error.size() == mesh.tets.size(), "one score a tet");
+  TETREC_CHECK(error.size() == mesh.tets.size(), "one score a tet");
   const std::vector<uint8_t> on_hull = HullVertices(mesh);
-  const Useless useless = FindUseless(mesh, state, scores, options.empty_depth);
+  const std::vector<uint8_t> empty = EmptyVertices(mesh, state, options.empty_depth);
 
   RefineResult result;
   Random random(options.seed, count);
   std::vector<glm::vec3> points;
   VertexState grown;
   for (size_t v = 0; v < count; ++v) {
-    const bool drop = !on_hull[v] && (useless.empty[v] || useless.unseen[v]) &&
-                      random.Uniform() < options.drop_share;
-    if (drop) {
-      ++(useless.empty[v] ? result.dropped_empty : result.dropped_unseen);
+    if (!on_hull[v] && empty[v] && random.Uniform() < options.drop_share) {
+      ++result.dropped_empty;
       continue;
     }
     points.push_back(mesh.positions[v]);
@@ -142,12 +125,14 @@ RefineResult Refine(const TetMesh& mesh, const VertexState& state, const TetScor
 
   const double wanted = std::min(double(options.max_vertices), options.growth * double(count));
   const size_t room = wanted > double(points.size()) ? size_t(wanted) - points.size() : 0;
-  for (const Edge edge : ChooseEdges(mesh, scores.error, on_hull, room, options)) {
+  for (const Edge edge : ChooseEdges(mesh, error, on_hull, room, options)) {
     // Off the exact middle, so that regular starts do not stay cospherical.
     const float f = float(0.5 + 0.1 * (random.Uniform() - 0.5));
     points.push_back(glm::mix(mesh.positions[edge.a], mesh.positions[edge.b], f));
-    grown.parameters.push_back(MixParameters(state.parameters[edge.a], state.parameters[edge.b], f));
-    grown.first_moment.push_back(glm::mix(state.first_moment[edge.a], state.first_moment[edge.b], f));
+    grown.parameters.push_back(
+        MixParameters(state.parameters[edge.a], state.parameters[edge.b], f));
+    grown.first_moment.push_back(
+        glm::mix(state.first_moment[edge.a], state.first_moment[edge.b], f));
     grown.second_moment.push_back(
         glm::mix(state.second_moment[edge.a], state.second_moment[edge.b], f));
     ++result.split_edges;

@@ -17,8 +17,8 @@ double RoundProgress(const ScheduleOptions& options, int round) {
 double RoundGrowth(const ScheduleOptions& options, int round, uint64_t vertices,
                    uint64_t max_vertices) {
   const int left = std::max(1, options.rounds - round);
-  const double growth = std::pow(double(max_vertices) / double(std::max<uint64_t>(vertices, 1)),
-                                 1.0 / left);
+  const double growth =
+      std::pow(double(max_vertices) / double(std::max<uint64_t>(vertices, 1)), 1.0 / left);
   return std::clamp(growth, 1.0, 2.5);
 }
 

@@ -18,13 +18,13 @@ double RateShare(const ScheduleOptions& options, double progress);
 // coarse mesh settles fast and cheaply.
 double RoundProgress(const ScheduleOptions& options, int round);
 
-// Growth of round `round` so that equal factors lead from `vertices` to `max_vertices` in the rounds
-// that are left; at most 2.5.
+// Growth of round `round` so that equal factors lead from `vertices` to `max_vertices` in the
+// rounds that are left; at most 2.5.
 double RoundGrowth(const ScheduleOptions& options, int round, uint64_t vertices,
                    uint64_t max_vertices);
 
-// How many vertices a run can teach: measured on NeRF-synthetic lego at 200x200 and two cores, where
-// 180 k after 120 s were still gaining, and never more than one for eight pixels.
+// How many vertices a run can teach: measured on NeRF-synthetic lego at 200x200 and two cores,
+// where 180 k after 120 s were still gaining, and never more than one for eight pixels.
 uint64_t AffordableVertices(double seconds, uint64_t pixels);
 
 }  // namespace tetrec

@@ -1,12 +1,6 @@
 // The optimisation of a radiance field against the pictures of a scene.
 #include "optimize/trainer.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -17,6 +11,12 @@
 #include "optimize/training_set.h"
 #include "render/picture.h"
 #include "scene/image.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
 
 namespace tetrec {
 namespace {
@@ -89,9 +89,8 @@ class Trainer {
         renderer_(CreateMarchRenderer(options.renderer)),
         checkpoint_path_(stage.Scratch("checkpoint.bin")) {
     renderer_->SetTargets(set_.views, set_.targets);
-    max_vertices_ = options.max_vertices > 0
-                        ? options.max_vertices
-                        : AffordableVertices(ExpectedSeconds(), set_.pixels);
+    max_vertices_ = options.max_vertices > 0 ? options.max_vertices
+                                             : AffordableVertices(ExpectedSeconds(), set_.pixels);
     stage.Device(renderer_->DescribeDevice());
     LogInfo("{} training views, {} pixels; device {}; up to {} vertices", set_.views.size(),
             WithThousands(set_.pixels), renderer_->DescribeDevice()["name"].get<std::string>(),
@@ -129,12 +128,12 @@ class Trainer {
         }
         metrics.Add(Row(averages, psnr, "optimise"));
         const double rays_per_s = double(state_.rays) / std::max(state_.seconds, 1e-9);
-        progress.Update(done, fmt::format("it {}  {:.0f} k rays/s  loss {:.5f}  PSNR {} dB held out"
-                                          "  {} tets",
-                                          WithThousands(state_.iteration), rays_per_s / 1000,
-                                          averages.Loss(),
-                                          has_watched ? fmt::format("{:.2f}", watched_psnr) : "-",
-                                          WithThousands(mesh_.tets.size())));
+        progress.Update(
+            done, fmt::format("it {}  {:.0f} k rays/s  loss {:.5f}  PSNR {} dB held out"
+                              "  {} tets",
+                              WithThousands(state_.iteration), rays_per_s / 1000, averages.Loss(),
+                              has_watched ? fmt::format("{:.2f}", watched_psnr) : "-",
+                              WithThousands(mesh_.tets.size())));
         averages = {};
       }
       if (state_.seconds - last_checkpoint >= options_.checkpoint_interval_s) {
@@ -145,9 +144,9 @@ class Trainer {
     state_.seconds = seconds_before + timer.seconds();
     if (StopRequested()) {
       SaveCheckpoint(metrics.bytes());
-      throw Interrupted(fmt::format(
-          "stopped at iteration {} after {:.0f} s; the same command goes on from here",
-          state_.iteration, state_.seconds));
+      throw Interrupted(
+          fmt::format("stopped at iteration {} after {:.0f} s; the same command goes on from here",
+                      state_.iteration, state_.seconds));
     }
     const VertexState state = renderer_->ReadVertexState();
     const double psnr =
@@ -222,34 +221,33 @@ class Trainer {
 
   void RefineOnce() {
     const Timer timer;
-    const TetScores scores = LookAtErrors();
+    const std::vector<float> error = LookAtErrors();
     const double look_seconds = timer.seconds();
     RefineOptions refine;
-    refine.growth = RoundGrowth(options_.schedule, int(state_.rounds), mesh_.positions.size(),
-                                max_vertices_);
+    refine.growth =
+        RoundGrowth(options_.schedule, int(state_.rounds), mesh_.positions.size(), max_vertices_);
     refine.max_vertices = max_vertices_;
     refine.seed = options_.seed + state_.rounds;
     const size_t vertices_before = mesh_.positions.size();
-    RefineResult result = Refine(mesh_, renderer_->ReadVertexState(), scores, refine);
+    RefineResult result = Refine(mesh_, renderer_->ReadVertexState(), error, refine);
     mesh_ = std::move(result.mesh);
     renderer_->SetVertexState(mesh_, result.state);
     ++state_.rounds;
     LogInfo(
-        "round {}: {} -> {} vertices, {} tets: {} edges split, {} empty and {} unseen vertices "
-        "dropped; errors {:.1f} s, mesh {:.1f} s",
+        "round {}: {} -> {} vertices, {} tets: {} edges split, {} empty vertices dropped; errors "
+        "{:.1f} s, mesh {:.1f} s",
         state_.rounds, WithThousands(vertices_before), WithThousands(mesh_.positions.size()),
         WithThousands(mesh_.tets.size()), WithThousands(result.split_edges),
-        WithThousands(result.dropped_empty), WithThousands(result.dropped_unseen), look_seconds,
-        timer.seconds() - look_seconds);
+        WithThousands(result.dropped_empty), look_seconds, timer.seconds() - look_seconds);
   }
 
   // Every block at most once, in random order, as many as the mesh needs to be judged.
-  TetScores LookAtErrors() {
+  std::vector<float> LookAtErrors() {
     std::vector<RayBlock> blocks = set_.blocks;
     Random random(options_.seed ^ 0x5C0ull, state_.iteration);
     const size_t wanted =
-        std::min(blocks.size(), size_t(options_.score_rays_per_tet * double(mesh_.tets.size())) /
-                                    kRaysPerBlock);
+        std::min(blocks.size(),
+                 size_t(options_.score_rays_per_tet * double(mesh_.tets.size())) / kRaysPerBlock);
     for (size_t i = 0; i < wanted; ++i) {
       std::swap(blocks[i], blocks[i + random.Below(uint32_t(blocks.size() - i))]);
     }
@@ -272,7 +270,8 @@ class Trainer {
     WriteCheckpoint(checkpoint_path_, checkpoint);
   }
 
-  std::string Row(const Averages& averages, const std::string& heldout_psnr, const char* phase) const {
+  std::string Row(const Averages& averages, const std::string& heldout_psnr,
+                  const char* phase) const {
     return fmt::format("{},{:.3f},{},{:.6g},{:.3f},{},{},{},{}", state_.iteration, state_.seconds,
                        state_.rays, averages.Loss(), averages.Psnr(), heldout_psnr,
                        mesh_.tets.size(), mesh_.positions.size(), phase);
@@ -296,7 +295,9 @@ class Trainer {
     LogInfo("{} iterations, {} rays in {:.1f} s; {} vertices, {} tets{}",
             WithThousands(state_.iteration), WithThousands(state_.rays), state_.seconds,
             WithThousands(mesh_.positions.size()), WithThousands(mesh_.tets.size()),
-            watched_.empty() ? "" : fmt::format("; {:.2f} dB on {} watched views", psnr, watched_.size()));
+            watched_.empty()
+                ? ""
+                : fmt::format("; {:.2f} dB on {} watched views", psnr, watched_.size()));
   }
 
   RadianceField ToField(const VertexState& state) const {
@@ -332,14 +333,20 @@ void WriteWorld(const fs::path& path, const Scene& scene, const fs::path& scene_
     }
   }
   const auto list = [](const glm::dvec3& v) { return nlohmann::json{v.x, v.y, v.z}; };
-  WriteJson(path, {{"schema", 1},
-                   {"input_from_world",
-                    {{"scale", scene.input_from_world.scale},
-                     {"rotation", rotation},
-                     {"translation", list(scene.input_from_world.translation)}}},
-                   {"subject_bounds",
-                    {{"min", list(scene.subject_bounds.min)}, {"max", list(scene.subject_bounds.max)}}},
-                   {"scene", fs::relative(scene_folder, path.parent_path()).generic_string()}});
+  nlohmann::json cameras = nlohmann::json::array();
+  for (const View& view : scene.views) {
+    cameras.push_back(list(view.cam_from_world.Inverse().translation));
+  }
+  WriteJson(path,
+            {{"schema", 1},
+             {"input_from_world",
+              {{"scale", scene.input_from_world.scale},
+               {"rotation", rotation},
+               {"translation", list(scene.input_from_world.translation)}}},
+             {"subject_bounds",
+              {{"min", list(scene.subject_bounds.min)}, {"max", list(scene.subject_bounds.max)}}},
+             {"cameras_in_world", cameras},
+             {"scene", fs::relative(scene_folder, path.parent_path()).generic_string()}});
 }
 
 }  // namespace

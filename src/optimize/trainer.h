@@ -1,20 +1,20 @@
 // The optimisation of a radiance field against the pictures of a scene.
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
-#include <string>
-
 #include "core/stage.h"
 #include "optimize/schedule.h"
 #include "render/renderer.h"
 #include "scene/scene.h"
 
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
 namespace tetrec {
 
 struct OptimizeOptions {
-  double time_limit_s = 300;      // of optimisation, refinement and watching included; 0: none
-  uint64_t iterations = 0;        // 0: by time
+  double time_limit_s = 300;  // of optimisation, refinement and watching included; 0: none
+  uint64_t iterations = 0;    // 0: by time
   uint64_t seed = 1;
   int rays_per_step = 4096;
   LossKind loss = LossKind::kL2;
@@ -25,7 +25,7 @@ struct OptimizeOptions {
   double subject_share = 0.85;    // of the rays that are drawn where the masks show something
   bool random_background = true;  // behind field and target; false: the scene's own
   uint64_t max_vertices = 0;      // 0: what the time affords
-  double score_rays_per_tet = 4;  // of a refinement's look at the errors
+  double score_rays_per_tet = 1;  // of a refinement's look at the errors
   int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv
   double checkpoint_interval_s = 30;
   ScheduleOptions schedule;

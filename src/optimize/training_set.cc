@@ -1,14 +1,14 @@
 // The views that a field learns from, and which blocks of their pixels to draw.
 #include "optimize/training_set.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-
 #include "core/error.h"
 #include "core/parallel.h"
 #include "optimize/random.h"
 #include "scene/image.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 
 namespace tetrec {
 namespace {
@@ -93,8 +93,9 @@ std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double su
   std::vector<RayBlock> blocks(count);
   for (RayBlock& block : blocks) {
     const bool subject = !set.subject_blocks.empty() && random.Uniform() < subject_share;
-    block = subject ? set.blocks[set.subject_blocks[random.Below(uint32_t(set.subject_blocks.size()))]]
-                    : set.blocks[random.Below(uint32_t(set.blocks.size()))];
+    block = subject
+                ? set.blocks[set.subject_blocks[random.Below(uint32_t(set.subject_blocks.size()))]]
+                : set.blocks[random.Below(uint32_t(set.blocks.size()))];
     // Any offset, not only aligned ones; the picture's border still keeps whole blocks.
     const TargetImage& target = set.targets[block.view];
     const int x = int(block.x) + int(random.Below(kRayBlockWidth)) - kRayBlockWidth / 2;

@@ -1,24 +1,24 @@
 // The views that a field learns from, and which blocks of their pixels to draw.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "render/renderer.h"
 #include "scene/scene.h"
+
+#include <cstdint>
+#include <vector>
 
 namespace tetrec {
 
 struct TrainingSet {
   std::vector<RenderView> views;
   std::vector<TargetImage> targets;
-  std::vector<RayBlock> blocks;           // every aligned 4 x 2 block of every view
-  std::vector<uint32_t> subject_blocks;   // those that show something, or lie beside it
+  std::vector<RayBlock> blocks;          // every aligned 4 x 2 block of every view
+  std::vector<uint32_t> subject_blocks;  // those that show something, or lie beside it
   uint64_t pixels = 0;
 };
 
-// Reads and premultiplies the pictures of a split on all cores. Throws DataError (no view, picture of
-// another size than its camera, smaller than a block).
+// Reads and premultiplies the pictures of a split on all cores. Throws DataError (no view, picture
+// of another size than its camera, smaller than a block).
 TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Scene& scene,
                             const std::vector<int>& views);
 

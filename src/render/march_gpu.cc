@@ -1,11 +1,11 @@
 // The march renderer's kernels and how the mesh and the cameras lie in device memory.
 #include "render/march_gpu.h"
 
-#include <bit>
-#include <cmath>
-
 #include "core/error.h"
 #include "embedded_shaders.h"
+
+#include <bit>
+#include <cmath>
 
 namespace tetrec {
 
@@ -13,28 +13,27 @@ using gpu_types::GpuView;
 
 MarchPrograms CreateMarchPrograms(const Device& device) {
   const bool atomics = device.has_float_atomics;
-  const std::vector<BindingSpec> mesh = {{kBindTets, Access::kTexelRead},
-                                         {kBindVertices, Access::kTexelRead},
-                                         {kBindHull, Access::kTexelRead},
-                                         {kBindViews, Access::kRead},
-                                         {kBindBlocks, Access::kRead},
-                                         {kBindCounters, Access::kReadWrite}};
+  const std::vector<BindingSpec> mesh = {
+      {kBindTets, Access::kTexelRead}, {kBindVertices, Access::kTexelRead},
+      {kBindHull, Access::kTexelRead}, {kBindViews, Access::kRead},
+      {kBindBlocks, Access::kRead},    {kBindCounters, Access::kReadWrite}};
   const auto with_mesh = [&mesh](std::vector<BindingSpec> more) {
     std::vector<BindingSpec> all = mesh;
     all.insert(all.end(), more.begin(), more.end());
     return all;
   };
   const std::vector<BindingSpec> forward =
-      with_mesh({{kBindRayColors, Access::kWrite}, {kBindRayStates, Access::kWrite}});
+      with_mesh({{kBindRayColors, Access::kWrite}, {kBindRayEntries, Access::kWrite}});
   const std::vector<BindingSpec> backward = with_mesh({{kBindRayColors, Access::kRead},
-                                                       {kBindRayStates, Access::kRead},
+                                                       {kBindRayEntries, Access::kRead},
                                                        {kBindRayGradients, Access::kRead},
                                                        {kBindVertexGradients, Access::kReadWrite}});
-  const std::vector<BindingSpec> score = with_mesh({{kBindRayStates, Access::kRead},
+  const std::vector<BindingSpec> score = with_mesh({{kBindRayEntries, Access::kRead},
                                                     {kBindRayGradients, Access::kRead},
                                                     {kBindTetScores, Access::kReadWrite}});
   const uint32_t push = sizeof(gpu_types::MarchPush);
-  const auto pick = [atomics](std::span<const uint32_t> native, std::span<const uint32_t> fallback) {
+  const auto pick = [atomics](std::span<const uint32_t> native,
+                              std::span<const uint32_t> fallback) {
     return atomics ? native : fallback;
   };
   MarchPrograms programs;
@@ -61,7 +60,8 @@ MarchPrograms CreateMarchPrograms(const Device& device) {
   return programs;
 }
 
-MarchMesh UploadMesh(const Device& device, const TetMesh& mesh, std::span<const glm::vec4> parameters) {
+MarchMesh UploadMesh(const Device& device, const TetMesh& mesh,
+                     std::span<const glm::vec4> parameters) {
   TETREC_CHECK(parameters.size() == mesh.positions.size(), "one parameter row a vertex");
   std::vector<glm::uvec4> tets(2 * mesh.tets.size());
   std::vector<glm::vec4> hull;

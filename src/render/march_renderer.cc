@@ -1,13 +1,13 @@
 // The default renderer: marches from tet to tet on Vulkan compute, forward and backward.
+#include "core/error.h"
+#include "mesh/locate.h"
+#include "render/march_gpu.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "core/error.h"
-#include "mesh/locate.h"
-#include "render/march_gpu.h"
 
 namespace tetrec {
 namespace {
@@ -27,14 +27,14 @@ constexpr uint32_t kRaysPerSubmit = 1u << 17;
 
 // What lives on the device for a batch of rays.
 struct RayBuffers {
-  Buffer blocks, colors, states, gradients, partial_losses;
+  Buffer blocks, colors, entries, gradients, partial_losses;
   uint32_t capacity = 0;  // rays
 
   void Reserve(const Device& device, uint32_t rays) {
     if (rays <= capacity) return;
     blocks = Buffer(device, "ray blocks", uint64_t(rays / kBlockRays) * sizeof(GpuBlock));
     colors = Buffer(device, "ray colors", uint64_t(rays) * 16);
-    states = Buffer(device, "ray states", uint64_t(rays) * 4);
+    entries = Buffer(device, "ray entries", uint64_t(rays) * 8);
     gradients = Buffer(device, "ray gradients", uint64_t(rays) * 16);
     partial_losses =
         Buffer(device, "partial losses", uint64_t(rays + kWorkgroupSize - 1) / kWorkgroupSize * 8);
@@ -65,6 +65,9 @@ class MarchRenderer final : public TrainingRenderer {
     counters_.FillZero();
   }
 
+  // Buffers go before the recorders; the device must be done with them.
+  ~MarchRenderer() override { WaitAll(); }
+
   void SetField(const RadianceField& field) override {
     SetVertexState(field.mesh, {ParametersOf(field), {}, {}});
   }
@@ -81,7 +84,7 @@ class MarchRenderer final : public TrainingRenderer {
     moments_ = MakeBuffer(*device_, "moments", moments);
     gradients_ = Buffer(*device_, "vertex gradients", uint64_t(march_mesh_.vertex_count) * 16);
     gradients_.FillZero();
-    tet_scores_ = Buffer(*device_, "tet scores", uint64_t(march_mesh_.tet_count) * 8);
+    tet_scores_ = Buffer(*device_, "tet scores", uint64_t(march_mesh_.tet_count) * 4);
     tet_scores_.FillZero();
     UploadViews();
   }
@@ -101,16 +104,17 @@ class MarchRenderer final : public TrainingRenderer {
     return state;
   }
 
-  void SetTargets(std::span<const RenderView> views, std::span<const TargetImage> targets) override {
+  void SetTargets(std::span<const RenderView> views,
+                  std::span<const TargetImage> targets) override {
     TETREC_CHECK(views.size() == targets.size(), "one target a view");
     WaitAll();
     views_.assign(views.begin(), views.end());
     first_pixels_.clear();
     std::vector<uint32_t> pixels;
     for (size_t i = 0; i < views.size(); ++i) {
-      TETREC_CHECK(views[i].camera.width == targets[i].width &&
-                       views[i].camera.height == targets[i].height,
-                   fmt::format("target {} and its camera differ in size", i));
+      TETREC_CHECK(
+          views[i].camera.width == targets[i].width && views[i].camera.height == targets[i].height,
+          fmt::format("target {} and its camera differ in size", i));
       first_pixels_.push_back(uint32_t(pixels.size()));
       pixels.insert(pixels.end(), targets[i].rgba8.begin(), targets[i].rgba8.end());
     }
@@ -152,22 +156,16 @@ class MarchRenderer final : public TrainingRenderer {
     RecordLoss(recorder, rays, step, count, 0.5f);
     const Buffer* buffers[] = {&march_mesh_.tets, &march_mesh_.vertices, &march_mesh_.hull,
                                &training_views_,  &rays.blocks,          &counters_,
-                               &rays.states,      &rays.gradients,       &tet_scores_};
+                               &rays.entries,     &rays.gradients,       &tet_scores_};
     recorder.Dispatch(programs_.score, buffers, push, count, kWorkgroupSize);
     recorder.EndAndSubmit();
     in_flight_[current_] = {count, step.loss};
     return before;
   }
 
-  TetScores ReadScores() override {
+  std::vector<float> ReadScores() override {
     WaitAll();
-    const auto pairs = tet_scores_.DownloadAs<glm::vec2>(march_mesh_.tet_count);
-    TetScores scores;
-    for (const glm::vec2& pair : pairs) {
-      scores.error.push_back(pair.x);
-      scores.seen.push_back(pair.y);
-    }
-    return scores;
+    return tet_scores_.DownloadAs<float>(march_mesh_.tet_count);
   }
 
   RenderedImage Render(const RenderView& view, int samples) override {
@@ -181,7 +179,8 @@ class MarchRenderer final : public TrainingRenderer {
       const std::vector<glm::vec4> colors = MarchBatch(blocks);
       for (size_t r = 0; r < colors.size(); ++r) {
         const RayBlock& block = blocks[r / kBlockRays];
-        const int x = int(block.x + r % kBlockWidth), y = int(block.y + r % kBlockRays / kBlockWidth);
+        const int x = int(block.x + r % kBlockWidth),
+                  y = int(block.y + r % kBlockRays / kBlockWidth);
         if (x >= width * samples || y >= height * samples) continue;
         const size_t pixel = size_t(y / samples) * width + x / samples;
         image.color_srgb[pixel] += share * glm::vec3(colors[r]);
@@ -203,13 +202,15 @@ class MarchRenderer final : public TrainingRenderer {
       std::vector<glm::vec4> gradients(blocks.size() * kBlockRays, glm::vec4(0.0f));
       for (size_t r = 0; r < gradients.size(); ++r) {
         const RayBlock& block = blocks[r / kBlockRays];
-        const int x = int(block.x + r % kBlockWidth), y = int(block.y + r % kBlockRays / kBlockWidth);
+        const int x = int(block.x + r % kBlockWidth),
+                  y = int(block.y + r % kBlockRays / kBlockWidth);
         if (x < width && y < height) gradients[r] = pixel_gradient[size_t(y) * width + x];
       }
       RayBuffers& rays = rays_[0];
       rays.gradients.Upload(gradients);
       render_recorder_.Begin();
-      RecordBackward(render_recorder_, rays, render_view_, MarchPushFor({}, uint32_t(gradients.size())));
+      RecordBackward(render_recorder_, rays, render_view_,
+                     MarchPushFor({}, uint32_t(gradients.size())));
       render_recorder_.EndAndSubmit();
       render_recorder_.Wait();
     });
@@ -335,9 +336,9 @@ class MarchRenderer final : public TrainingRenderer {
 
   void RecordForward(CommandRecorder& recorder, const Program& program, const RayBuffers& rays,
                      const Buffer& views, const MarchPush& push) {
-    const Buffer* buffers[] = {&march_mesh_.tets, &march_mesh_.vertices, &march_mesh_.hull,
-                               &views,            &rays.blocks,          &counters_,
-                               &rays.colors,      &rays.states};
+    const Buffer* buffers[] = {
+        &march_mesh_.tets, &march_mesh_.vertices, &march_mesh_.hull, &views, &rays.blocks,
+        &counters_,        &rays.colors,          &rays.entries};
     recorder.Dispatch(program, buffers, push, push.ray_count, kWorkgroupSize);
   }
 
@@ -354,10 +355,9 @@ class MarchRenderer final : public TrainingRenderer {
 
   void RecordBackward(CommandRecorder& recorder, const RayBuffers& rays, const Buffer& views,
                       const MarchPush& push) {
-    const Buffer* buffers[] = {&march_mesh_.tets, &march_mesh_.vertices, &march_mesh_.hull,
-                               &views,            &rays.blocks,          &counters_,
-                               &rays.colors,      &rays.states,          &rays.gradients,
-                               &gradients_};
+    const Buffer* buffers[] = {
+        &march_mesh_.tets, &march_mesh_.vertices, &march_mesh_.hull, &views,          &rays.blocks,
+        &counters_,        &rays.colors,          &rays.entries,     &rays.gradients, &gradients_};
     recorder.Dispatch(programs_.backward, buffers, push, push.ray_count, kWorkgroupSize);
   }
 

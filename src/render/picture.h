@@ -7,7 +7,8 @@
 
 namespace tetrec {
 
-// Display sRGB. Photos have their far shell for a background; black stands behind what it lets through.
+// Display sRGB. Photos have their far shell for a background; black stands behind what it lets
+// through.
 glm::vec3 BackgroundColor(Background background);
 
 // Composited over the background, clamped to [0, 1], rounded to 8 bits. RGB.

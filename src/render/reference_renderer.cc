@@ -119,7 +119,7 @@ dvec3 InterpolateColor(const RadianceField& field, uint32_t tet, const dvec4& we
   return color;
 }
 
-// Optical depth per density at the segment's ends: s0 and s1 of segment.glsl.h.
+// s0 and s1 of segment.glsl.h, and the colours at the ends.
 struct Ends {
   double s0, s1;
   dvec3 c0, c1;
@@ -133,7 +133,7 @@ Ends EndsOf(const RadianceField& field, const Segment& segment) {
           InterpolateColor(field, segment.tet, segment.end_weights)};
 }
 
-// Front to back, up to and with the one that reaches the stop.
+// Front to back, up to and with the tet in which the optical depth reaches `stop_depth`.
 std::vector<Segment> CutMesh(const RadianceField& field, std::span<const Sphere> spheres,
                              const Ray& ray, double stop_depth) {
   std::vector<Segment> segments;

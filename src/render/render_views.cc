@@ -1,11 +1,6 @@
 // Pictures of a finished field, beside the ground truth.
 #include "render/render_views.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <numeric>
-
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -13,6 +8,11 @@
 #include "render/picture.h"
 #include "scene/image.h"
 #include "scene/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
 
 namespace tetrec {
 namespace {
@@ -80,22 +80,23 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
     WriteImage(stage.folder() / "gt" / file, OverBackground(truth, background));
     const bool has_mask = truth.channels == 4;
     if (has_mask) WriteImage(stage.folder() / "masks" / file, MaskOf(truth));
-    list.push_back({{"name", view.name},
-                    {"split", Name(view.split)},
-                    {"render", "renders/" + file},
-                    {"ground_truth", "gt/" + file},
-                    {"mask", has_mask ? nlohmann::json("masks/" + file) : nlohmann::json(nullptr)}});
+    list.push_back(
+        {{"name", view.name},
+         {"split", Name(view.split)},
+         {"render", "renders/" + file},
+         {"ground_truth", "gt/" + file},
+         {"mask", has_mask ? nlohmann::json("masks/" + file) : nlohmann::json(nullptr)}});
     progress.Update(double(i + 1), view.name);
   }
   const Camera& camera = scene.cameras[scene.views[views[0]].camera];
-  WriteJson(stage.Output("views.json"), {{"schema", 1},
-                                         {"background", Name(background)},
-                                         {"rays_per_pixel", options.samples * options.samples},
-                                         {"split", options.views == "heldout"
-                                                       ? Name(scene.views[views[0]].split)
-                                                       : options.views.c_str()},
-                                         {"resolution", {camera.width, camera.height}},
-                                         {"views", list}});
+  WriteJson(stage.Output("views.json"),
+            {{"schema", 1},
+             {"background", Name(background)},
+             {"rays_per_pixel", options.samples * options.samples},
+             {"split", options.views == "heldout" ? Name(scene.views[views[0]].split)
+                                                  : options.views.c_str()},
+             {"resolution", {camera.width, camera.height}},
+             {"views", list}});
   const RenderCounts counts = renderer->counts();
   stage.Count("views", views.size());
   stage.Count("rays", counts.rays);

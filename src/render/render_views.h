@@ -1,17 +1,17 @@
 // Pictures of a finished field, beside the ground truth.
 #pragma once
 
-#include <string>
-
 #include "core/stage.h"
 #include "render/renderer.h"
+
+#include <string>
 
 namespace tetrec {
 
 struct RenderViewsOptions {
-  std::string views = "heldout";    // heldout, train, all
-  int samples = 2;                  // samples x samples rays a pixel
-  std::string background = "scene"; // scene: the scene's own; or white, black
+  std::string views = "heldout";     // heldout, train, all
+  int samples = 2;                   // samples x samples rays a pixel
+  std::string background = "scene";  // scene: the scene's own; or white, black
   RendererOptions renderer;
 };
 

@@ -1,18 +1,19 @@
 // Renderers of a radiance field, forward and backward. No Vulkan type here.
 #pragma once
 
-#include <cstdint>
-#include <glm/glm.hpp>
-#include <memory>
-#include <nlohmann/json.hpp>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "field/radiance_field.h"
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
 #include "gpu/device_options.h"
+
+#include <glm/glm.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace tetrec {
 
@@ -34,7 +35,7 @@ struct RenderCounts {
   uint64_t lost_rays = 0;  // ended neither at the stop depth nor where the hull ends; 0 or a bug
   // Of Render and MarchBlocks where RendererOptions::count_steps is set, else 0.
   uint64_t hit_rays = 0;
-  uint64_t steps = 0;      // tets
+  uint64_t steps = 0;  // tets
 };
 
 class Renderer {
@@ -67,7 +68,8 @@ constexpr int kRayBlockWidth = 4, kRayBlockHeight = 2, kRaysPerBlock = 8;
 
 enum class LossKind { kL2, kL1 };
 
-// Parameters of the field and the state of Adam, one row a vertex: rgb and the logarithm of density.
+// Parameters of the field and the state of Adam, one row a vertex: rgb and the logarithm of
+// density.
 struct VertexState {
   std::vector<glm::vec4> parameters, first_moment, second_moment;
 };
@@ -88,48 +90,49 @@ struct TrainingStep {
   glm::vec3 background_srgb{0.0f};  // stands behind field and target
   float jitter_px = 0.0f;
   uint32_t seed = 0;
-  uint32_t adam_step = 1;           // counts from 1
+  uint32_t adam_step = 1;  // counts from 1
   AdamOptions adam;
 };
 
 struct StepResult {
-  double loss = 0;          // mean over rays and channels
-  double squared_error = 0; // mean over rays and channels
-};
-
-struct TetScores {
-  std::vector<float> error;  // (T) sum over rays of squared residual x share of the ray's opacity
-  std::vector<float> seen;   // (T) sum over rays of the transmittance that reaches the tet
+  double loss = 0;           // mean over rays and channels
+  double squared_error = 0;  // mean over rays and channels
 };
 
 // A renderer that learns. The field lives on the device between SetVertexState and ReadVertexState.
 class TrainingRenderer : public Renderer {
  public:
   // Views and what they should show; sizes must agree.
-  virtual void SetTargets(std::span<const RenderView> views, std::span<const TargetImage> targets) = 0;
+  virtual void SetTargets(std::span<const RenderView> views,
+                          std::span<const TargetImage> targets) = 0;
   virtual void SetVertexState(const TetMesh& mesh, const VertexState& state) = 0;
   virtual VertexState ReadVertexState() = 0;
-  // Forward, loss, backward, Adam; returns before the device is done. The result is that of the step
-  // before last waits for (one step late), zero for the first.
+  // Forward, loss, backward, Adam; returns before the device is done. The result is that of the
+  // step before last waits for (one step late), zero for the first.
   virtual StepResult Step(const TrainingStep& step) = 0;
   // Adds the blocks' errors to the scores of ReadScores; ClearScores first.
   virtual void ClearScores() = 0;
   virtual StepResult AddScores(const TrainingStep& step) = 0;
-  virtual TetScores ReadScores() = 0;
+  // (T) sum over rays of the squared residual times the tet's share of the ray's opacity.
+  virtual std::vector<float> ReadScores() = 0;
   // dL/dfield for dL/d(rgb, transmittance) of each pixel of a view rendered with one ray a pixel.
-  virtual FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient) = 0;
+  virtual FieldGradient Backpropagate(const RenderView& view,
+                                      std::span<const glm::vec4> pixel_gradient) = 0;
   // Colour before the background and optical depth of every ray of `blocks`, all of `view` (their
   // `view` is 0), one ray a pixel; zero outside the picture.
-  virtual std::vector<glm::vec4> MarchBlocks(const RenderView& view, std::span<const RayBlock> blocks) = 0;
+  virtual std::vector<glm::vec4> MarchBlocks(const RenderView& view,
+                                             std::span<const RayBlock> blocks) = 0;
   // What the Vulkan validation layer said since the renderer was made; empty means clean or off.
   virtual std::vector<std::string> ValidationMessages() const = 0;
 };
 
 struct RendererOptions {
   DeviceOptions device;
-  float stop_transmittance = 1e-3f;  // rays stop below; the same rule forward and backward
-  uint32_t max_steps = 1u << 16;     // tets on one ray
-  bool count_steps = false;          // fill RenderCounts::steps and hit_rays; a little slower
+  // A ray ends behind the tet in which its transmittance falls to this; 0: never. The same rule
+  // forward and backward.
+  float stop_transmittance = 1e-3f;
+  uint32_t max_steps = 1u << 16;  // tets on one ray
+  bool count_steps = false;       // fill RenderCounts::steps and hit_rays; a little slower
 };
 
 // The default: marches from tet to tet on Vulkan compute.

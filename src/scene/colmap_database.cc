@@ -46,7 +46,11 @@ class Statement {
   }
   void Reset() { sqlite3_reset(statement_); }
   void Bind(int index, int64_t value) { Check(sqlite3_bind_int64(statement_, index, value)); }
-  // The bytes must live until the next Step or Reset.
+  // Bytes and text must live until the next Step or Reset.
+  void BindText(int index, const std::string& text) {
+    Check(sqlite3_bind_text64(statement_, index, text.data(), text.size(), SQLITE_STATIC,
+                              SQLITE_UTF8));
+  }
   void BindBlob(int index, const void* bytes, size_t size) {
     Check(sqlite3_bind_blob64(statement_, index, bytes, size, SQLITE_STATIC));
   }
@@ -173,30 +177,63 @@ uint64_t ColmapDatabase::MatchCount() const {
   return select.Step() ? uint64_t(select.Integer(0)) : 0;
 }
 
-void ColmapDatabase::NumberByName() {
-  TETREC_CHECK(MatchedPairs().empty() && VerifiedPairs().empty(), "pictures are matched already");
-  // By way of negative ids, since an update must not meet an id that is still in use.
+void ColmapDatabase::Append(const std::filesystem::path& other) {
+  {
+    const std::string name = other.string();
+    Statement attach(path_, database_.get(), "ATTACH ? AS other");
+    attach.BindText(1, name);
+    attach.Step();
+  }
   Execute(
       "BEGIN IMMEDIATE;"
+      "CREATE TEMP TABLE shift AS SELECT "
+      "  (SELECT coalesce(max(image_id), 0) FROM main.images) AS image,"
+      "  (SELECT coalesce(max(camera_id), 0) FROM main.cameras) AS camera;"
+      "INSERT INTO main.cameras SELECT camera_id + shift.camera, model, width, height, params, "
+      "  prior_focal_length FROM other.cameras, shift;"
+      "INSERT INTO main.images SELECT image_id + shift.image, name, camera_id + shift.camera, "
+      "  prior_qw, prior_qx, prior_qy, prior_qz, prior_tx, prior_ty, prior_tz "
+      "  FROM other.images, shift;"
+      "INSERT INTO main.keypoints SELECT image_id + shift.image, rows, cols, data "
+      "  FROM other.keypoints, shift;"
+      "INSERT INTO main.descriptors SELECT image_id + shift.image, rows, cols, data "
+      "  FROM other.descriptors, shift;"
+      "DROP TABLE shift;"
+      "COMMIT;"
+      "DETACH other;");
+}
+
+void ColmapDatabase::NumberByName(bool camera_per_folder) {
+  TETREC_CHECK(MatchedPairs().empty() && VerifiedPairs().empty(), "pictures are matched already");
+  if (camera_per_folder) {
+    Execute(
+        "CREATE TEMP TABLE folder_camera AS SELECT rtrim(name, replace(name, '/', '')) AS folder, "
+        "  camera_id, min(name) FROM images GROUP BY 1;"
+        "UPDATE images SET camera_id = (SELECT folder_camera.camera_id FROM folder_camera "
+        "  WHERE folder = rtrim(name, replace(name, '/', '')));"
+        "DROP TABLE folder_camera;");
+  }
+  // By way of negative ids, since an update must not meet an id that is still in use.
+  Execute(
+      "PRAGMA ignore_check_constraints = 1;"
+      "BEGIN IMMEDIATE;"
       "CREATE TEMP TABLE image_order AS SELECT image_id AS old, row_number() OVER (ORDER BY name) "
-      "AS new FROM images;"
-      "CREATE TEMP TABLE camera_order AS SELECT camera_id AS old, row_number() OVER (ORDER BY "
-      "min(name)) AS new "
-      "  FROM images GROUP BY camera_id;"
+      "  AS new FROM images;"
+      "CREATE TEMP TABLE camera_order AS SELECT camera_id AS old, row_number() OVER "
+      "  (ORDER BY min(name)) AS new FROM images GROUP BY camera_id;"
       "DELETE FROM cameras WHERE camera_id NOT IN (SELECT old FROM camera_order);"
       "UPDATE images SET camera_id = (SELECT new FROM camera_order WHERE old = camera_id);"
       "UPDATE cameras SET camera_id = -(SELECT new FROM camera_order WHERE old = camera_id);"
       "UPDATE cameras SET camera_id = -camera_id;"
-      "PRAGMA ignore_check_constraints = 1;"
       "UPDATE images SET image_id = -(SELECT new FROM image_order WHERE old = image_id);"
       "UPDATE images SET image_id = -image_id;"
-      "PRAGMA ignore_check_constraints = 0;"
       "UPDATE keypoints SET image_id = -(SELECT new FROM image_order WHERE old = image_id);"
       "UPDATE keypoints SET image_id = -image_id;"
       "UPDATE descriptors SET image_id = -(SELECT new FROM image_order WHERE old = image_id);"
       "UPDATE descriptors SET image_id = -image_id;"
       "DROP TABLE image_order; DROP TABLE camera_order;"
-      "COMMIT;");
+      "COMMIT;"
+      "PRAGMA ignore_check_constraints = 0;");
 }
 
 void ColmapDatabase::WriteMatches(

@@ -39,10 +39,13 @@ class ColmapDatabase {
   std::set<ImagePair> VerifiedPairs() const;  // with two-view geometries
   uint64_t MatchCount() const;                // raw matches of all pairs
 
-  // Gives pictures and cameras ids in the order of the pictures' names: COLMAP numbers them in the
-  // order in which its threads finish, and its mapper's result depends on the numbers. Only while
-  // nothing is matched.
-  void NumberByName();
+  // Adds the pictures, cameras and features of another database under new ids.
+  void Append(const std::filesystem::path& other);
+
+  // Gives pictures and cameras ids in the order of the pictures' names, since the mapper's result
+  // depends on the numbers. With `camera_per_folder` pictures of one folder share the camera of the
+  // first by name. Only while nothing is matched.
+  void NumberByName(bool camera_per_folder);
 
   // Writes raw matches of several pairs in one transaction; `second` holds matches from the lower
   // to the higher id.

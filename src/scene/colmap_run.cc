@@ -16,14 +16,17 @@
 #include <charconv>
 #include <functional>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <regex>
 #include <set>
+#include <thread>
 
 namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kPhotosLink = "photos";
 constexpr size_t kPairsPerBlock = 200;    // about 5 s of work
 constexpr size_t kExhaustivePhotos = 80;  // up to here kAuto matches all pairs
 constexpr int kSequentialOverlap = 10;    // neighbours on each side, as COLMAP's default
@@ -49,7 +52,8 @@ constexpr KnownFailure kKnownFailures[] = {
 // Runs one step; throws where its output or exit code tells a failure.
 ChildResult RunStep(const ColmapProgram& colmap, const std::string& step,
                     std::vector<std::string> arguments,
-                    const std::function<void(const std::string&)>& on_line = {}) {
+                    const std::function<void(const std::string&)>& on_line = {},
+                    const fs::path& folder = {}) {
   arguments.insert(arguments.begin(), step);
   std::string complaint;
   const KnownFailure* known = nullptr;
@@ -57,6 +61,9 @@ ChildResult RunStep(const ColmapProgram& colmap, const std::string& step,
   options.log = colmap.log;
   // Debian's COLMAP is linked with Qt, which must not look for a display.
   options.environment = {{"QT_QPA_PLATFORM", "offscreen"}};
+  options.working_folder = folder;
+  // COLMAP 3.8 reads stray memory: at random addresses some descriptors differ from run to run.
+  options.fixed_addresses = true;
   options.on_line = [&](const std::string& line) {
     for (const KnownFailure& failure : kKnownFailures) {
       if (known == nullptr && line.find(failure.text) != std::string::npos) known = &failure;
@@ -168,6 +175,32 @@ PairMatches MatchBlock(const std::map<uint32_t, Descriptors>& descriptors,
   return matches;
 }
 
+// Paths are given relative to the database's folder, where "photos" leads to the pictures: the
+// names of the user's folders must not change the memory's layout.
+void ExtractPart(const ColmapProgram& colmap, const std::vector<std::string>& names,
+                 const ExtractOptions& options, const fs::path& database,
+                 const std::function<void()>& on_picture) {
+  const std::string file = database.filename().string(), list = file + ".txt";
+  WriteText(database.parent_path() / list, JoinedLines(names));
+  RunStep(
+      colmap, "feature_extractor",
+      {"--database_path", file, "--image_path", kPhotosLink, "--image_list_path", list,
+       "--ImageReader.camera_model", options.camera_model,
+       options.camera_per_image ? "--ImageReader.single_camera_per_image"
+                                : "--ImageReader.single_camera_per_folder",
+       "1", "--SiftExtraction.use_gpu", "0", "--SiftExtraction.num_threads", "1",
+       "--SiftExtraction.max_image_size", std::to_string(kSiftMaxImageSize_px),
+       "--SiftExtraction.max_num_features", std::to_string(options.max_features)},
+      [&](const std::string& line) {
+        if (CounterOf(line, "Processed file")) on_picture();
+      },
+      database.parent_path());
+  if (!fs::exists(database)) {
+    throw EnvironmentError(fmt::format(
+        "colmap feature_extractor wrote no database; its output is in {}", colmap.log.string()));
+  }
+}
+
 }  // namespace
 
 ColmapProgram FindColmap(const fs::path& log) {
@@ -194,36 +227,51 @@ ColmapProgram FindColmap(const fs::path& log) {
 
 void ExtractFeatures(const ColmapProgram& colmap, const fs::path& photos,
                      const std::vector<std::string>& names, const ExtractOptions& options,
-                     const fs::path& database) {
-  const fs::path list = database.string() + ".txt";
-  WriteText(list, JoinedLines(names));
-  Progress progress("features: picture", double(names.size()));
-  RunStep(colmap, "feature_extractor",
-          {"--database_path", database, "--image_path", photos, "--image_list_path", list,
-           "--ImageReader.camera_model", options.camera_model,
-           options.camera_per_image ? "--ImageReader.single_camera_per_image"
-                                    : "--ImageReader.single_camera_per_folder",
-           "1", "--SiftExtraction.use_gpu", "0", "--SiftExtraction.max_image_size",
-           std::to_string(kSiftMaxImageSize_px), "--SiftExtraction.max_num_features",
-           std::to_string(options.max_features)},
-          [&](const std::string& line) {
-            if (const auto done = CounterOf(line, "Processed file")) progress.Update(double(*done));
-          });
-  std::error_code error;
-  fs::remove(list, error);
-  if (!fs::exists(database)) {
-    throw EnvironmentError(fmt::format(
-        "colmap feature_extractor wrote no database; its output is in {}", colmap.log.string()));
+                     const fs::path& parts, const fs::path& database) {
+  fs::create_directories(parts);
+  fs::remove(parts / kPhotosLink);
+  fs::create_directory_symlink(fs::absolute(photos), parts / kPhotosLink);
+  const size_t part_count =
+      std::min<size_t>(names.size(), std::max(1u, std::thread::hardware_concurrency()));
+  std::vector<fs::path> part_files;
+  for (size_t part = 0; part < part_count; ++part) {
+    part_files.push_back(parts / fmt::format("part-{}-of-{}.db", part + 1, part_count));
   }
-  std::map<std::string, uint64_t> features;
-  for (const DatabaseImage& image : ColmapDatabase(database).Images())
-    features[image.name] = image.features;
+  Progress progress("features: picture", double(names.size()));
+  std::mutex mutex;
+  size_t done = 0;
+  ParallelFor(part_count, 1, [&](size_t part, size_t) {
+    std::vector<std::string> own;
+    for (size_t i = part; i < names.size(); i += part_count) own.push_back(names[i]);
+    ExtractPart(colmap, own, options, part_files[part], [&] {
+      const std::scoped_lock lock(mutex);
+      progress.Update(double(++done));
+    });
+  });
+
+  const fs::path half = database.string() + ".tmp";
+  for (const char* rest : {"-wal", "-shm"}) fs::remove(half.string() + rest);  // of a killed run
+  std::error_code error;
+  fs::copy_file(part_files[0], half, fs::copy_options::overwrite_existing, error);
+  if (error) {
+    throw EnvironmentError(
+        fmt::format("{}: cannot be written ({})", half.string(), error.message()));
+  }
+  std::set<std::string> found;
+  {
+    ColmapDatabase merged(
+        half);  // closed before it gets its name: only then is all of it in the file
+    for (size_t part = 1; part < part_count; ++part) merged.Append(part_files[part]);
+    merged.NumberByName(!options.camera_per_image);
+    for (const DatabaseImage& image : merged.Images()) found.insert(image.name);
+  }
   for (const std::string& name : names) {
-    if (!features.contains(name)) {
-      throw DataError(fmt::format("colmap feature_extractor left out {}; its output is in {}", name,
-                                  colmap.log.string()));
+    if (!found.contains(name)) {
+      throw DataError(fmt::format("colmap feature_extractor left out {}; its output is in {}",
+                                  fs::read_symlink(photos / name).string(), colmap.log.string()));
     }
   }
+  fs::rename(half, database);
 }
 
 MatchCounts MatchFeatures(const ColmapProgram& colmap, const fs::path& database_path,
@@ -267,7 +315,9 @@ MatchCounts MatchFeatures(const ColmapProgram& colmap, const fs::path& database_
       WriteText(list, lines);
       RunStep(colmap, "matches_importer",
               {"--database_path", database_path, "--match_list_path", list, "--match_type", "pairs",
-               "--SiftMatching.use_gpu", "0"});
+               "--SiftMatching.use_gpu", "0",
+               // Its random numbers depend on which thread gets which pair.
+               "--SiftMatching.num_threads", "1"});
       const std::set<ImagePair> verified = ColmapDatabase(database_path).VerifiedPairs();
       const bool complete = std::all_of(block.begin(), block.end(),
                                         [&](const ImagePair& p) { return verified.contains(p); });

@@ -23,11 +23,14 @@ struct ExtractOptions {
   int max_features = 4096;        // a picture; COLMAP keeps somewhat more
 };
 
-// Features of `names` (relative to `photos`) into the database, which may hold some already. Throws
-// DataError naming a picture that was left out, EnvironmentError for a full disk.
+// Features of `names` (relative to `photos`) into a new database with ids in the order of the
+// names. One COLMAP with one thread works on each core, on its own part of the names and its own
+// database in `parts`, which is gone on from after a kill: COLMAP's threads together give other
+// descriptors each time. Throws DataError naming a picture that was left out, EnvironmentError for
+// a full disk.
 void ExtractFeatures(const ColmapProgram& colmap, const std::filesystem::path& photos,
                      const std::vector<std::string>& names, const ExtractOptions& options,
-                     const std::filesystem::path& database);
+                     const std::filesystem::path& parts, const std::filesystem::path& database);
 
 // Which pairs of pictures are matched. kAuto: all for few pictures; else the pairs whose coarsest
 // features match best (Wu, "Towards linear-time incremental structure from motion", 2013) and

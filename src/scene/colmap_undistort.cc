@@ -150,8 +150,10 @@ Camera UndistortedCamera(const ColmapCamera& camera, int max_size) {
   window = {window.min + cut, window.max - cut};
   size = kept;
 
+  // A barrel lens spreads the photo out: at its focal length there would be more pixels than taken.
   const double longer = std::max(size.x, size.y);
-  const double scale = std::min(1.0, double(max_size) / longer);
+  const double most = std::min(double(max_size), double(std::max(camera.width, camera.height)));
+  const double scale = std::min(1.0, most / longer);
   Camera to;
   to.width = std::max(1, int(std::lround(size.x * scale)));
   to.height = std::max(1, int(std::lround(size.y * scale)));

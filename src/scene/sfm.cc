@@ -159,7 +159,6 @@ void CopyDatabase(const fs::path& from, const fs::path& to) {
   if (error)
     throw EnvironmentError(
         fmt::format("{}: cannot be written ({})", half.string(), error.message()));
-  ColmapDatabase(half).NumberByName();
   fs::rename(half, to);
 }
 
@@ -208,10 +207,11 @@ ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photo
   const fs::path features = cache / "features.db", database = cache / (options.matcher + ".db");
 
   Timer timer;
-  if (!fs::exists(database)) {
-    ExtractFeatures(colmap, linked.folder, linked.names, extract, features);
-    CopyDatabase(features, database);
+  if (!fs::exists(features)) {
+    ExtractFeatures(colmap, linked.folder, linked.names, extract, cache / "parts", features);
+    fs::remove_all(cache / "parts");
   }
+  if (!fs::exists(database)) CopyDatabase(features, database);
   stage.Seconds("features", timer.seconds());
 
   timer = {};

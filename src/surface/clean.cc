@@ -21,22 +21,35 @@
 namespace tetrec {
 namespace {
 
-// Root of each vertex' piece; roots are the smallest vertex ids.
-std::vector<uint32_t> PieceOfVertex(const TriangleMesh& mesh) {
-  std::vector<uint32_t> parent(mesh.positions.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](uint32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const glm::uvec3& t : mesh.triangles) {
-    for (int k = 1; k < 3; ++k) {
-      const uint32_t a = root(t[0]), b = root(t[k]);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
+// Sets of whole numbers; a set's root is its smallest member.
+class DisjointSets {
+ public:
+  explicit DisjointSets(size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0u);
   }
-  for (uint32_t v = 0; v < parent.size(); ++v) parent[v] = root(v);
-  return parent;
+  uint32_t Root(uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void Join(uint32_t i, uint32_t j) {
+    const uint32_t a = Root(i), b = Root(j);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<uint32_t> parent_;
+};
+
+// Root of each vertex' piece.
+std::vector<uint32_t> PieceOfVertex(const TriangleMesh& mesh) {
+  DisjointSets sets(mesh.positions.size());
+  for (const glm::uvec3& t : mesh.triangles) {
+    sets.Join(t.x, t.y);
+    sets.Join(t.x, t.z);
+  }
+  std::vector<uint32_t> roots(mesh.positions.size());
+  for (uint32_t v = 0; v < roots.size(); ++v) roots[v] = sets.Root(v);
+  return roots;
 }
 
 struct Piece {
@@ -110,6 +123,52 @@ CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& option
     result.mesh.triangles.emplace_back(new_vertex[t.x], new_vertex[t.y], new_vertex[t.z]);
   }
   result.dropped_triangles = mesh.triangles.size() - result.mesh.triangles.size();
+  return result;
+}
+
+TriangleMesh SeparateFans(const TriangleMesh& mesh) {
+  // Corners (triangle * 3 + k) of one vertex belong together across a shared edge.
+  struct Side {
+    uint64_t edge;
+    uint32_t low_corner, high_corner;  // at the edge's smaller and larger vertex
+  };
+  std::vector<Side> sides;
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    for (uint32_t k = 0; k < 3; ++k) {
+      const uint32_t next = (k + 1) % 3, a = mesh.triangles[f][int(k)],
+                     b = mesh.triangles[f][int(next)];
+      const uint32_t corner_a = uint32_t(3 * f) + k, corner_b = uint32_t(3 * f) + next;
+      sides.push_back({uint64_t{std::min(a, b)} << 32 | std::max(a, b), a < b ? corner_a : corner_b,
+                       a < b ? corner_b : corner_a});
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    return a.edge != b.edge ? a.edge < b.edge : a.low_corner < b.low_corner;
+  });
+  DisjointSets fans(3 * mesh.triangles.size());
+  for (size_t s = 1; s < sides.size(); ++s) {
+    if (sides[s].edge != sides[s - 1].edge) continue;
+    fans.Join(sides[s].low_corner, sides[s - 1].low_corner);
+    fans.Join(sides[s].high_corner, sides[s - 1].high_corner);
+  }
+
+  TriangleMesh result = mesh;
+  constexpr uint32_t kNone = 0xFFFFFFFFu;
+  std::vector<uint32_t> first_fan(mesh.positions.size(), kNone);
+  std::vector<uint32_t> vertex_of_fan(3 * mesh.triangles.size(), kNone);
+  for (uint32_t corner = 0; corner < vertex_of_fan.size(); ++corner) {
+    const uint32_t fan = fans.Root(corner), vertex = mesh.triangles[corner / 3][int(corner % 3)];
+    if (first_fan[vertex] == kNone) first_fan[vertex] = fan;
+    if (vertex_of_fan[fan] == kNone) {
+      const bool is_first = first_fan[vertex] == fan;
+      vertex_of_fan[fan] = is_first ? vertex : uint32_t(result.positions.size());
+      if (!is_first) {
+        result.positions.push_back(mesh.positions[vertex]);
+        if (!mesh.colors_srgb.empty()) result.colors_srgb.push_back(mesh.colors_srgb[vertex]);
+      }
+    }
+    result.triangles[corner / 3][int(corner % 3)] = vertex_of_fan[fan];
+  }
   return result;
 }
 

@@ -23,6 +23,10 @@ struct CleanResult {
 // Drops pieces (connected by shared vertices) by area; ties and order follow the input.
 CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& options);
 
+// Gives each fan of triangles a vertex of its own where several fans meet in one vertex, as they
+// may where a level set was cropped. Edges of more than two triangles stay as they are.
+TriangleMesh SeparateFans(const TriangleMesh& mesh);
+
 // Collapses edges by quadric error down to max_triangles; borders and manifoldness are kept, so
 // that it may end above. Vertices keep their positions and colours. Method: Garland and Heckbert
 // 1997, by OpenMesh. Throws DataError where the mesh is not a manifold.

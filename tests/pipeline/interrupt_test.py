@@ -1,10 +1,14 @@
 """Kill and Ctrl-C in the middle: the same command goes on and ends as if nothing had happened."""
+import pathlib
+import shutil
 import signal
 import time
 import unittest
 
 from stage_case import StageCase, hashes
 from tiny_dataset import write_tiny_dataset
+
+DEMO_PHOTOS = pathlib.Path(__file__).resolve().parents[2] / "datasets_spec" / "demo" / "photos"
 
 
 class InterruptTest(StageCase):
@@ -40,6 +44,51 @@ class InterruptTest(StageCase):
 
     def test_killed_tetrahedra_end_with_the_same_bytes(self):
         self.check_kills(self.folder / "tetrahedra", "tetrahedralize", self.tiny_scene())
+
+    def test_killed_render_surface_and_evaluate_end_as_if_nothing_had_happened(self):
+        field = self.folder / "run" / "3_field"
+        self.assert_done(self.run_stage("optimize", self.tiny_tetrahedra(), "-o", field,
+                                        "--time-limit", 0, "--iterations", 30))
+        views, surface = self.folder / "run" / "4_views", self.folder / "run" / "5_surface"
+        self.check_kills(views, "render", field)
+        self.check_kills(surface, "surface", field)
+        # The report tells how long the stages took, so its bytes differ from run to run.
+        report, command = self.folder / "run" / "6_report", ("evaluate", views, surface)
+        self.assertEqual(self.interrupt(signal.SIGKILL, 0.02, *command, "-o", report), -signal.SIGKILL)
+        self.assertFalse((report / "manifest.json").exists())
+        self.assert_done(self.run_stage(*command, "-o", report))
+
+    def test_a_killed_sfm_takes_colmap_along_and_ends_when_run_again(self):
+        photos = self.folder / "photos"
+        photos.mkdir()
+        for path in sorted(DEMO_PHOTOS.glob("*.jpg"))[:6]:
+            shutil.copy(path, photos)
+        out = self.folder / "scene"
+        command = ("sfm", photos, "-o", out, "--max-size", 160, "--max-features", 1500)
+        process = self.start(*command)
+        self.wait_for(lambda: (out / "log.txt").exists() and "matching" in (out / "log.txt").read_text(),
+                      process, "matching")
+        process.kill()
+        process.communicate()
+        deadline = time.monotonic() + 30
+        while self.processes_on(out) and time.monotonic() < deadline:
+            time.sleep(0.1)
+        self.assertEqual(self.processes_on(out), [])
+        self.assertFalse((out / "manifest.json").exists())
+        self.assert_done(self.run_stage(*command))
+        self.assertTrue((out / "scene.json").exists())
+
+    def processes_on(self, folder):
+        """Command lines of the processes that name the folder."""
+        lines = []
+        for path in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+            try:
+                line = path.read_bytes().replace(b"\0", b" ").decode(errors="replace")
+            except OSError:
+                continue  # it has ended
+            if str(folder) in line:
+                lines.append(line)
+        return lines
 
     def test_ctrl_c_ends_with_130_and_the_same_command_ends_the_work(self):
         scene = self.tiny_scene()

@@ -50,8 +50,9 @@ TEST(SegmentAdjoint, AgreesWithQuadratureUnderTheIntegralSign) {
     const auto in_float = tetrec::IntegrateSegmentWithDerivatives<float>(sample.s0, sample.s1);
     const auto in_double = tetrec::IntegrateSegmentWithDerivatives<double>(sample.s0, sample.s1);
     const auto transmittance = static_cast<double>(want.transmittance);
-    // 16 nodes cut off at tau = 22: 1.6e-6 of m2 where the density falls to zero just there.
-    ASSERT_LE(Error(DerivativesOf(in_float), DerivativesOf(want), transmittance), 2e-6)
+    // 16 nodes cut off at tau = 22: 1.6e-6 of m2 where the density falls to zero just there. Thin
+    // segments take T as 1 - w0 - w1: 2.1e-6 in float just below the switch.
+    ASSERT_LE(Error(DerivativesOf(in_float), DerivativesOf(want), transmittance), 3e-6)
         << "s0 " << sample.s0 << " s1 " << sample.s1;
     // Six nodes at tau < 0.01: in double only rounding is left.
     ASSERT_LE(Error(DerivativesOf(in_double), DerivativesOf(want), transmittance),
@@ -64,16 +65,16 @@ Derivatives Differentiate(const tetrec::SegmentWeights<Jet>& weights) {
   return {weights.w0.v[0], weights.w0.v[1], weights.w1.v[0], weights.w1.v[1]};
 }
 
-// The forward below the switch, differentiated by Jets: the adjoint integrates the same by parts,
-// so the two differ by the error of six nodes, 1.8e-6 at the switch and nothing for thin segments.
+// The forward of thin segments, differentiated by Jets: the adjoint integrates the same by parts,
+// so the two differ by the error of the nodes, 2.5e-6 at the switch and nothing for the thinnest.
 TEST(SegmentAdjoint, AgreesWithJetsThroughTheQuadratureSide) {
   for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples, 24)) {
     const double tau = MeanDepth(sample);
-    if (tau >= 1.5) continue;
+    if (!tetrec::IsThinSegment<double>(sample.s0, sample.s1)) continue;
     const auto forward = tetrec::IntegrateSegment(Jet(sample.s0, 0), Jet(sample.s1, 1));
     const auto adjoint = tetrec::IntegrateSegmentWithDerivatives<double>(sample.s0, sample.s1);
     ASSERT_LE(Error(Differentiate(forward), DerivativesOf(adjoint), std::exp(-tau)),
-              tau < 0.01 ? 2e-15 : 2e-6)
+              tau < 0.01 ? 2e-15 : 3e-6)
         << "s0 " << sample.s0 << " s1 " << sample.s1;
   }
 }
@@ -85,7 +86,7 @@ TEST(SegmentAdjoint, AgreesWithJetsThroughTheQuadratureSide) {
 TEST(SegmentAdjoint, AgreesWithJetsThroughTheFits) {
   for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples, 25)) {
     const double tau = MeanDepth(sample);
-    if (tau < 1.5 || tau > 10) continue;
+    if (tetrec::IsThinSegment<double>(sample.s0, sample.s1) || tau > 10) continue;
     if (std::abs(sample.s0 - sample.s1) < 0.5f * std::max(sample.s0, sample.s1)) continue;
     const auto forward = tetrec::IntegrateSegment(Jet(sample.s0, 0), Jet(sample.s1, 1));
     const auto adjoint = tetrec::IntegrateSegmentWithDerivatives<double>(sample.s0, sample.s1);
@@ -134,7 +135,7 @@ tetrec::SegmentWeights<Jet> ExactClosedForm(const Jet& s0, const Jet& s1) {
 TEST(SegmentAdjoint, AgreesWithJetsThroughTheExactClosedForm) {
   for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples / 20, 26)) {
     const double tau = MeanDepth(sample);
-    if (tau < 1.5 || tau > 10) continue;
+    if (tetrec::IsThinSegment<double>(sample.s0, sample.s1) || tau > 10) continue;
     if (std::abs(sample.s0 - sample.s1) < 0.1f * std::max(sample.s0, sample.s1)) continue;
     const auto forward = ExactClosedForm(Jet(sample.s0, 0), Jet(sample.s1, 1));
     const auto adjoint = tetrec::IntegrateSegmentWithDerivatives<double>(sample.s0, sample.s1);

@@ -53,7 +53,7 @@ TEST(Segment, WeightsAgreeWithQuadrature) {
   // The fits of erfcx and Dawson (4e-7 each, the larger part of M - T or 1 - M) and float rounding;
   // 5.5e-7 measured. The stated bound is 8e-7.
   EXPECT_LE(in_float.error, 8e-7) << "s0 " << in_float.at.s0 << " s1 " << in_float.at.s1;
-  // No rounding: 6 nodes at the switch give 2.5e-7, 16 nodes cut off at tau = 22 give 3.7e-7.
+  // No rounding: 7 nodes at the switch give 2.2e-7, 16 nodes cut off at tau = 22 give 3.7e-7.
   EXPECT_LE(in_double.error, 5e-7) << "s0 " << in_double.at.s0 << " s1 " << in_double.at.s1;
 }
 
@@ -62,7 +62,7 @@ TEST(Segment, WeightsInDoubleAreExactForThinSegments) {
     if (sample.s0 + sample.s1 > 0.02f) continue;
     const reference::SegmentIntegral want = reference::IntegrateSegment(sample.s0, sample.s1);
     const auto got = tetrec::IntegrateSegment<double>(sample.s0, sample.s1);
-    // Six nodes are exact up to degree 11, so for tau < 0.01 only rounding is left.
+    // Seven nodes are exact up to degree 13, so for tau < 0.01 only rounding is left.
     EXPECT_LE(RelativeError(got.w0, want.w0), 2e-15) << sample.s0 << " " << sample.s1;
     EXPECT_LE(RelativeError(got.w1, want.w1), 2e-15) << sample.s0 << " " << sample.s1;
   }

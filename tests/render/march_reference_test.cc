@@ -1,51 +1,192 @@
-// The march renderer against the reference renderer.
-#include <gtest/gtest.h>
-#include <fmt/format.h>
-
+// The march renderer against the reference renderer: pictures and gradients of random fields.
 #include "render/reference_renderer.h"
 #include "scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace tetrec::test {
 namespace {
 
-struct ImageError { double color = 0, depth = 0; };
+// Outside at a corner, inside, and outside in front of one face; odd sizes leave blocks cut.
+std::vector<RenderView> ThreeViews(int width, int height) {
+  return {LookAt({1.7, -1.1, -1.0}, {0.0, 0.3, 0.6}, width, height),
+          LookAt({0.1, 0.4, 0.5}, {0.3, 0.6, 0.9}, width, height),
+          LookAt({0.1, 0.4, 2.5}, {0.0, 0.4, 0.9}, width, height)};
+}
 
-TEST_F(RendererTest, Quick) {
-  for (float stop : {0.0f, 1e-3f})
-  for (int points : {0, 20, 300, 3000}) for (uint32_t seed : {1u, 2u, 3u}) {
-    RendererOptions options; options.stop_transmittance = stop; options.count_steps=true;
-    auto& renderer = MakeRenderer(options);
-    RadianceField field = RandomField(points, seed, 10.f);
-    renderer.SetField(field);
-    std::vector<RenderView> views = {LookAt({1.7, -1.1, -1.0}, {0, 0.3, 0.6}, 61, 47), LookAt({0.1, 0.4, 0.5}, {0.3, 0.6, 0.9}, 61, 47), LookAt({0.1, 0.4, 2.5}, {0.0, 0.4, 0.9}, 61, 47)};
-    for (auto& view : views) {
-      RenderedImage image = renderer.Render(view, 1);
-      ReferenceImage ref = RenderReference(field, view, stop);
-      double ce=0, de=0, maxd=0; size_t bad=0, worst=0;
-      for (size_t i = 0; i < ref.color_srgb.size(); ++i) {
-        double e = glm::length(glm::dvec3(image.color_srgb[i]) - ref.color_srgb[i]);
-        if (e > ce) worst=i;
-        ce = std::max(ce, e);
-        if (e > 1e-4) ++bad;
-        de = std::max(de, std::abs(image.transmittance[i] - std::exp(-ref.optical_depth[i])));
-        maxd = std::max(maxd, ref.optical_depth[i]);
+struct Scene {
+  int points;
+  uint32_t seed;
+  int width, height;
+};
+
+// Small meshes with large pictures, one of 20,000 tets with a small one: a second each.
+const Scene kScenes[] = {{0, 1, 45, 33},   {0, 2, 45, 33},   {20, 3, 45, 33},
+                         {300, 4, 37, 27}, {300, 5, 37, 27}, {3000, 6, 21, 15}};
+
+// Vertices come near the ray's frame with an error of 2e-7 of the distance (3 here, in a box of
+// size 1): lengths err by 1e-6, densities are up to 10, colours up to 1.
+constexpr double kPictureTolerance = 2e-5;
+
+TEST_F(RendererTest, PicturesAreThoseOfTheReference) {
+  for (const Scene& scene : kScenes) {
+    for (float stop : {0.0f, 1e-3f}) {
+      const RadianceField field = RandomField(scene.points, scene.seed, 10.0f);
+      TrainingRenderer& renderer = MakeRenderer({.stop_transmittance = stop});
+      renderer.SetField(field);
+      for (const RenderView& view : ThreeViews(scene.width, scene.height)) {
+        const RenderedImage image = renderer.Render(view, 1);
+        const ReferenceImage truth = RenderReference(field, view, stop);
+        for (size_t i = 0; i < truth.color_srgb.size(); ++i) {
+          ASSERT_NEAR(glm::distance(glm::dvec3(image.color_srgb[i]), truth.color_srgb[i]), 0.0,
+                      kPictureTolerance)
+              << scene.points << " points, seed " << scene.seed << ", pixel " << i;
+          ASSERT_NEAR(image.transmittance[i], std::exp(-truth.optical_depth[i]), kPictureTolerance)
+              << scene.points << " points, seed " << scene.seed << ", pixel " << i;
+        }
       }
-      fmt::print("stop {} tets {} color err {:.2e} (pix {} {}) T err {:.2e} bad {} maxdepth {:.2f}", stop, field.mesh.tets.size(), ce, worst%61, worst/61, de, bad, maxd);
-      std::mt19937 random(7); std::normal_distribution<float> n;
-      std::vector<glm::vec4> g(ref.color_srgb.size()); std::vector<glm::dvec4> gd;
-      for (auto& v : g) { v = glm::vec4(n(random), n(random), n(random), n(random)); gd.emplace_back(v); }
-      FieldGradient grad = renderer.Backpropagate(view, g);
-      ReferenceGradient rg = BackpropagateReference(field, view, gd, stop);
-      double ec=0, ed=0, mc=0, md=0;
-      for (size_t v=0; v<rg.density.size(); ++v) {
-        ec = std::max(ec, glm::length(glm::dvec3(grad.color_srgb[v]) - rg.color_srgb[v]));
-        mc = std::max(mc, glm::length(rg.color_srgb[v]));
-        ed = std::max(ed, std::abs(grad.density[v]-rg.density[v]));
-        md = std::max(md, std::abs(rg.density[v]));
+      EXPECT_EQ(renderer.counts().lost_rays, 0u);
+    }
+  }
+}
+
+TEST_F(RendererTest, SeveralRaysAPixelAreAveraged) {
+  const RadianceField field = RandomField(50, 7, 5.0f);
+  TrainingRenderer& renderer = MakeRenderer();
+  renderer.SetField(field);
+  const RenderView view = ThreeViews(13, 7)[0];
+  RenderView finer = view;
+  for (double* value : {&finer.camera.fx, &finer.camera.fy, &finer.camera.cx, &finer.camera.cy}) {
+    *value *= 2.0;
+  }
+  finer.camera.width *= 2, finer.camera.height *= 2;
+  const RenderedImage image = renderer.Render(view, 2), fine = renderer.Render(finer, 1);
+  for (int y = 0; y < 7; ++y) {
+    for (int x = 0; x < 13; ++x) {
+      glm::vec3 mean(0.0f);
+      for (int k = 0; k < 4; ++k)
+        mean += 0.25f * fine.color_srgb[(2 * y + k / 2) * 26 + 2 * x + k % 2];
+      EXPECT_NEAR(glm::distance(image.color_srgb[y * 13 + x], mean), 0.0f, 1e-6f);
+    }
+  }
+}
+
+std::vector<glm::dvec4> RandomPixelGradient(const Camera& camera, uint32_t seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal;  // floats: the device must get the same values
+  std::vector<glm::dvec4> gradient(size_t(camera.width) * camera.height);
+  for (glm::dvec4& g : gradient) {
+    for (int i = 0; i < 4; ++i) g[i] = normal(random);
+  }
+  return gradient;
+}
+
+// Largest difference over largest value.
+double RelativeError(const std::vector<double>& values, const std::vector<double>& truth) {
+  double difference = 0, largest = 0;
+  for (size_t i = 0; i < truth.size(); ++i) {
+    difference = std::max(difference, std::abs(values[i] - truth[i]));
+    largest = std::max(largest, std::abs(truth[i]));
+  }
+  return difference / largest;
+}
+
+void ExpectSameGradient(const FieldGradient& gradient, const ReferenceGradient& truth) {
+  // Hundreds of rays are added in float, in any order; pictures agree to 1e-5 (above).
+  constexpr double kTolerance = 3e-5;
+  std::vector<double> color, true_color;
+  for (size_t v = 0; v < truth.density.size(); ++v) {
+    for (int i = 0; i < 3; ++i) {
+      color.push_back(gradient.color_srgb[v][i]);
+      true_color.push_back(truth.color_srgb[v][i]);
+    }
+  }
+  EXPECT_LE(RelativeError(color, true_color), kTolerance);
+  const std::vector<double> density(gradient.density.begin(), gradient.density.end());
+  EXPECT_LE(RelativeError(density, truth.density), kTolerance);
+}
+
+TEST_F(RendererTest, GradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
+  for (bool float_atomics : {true, false}) {
+    for (const Scene& scene : kScenes) {
+      for (float stop : {0.0f, 1e-3f}) {
+        SCOPED_TRACE(::testing::Message() << scene.points << " points, seed " << scene.seed
+                                          << ", stop " << stop << ", atomics " << float_atomics);
+        const RadianceField field = RandomField(scene.points, scene.seed, 10.0f);
+        TrainingRenderer& renderer =
+            MakeRenderer({.device = {.float_atomics = float_atomics}, .stop_transmittance = stop});
+        renderer.SetField(field);
+        for (const RenderView& view : ThreeViews(scene.width, scene.height)) {
+          const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, scene.seed);
+          const std::vector<glm::vec4> g_float(g.begin(), g.end());
+          ExpectSameGradient(renderer.Backpropagate(view, g_float),
+                             BackpropagateReference(field, view, g, stop));
+        }
       }
-      fmt::print(" gradc {:.1e} of {:.1e} gradd {:.1e} of {:.1e}", ec, mc, ed, md);
-      auto c = renderer.counts();
-      fmt::print(" lost {} steps/hit {:.1f}\n", c.lost_rays, double(c.steps)/double(c.hit_rays));
+    }
+  }
+}
+
+// Sum over pixels of g.(rgb, transmittance).
+double Loss(const RadianceField& field, const RenderView& view, const std::vector<glm::dvec4>& g) {
+  const ReferenceImage image = RenderReference(field, view, 0.0);
+  double loss = 0;
+  for (size_t i = 0; i < g.size(); ++i) {
+    loss += glm::dot(glm::dvec3(g[i]), image.color_srgb[i]) +
+            g[i].a * std::exp(-image.optical_depth[i]);
+  }
+  return loss;
+}
+
+// (L(x + h) - L(x - h)) / 2h for the step that the float x can really take.
+double CentralDifference(RadianceField& field, float& value, float step, const RenderView& view,
+                         const std::vector<glm::dvec4>& g) {
+  const float before = value, above = before + step, below = before - step;
+  value = above;
+  const double loss_above = Loss(field, view, g);
+  value = below;
+  const double loss_below = Loss(field, view, g);
+  value = before;
+  return (loss_above - loss_below) / (double(above) - double(below));
+}
+
+TEST(ReferenceRenderer, GradientsAreFiniteDifferencesOfTheLoss) {
+  for (uint32_t seed : {11u, 12u}) {
+    RadianceField field = RandomField(12, seed, 8.0f);
+    for (float& density : field.density) density += 0.1f;  // room for a step down
+    for (const RenderView& view : ThreeViews(12, 9)) {
+      const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, seed);
+      const ReferenceGradient gradient = BackpropagateReference(field, view, g, 0.0);
+      double largest = 0;
+      for (double d : gradient.density) largest = std::max(largest, std::abs(d));
+      for (size_t v = 0; v < field.density.size(); ++v) {
+        // Central differences err by h^2 / 6 L''' (h = 1e-2, L''' of order l^2 L'); the quadrature
+        // of the derivatives by 3e-6.
+        EXPECT_NEAR(CentralDifference(field, field.density[v], 1e-2f, view, g), gradient.density[v],
+                    3e-5 * largest)
+            << "density of vertex " << v << ", seed " << seed;
+        // The picture is linear in colour: no error but rounding and the quadratures' difference.
+        EXPECT_NEAR(CentralDifference(field, field.color_srgb[v].y, 0.25f, view, g),
+                    gradient.color_srgb[v].y, 1e-5 * std::abs(gradient.color_srgb[v].y) + 1e-6)
+            << "green of vertex " << v << ", seed " << seed;
+      }
+    }
+  }
+}
+
+TEST(ReferenceRenderer, RaysPassTheWholeBox) {
+  for (int points : {0, 40}) {
+    const RadianceField field = RandomField(points, 3, 1.0f);
+    for (const RenderView& view : ThreeViews(24, 18)) {
+      const ReferenceImage image = RenderReference(field, view, 0.0);
+      for (int i = 0; i < 24 * 18; ++i) {
+        // The cuts of neighbours are the same numbers: only their sum rounds.
+        EXPECT_NEAR(image.length[i],
+                    BoxChord(Eye(view), PixelDirection(view, i % 24, i / 24)).length, 1e-12);
+      }
     }
   }
 }

@@ -1,19 +1,19 @@
 // Small fields and cameras for the renderers' tests.
 #pragma once
 
+#include "core/error.h"
+#include "mesh/delaunay.h"
+#include "render/renderer.h"
+
+#include <glm/glm.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <glm/glm.hpp>
 #include <memory>
 #include <random>
 #include <string>
 #include <vector>
-
-#include "core/error.h"
-#include "mesh/delaunay.h"
-#include "render/renderer.h"
 
 namespace tetrec::test {
 
@@ -78,20 +78,26 @@ inline RenderView AimAt(const glm::dvec3& eye, const glm::dvec3& target) {
   return LookAt(eye, target, 1, 1);
 }
 
-// Length of the ray's part ahead of `eye` inside the box; 0 where it misses.
-inline double BoxChord(const glm::dvec3& eye, const glm::dvec3& direction) {
-  double begin = 0.0, end = 1e300;
+// The ray's part ahead of `eye` inside the box.
+struct BoxSpan {
+  double length = 0.0;     // 0 where it misses
+  double steepness = 1.0;  // least |cosine| between the ray and the normals where it passes the box
+};
+
+inline BoxSpan BoxChord(const glm::dvec3& eye, const glm::dvec3& direction) {
+  double begin = 0.0, end = 1e300, begin_steepness = 1.0, end_steepness = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double low = (kBoxMin[axis] - eye[axis]) / direction[axis];
-    const double high = (kBoxMax[axis] - eye[axis]) / direction[axis];
-    if (direction[axis] == 0.0) {
-      if (eye[axis] <= kBoxMin[axis] || eye[axis] >= kBoxMax[axis]) end = -1.0;
-    } else {
-      begin = std::max(begin, std::min(low, high));
-      end = std::min(end, std::max(low, high));
+    const double along = direction[axis], steepness = std::abs(along);
+    if (along == 0.0) {
+      if (eye[axis] <= kBoxMin[axis] || eye[axis] >= kBoxMax[axis]) return {};
+      continue;
     }
+    const double low = (kBoxMin[axis] - eye[axis]) / along,
+                 high = (kBoxMax[axis] - eye[axis]) / along;
+    if (std::min(low, high) > begin) begin = std::min(low, high), begin_steepness = steepness;
+    if (std::max(low, high) < end) end = std::max(low, high), end_steepness = steepness;
   }
-  return std::max(0.0, end - begin);
+  return {std::max(0.0, end - begin), std::min(begin_steepness, end_steepness)};
 }
 
 // Direction of the ray through the centre of a pixel, world frame, length 1.
@@ -136,6 +142,11 @@ class RendererTest : public ::testing::Test {
     for (const auto& renderer : renderers_) {
       EXPECT_EQ(renderer->ValidationMessages(), std::vector<std::string>{});
     }
+    // Messages of the renderers' end come in the log alone.
+    ::testing::internal::CaptureStderr();
+    renderers_.clear();
+    EXPECT_EQ(::testing::internal::GetCapturedStderr().find("Vulkan validation"),
+              std::string::npos);
   }
 
  private:

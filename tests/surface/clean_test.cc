@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <random>
 
 namespace tetrec {
 namespace {
@@ -63,7 +64,8 @@ TEST(Decimate, KeepsShapeTopologyAndColours) {
   const SurfaceFacts facts = MeasureSurface(small);
   EXPECT_TRUE(facts.IsClosedManifold());
   EXPECT_EQ(facts.euler_characteristic, 2);
-  EXPECT_NEAR(facts.volume, 4 * std::numbers::pi / 3, 0.1);
+  // Edges grow twice as long, and with them the flat caps' loss (1.7 % before) about four times.
+  EXPECT_NEAR(facts.volume, MeasureSurface(sphere).volume, 0.07 * 4 * std::numbers::pi / 3);
   for (size_t v = 0; v < small.positions.size(); ++v) {
     const auto& c = small.colors_srgb[v];
     EXPECT_EQ(sphere.positions[size_t(c[0] | c[1] << 8)], small.positions[v]);
@@ -76,6 +78,34 @@ TEST(Decimate, RefusesWhatIsNoManifold) {
   book.positions = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}};
   book.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
   EXPECT_THROW(Decimate(book, 1), DataError);
+}
+
+TEST(SeparateFans, MakesAManifoldOfTrianglesThatMeetInAPoint) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
+  const TriangleMesh separate = SeparateFans(mesh);
+  EXPECT_EQ(separate.positions.size(), 6u);
+  EXPECT_EQ(MeasureSurface(separate).non_manifold_vertices, 0u);
+  EXPECT_EQ(separate.positions[separate.triangles[1].x], mesh.positions[0]);
+}
+
+TEST(SeparateFans, LetsARaggedCropBeDecimated) {
+  const TetMesh tets = JitteredBox(8);
+  std::mt19937 random(3);
+  const LevelSet set = MarchTetrahedra(
+      tets, Sampled(tets, [&](const glm::dvec3&) { return double(random() % 2); }), 0.5f);
+  const TriangleMesh crop = AsTriangles(CropTo(set, {glm::dvec3(-0.7), glm::dvec3(0.9)}));
+  ASSERT_GT(MeasureSurface(crop).non_manifold_vertices, 0u);
+  const TriangleMesh separate = SeparateFans(crop);
+  EXPECT_EQ(MeasureSurface(separate).non_manifold_vertices, 0u);
+  EXPECT_LT(Decimate(separate, separate.triangles.size() / 2).triangles.size(),
+            separate.triangles.size());
+}
+
+TEST(SeparateFans, ChangesNoManifold) {
+  const TriangleMesh sphere = Sphere(1, {0, 0, 0});
+  EXPECT_EQ(SeparateFans(sphere).triangles, sphere.triangles);
 }
 
 TEST(Transformed, ScalesAreasBySquareOfTheScale) {

@@ -121,7 +121,9 @@ TEST(CropTo, KeepsWhatLiesInside) {
   const LevelSet set = MarchTetrahedra(mesh, Sampled(mesh, Ball), 0);
   const LevelSet half = CropTo(set, {{-2, -2, 0}, {2, 2, 2}});
   const SurfaceFacts facts = MeasureSurface(AsTriangles(half));
-  EXPECT_NEAR(facts.area, 2 * std::numbers::pi, 0.8);  // less a ragged rim of one edge's width
+  // The ragged rim lacks less than a cell's width, 0.3, around the equator.
+  EXPECT_LT(facts.area, 2 * std::numbers::pi);
+  EXPECT_GT(facts.area, 2 * std::numbers::pi * (1 - 0.3));
   EXPECT_GT(facts.border_edges, 0u);
   for (const glm::vec3& p : half.positions) EXPECT_GE(p.z, 0);
   EXPECT_TRUE(CropTo(set, {glm::dvec3(5), glm::dvec3(6)}).triangles.empty());

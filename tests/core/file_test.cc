@@ -1,0 +1,133 @@
+// Files: bounded reading, writing by rename, JSON, hashes, byte readers.
+#include "core/file.h"
+
+#include "core/error.h"
+#include "core/message_of.h"
+#include "scratch_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+
+namespace tetrec {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::vector<uint8_t> BytesOf(const std::string& text) { return {text.begin(), text.end()}; }
+
+TEST(File, WhatIsWrittenIsReadAgain) {
+  const ScratchFolder folder;
+  std::string text;
+  for (int i = 0; i < 70000; ++i) text += char(i);
+  WriteText(folder / "a", text);
+  EXPECT_EQ(ReadText(folder / "a"), text);
+  EXPECT_EQ(ReadBytes(folder / "a"), BytesOf(text));
+  WriteText(folder / "a", "");
+  EXPECT_EQ(ReadText(folder / "a"), "");
+}
+
+TEST(File, WritingLeavesNothingBesideTheFile) {
+  const ScratchFolder folder;
+  WriteText(folder / "a", "one");
+  WriteText(folder / "a", "two");
+  size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    files += entry.is_regular_file();
+  EXPECT_EQ(files, 1u);
+}
+
+TEST(File, MissingFilesFoldersAndTooLargeFilesAreNamed) {
+  const ScratchFolder folder;
+  WriteText(folder / "large", "0123456789");
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(folder / "none"); }), HasSubstr("none"));
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(folder.path()); }), HasSubstr("is not a file"));
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(folder / "large", 9); }), HasSubstr("10 bytes"));
+  EXPECT_THAT(MessageOf<EnvironmentError>([&] { WriteText(folder / "none/x", "12345"); }),
+              HasSubstr("5 bytes"));
+}
+
+// A limit on the file size stands in for a full disk: write fails half-way in the same place.
+TEST(File, AFailedWriteKeepsTheOldFileAndSaysWhy) {
+  const ScratchFolder folder;
+  WriteText(folder / "a", "old");
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit small = before;
+  small.rlim_cur = 4096;
+  setrlimit(RLIMIT_FSIZE, &small);
+  const std::string message =
+      MessageOf<EnvironmentError>([&] { WriteText(folder / "a", std::string(100000, 'x')); });
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_THAT(message, HasSubstr("100,000 bytes"));
+  EXPECT_EQ(ReadText(folder / "a"), "old");
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.tmp"));
+}
+
+TEST(File, JsonKeepsValuesAndErrorsGiveThePosition) {
+  const ScratchFolder folder;
+  const nlohmann::json value = {{"a", 1}, {"b", {0.1, "x"}}};
+  WriteJson(folder / "a.json", value);
+  EXPECT_EQ(ReadJson(folder / "a.json"), value);
+  WriteText(folder / "b.json", "{\"a\": 1,\n  oops}");
+  const std::string message = MessageOf<DataError>([&] { ReadJson(folder / "b.json"); });
+  EXPECT_THAT(message, HasSubstr("b.json"));
+  EXPECT_THAT(message, HasSubstr("line 2"));
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
+TEST(File, FileNamesThatAreNotUtf8CanBeWrittenAsJson) {
+  const ScratchFolder folder;
+  WriteJson(folder / "a.json", {{"name", "\xff.jpg"}});
+  EXPECT_TRUE(ReadJson(folder / "a.json").contains("name"));
+}
+
+// The digests of FIPS 180-2, appendix B, and of the empty message.
+TEST(File, Sha256GivesThePublishedDigests) {
+  EXPECT_EQ(Sha256(BytesOf("abc")),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(Sha256({}), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  const ScratchFolder folder;
+  WriteText(folder / "million", std::string(1000000, 'a'));
+  EXPECT_EQ(Sha256OfFile(folder / "million"),
+            "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+TEST(ByteReader, ReadsBackWhatByteWriterWrote) {
+  ByteWriter writer;
+  writer.Write(uint32_t{7});
+  writer.Write(2.5);
+  const std::vector<float> floats = {1, 2, 3};
+  writer.WriteArray(std::span<const float>(floats));
+  ByteReader reader(writer.bytes(), "x");
+  EXPECT_EQ(reader.Read<uint32_t>("a"), 7u);
+  EXPECT_EQ(reader.Read<double>("b"), 2.5);
+  EXPECT_EQ(reader.ReadArray<float>(3, "c"), floats);
+  EXPECT_NO_THROW(reader.ExpectEnd());
+}
+
+TEST(ByteReader, NamesTheByteWhereDataEndsOrIsLeftOver) {
+  const std::vector<uint8_t> bytes(6);
+  ByteReader reader(bytes, "file.bin");
+  reader.Read<uint32_t>("head");
+  EXPECT_EQ(MessageOf<DataError>([&] { reader.Read<uint32_t>("tail"); }),
+            "file.bin: ends at byte 6 where tail was expected");
+  EXPECT_THAT(MessageOf<DataError>([&] { reader.ExpectEnd(); }),
+              HasSubstr("2 bytes are left over"));
+}
+
+TEST(ByteReader, RefusesCountsThatDoNotFitBeforeTakingMemory) {
+  const std::vector<uint8_t> bytes(64);
+  for (const uint64_t count : {uint64_t{17}, uint64_t{1} << 62, ~uint64_t{0}}) {
+    ByteReader reader(bytes, "file.bin");
+    EXPECT_THAT(MessageOf<DataError>([&] { reader.ReadArray<float>(count, "things"); }),
+                HasSubstr("do not fit"));
+  }
+}
+
+}  // namespace
+}  // namespace tetrec

@@ -1,0 +1,52 @@
+// Parallel loops and progress numbers.
+#include "core/parallel.h"
+
+#include "core/progress.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+namespace tetrec {
+namespace {
+
+TEST(ParallelFor, VisitsEveryIndexOnce) {
+  for (const size_t count : {0, 1, 7, 1000}) {
+    for (const size_t grain : {0, 1, 3, 2000}) {
+      std::vector<std::atomic<int>> visits(count);
+      ParallelFor(count, grain, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) ++visits[i];
+      });
+      for (const auto& n : visits) EXPECT_EQ(n, 1);
+    }
+  }
+}
+
+TEST(ParallelFor, RangesDependOnCountAndGrainOnly) {
+  ParallelFor(10, 4, [](size_t begin, size_t end) {
+    EXPECT_EQ(begin % 4, 0u);
+    EXPECT_EQ(end, std::min<size_t>(begin + 4, 10));
+  });
+}
+
+TEST(ParallelFor, RethrowsWhatABodyThrows) {
+  EXPECT_THROW(ParallelFor(100, 1,
+                           [](size_t i, size_t) {
+                             if (i == 37) throw std::range_error("37");
+                           }),
+               std::range_error);
+}
+
+TEST(Progress, NumbersAndTimesAreReadable) {
+  EXPECT_EQ(WithThousands(0), "0");
+  EXPECT_EQ(WithThousands(999), "999");
+  EXPECT_EQ(WithThousands(1234567), "1,234,567");
+  EXPECT_EQ(AsDuration(65), "1:05");
+  EXPECT_EQ(AsDuration(7390), "2:03:10");
+  EXPECT_EQ(AsDuration(-1), "?");
+}
+
+}  // namespace
+}  // namespace tetrec

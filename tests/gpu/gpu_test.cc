@@ -1,0 +1,144 @@
+// Devices, buffers, and the barriers that the command recorder derives.
+#include "gpu/buffer.h"
+#include "gpu/commands.h"
+#include "gpu/program.h"
+#include "test_shaders.h"
+#include "vulkan_test.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace tetrec::test {
+namespace {
+
+struct AffinePush {
+  uint32_t count, factor;
+};
+
+Program MakeAffine(const Device& device) {
+  return Program(device, "affine", kAffine, {{0, Access::kRead}, {1, Access::kReadWrite}},
+                 sizeof(AffinePush));
+}
+
+std::vector<uint32_t> Counted(uint32_t count) {
+  std::vector<uint32_t> values(count);
+  std::iota(values.begin(), values.end(), 0u);
+  return values;
+}
+
+TEST_F(VulkanTest, BufferGivesBackWhatWasPutIn) {
+  const std::vector<uint32_t> values = Counted(1000);
+  Buffer buffer = MakeBuffer(device(), "values", values);
+  EXPECT_EQ(buffer.DownloadAs<uint32_t>(1000), values);
+  const uint32_t seven = 7;
+  buffer.Upload(&seven, 4, 40);
+  EXPECT_EQ(buffer.DownloadAs<uint32_t>(12)[10], 7u);
+  buffer.FillZero();
+  EXPECT_EQ(buffer.DownloadAs<uint32_t>(1000), std::vector<uint32_t>(1000, 0u));
+}
+
+TEST_F(VulkanTest, BufferRefusesToBeOverrun) {
+  Buffer buffer(device(), "small", 64);
+  std::vector<uint32_t> values(17);
+  EXPECT_THROW(buffer.Upload(values), BugError);
+  EXPECT_THROW(buffer.Download(values.data(), 4, 64), BugError);
+}
+
+TEST_F(VulkanTest, BufferBeyondTheDevicesLimitIsAnEnvironmentError) {
+  const uint64_t limit = device().properties.limits.maxStorageBufferRange;
+  EXPECT_THROW(Buffer(device(), "huge", limit + 4), EnvironmentError);
+}
+
+TEST_F(VulkanTest, DispatchReadsWhatTheOneBeforeWrote) {
+  const Program affine = MakeAffine(device());
+  const uint32_t count = 100'000;
+  Buffer a = MakeBuffer(device(), "a", Counted(count)), b(device(), "b", 4 * count);
+  CommandRecorder recorder(device());
+  recorder.Begin();
+  const Buffer* a_to_b[] = {&a, &b};
+  const Buffer* b_to_a[] = {&b, &a};
+  recorder.Dispatch(affine, a_to_b, AffinePush{count, 3}, count, 64);
+  EXPECT_EQ(recorder.barriers(), 0u);
+  recorder.Dispatch(affine, b_to_a, AffinePush{count, 5}, count, 64);
+  EXPECT_EQ(recorder.barriers(), 1u);
+  recorder.Dispatch(affine, a_to_b, AffinePush{count, 2}, count, 64);
+  EXPECT_EQ(recorder.barriers(), 2u);
+  recorder.EndAndSubmit();
+  recorder.Wait();
+  const auto result = b.DownloadAs<uint32_t>(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    ASSERT_EQ(result[i], 2 * (5 * (3 * i + 1) + 1) + 1) << "i = " << i;
+  }
+}
+
+TEST_F(VulkanTest, TwoDispatchesThatWriteOneBufferAreKeptApart) {
+  const Program affine = MakeAffine(device());
+  Buffer a = MakeBuffer(device(), "a", Counted(64)), b = MakeBuffer(device(), "b", Counted(64));
+  Buffer out(device(), "out", 4 * 64);
+  CommandRecorder recorder(device());
+  recorder.Begin();
+  const Buffer* from_a[] = {&a, &out};
+  const Buffer* from_b[] = {&b, &out};
+  recorder.Dispatch(affine, from_a, AffinePush{64, 1}, 64, 64);
+  recorder.Dispatch(affine, from_b, AffinePush{64, 10}, 64, 64);
+  EXPECT_EQ(recorder.barriers(), 1u);
+  recorder.EndAndSubmit();
+  recorder.Wait();
+  EXPECT_EQ(out.DownloadAs<uint32_t>(64)[63], 631u);
+}
+
+TEST_F(VulkanTest, DispatchesThatShareOnlyWhatTheyReadNeedNoBarrier) {
+  const Program affine = MakeAffine(device());
+  Buffer in = MakeBuffer(device(), "in", Counted(64));
+  Buffer a(device(), "a", 4 * 64), b(device(), "b", 4 * 64);
+  CommandRecorder recorder(device());
+  recorder.Begin();
+  const Buffer* to_a[] = {&in, &a};
+  const Buffer* to_b[] = {&in, &b};
+  recorder.Dispatch(affine, to_a, AffinePush{64, 1}, 64, 64);
+  recorder.Dispatch(affine, to_b, AffinePush{64, 2}, 64, 64);
+  EXPECT_EQ(recorder.barriers(), 0u);
+  recorder.EndAndSubmit();
+  recorder.Wait();
+  EXPECT_EQ(b.DownloadAs<uint32_t>(64)[5], 11u);
+}
+
+TEST_F(VulkanTest, DispatchWithTooFewBuffersIsABug) {
+  const Program affine = MakeAffine(device());
+  Buffer a(device(), "a", 64);
+  CommandRecorder recorder(device());
+  recorder.Begin();
+  const Buffer* one[] = {&a};
+  EXPECT_THROW(recorder.Dispatch(affine, one, AffinePush{1, 1}, 1, 64), BugError);
+  recorder.EndAndSubmit();
+  recorder.Wait();
+}
+
+TEST_F(VulkanTest, DeviceThatIsNotThereIsAnEnvironmentError) {
+  EXPECT_THROW(CreateDevice({.device = "999"}), EnvironmentError);
+  EXPECT_THROW(CreateDevice({.device = "99999999999999999999"}), EnvironmentError);
+}
+
+TEST_F(VulkanTest, DeviceWithoutMeaningIsAUsageError) {
+  EXPECT_THROW(CreateDevice({.device = "toaster"}), UsageError);
+  EXPECT_THROW(CreateDevice({.device = ""}), UsageError);
+}
+
+TEST_F(VulkanTest, DevicesCanBeChosenByNumberAndByKind) {
+  const std::vector<std::string> names = ListDevices();
+  ASSERT_FALSE(names.empty());
+  EXPECT_EQ(names[0], CreateDevice({.device = "0"})->properties.deviceName);
+  try {
+    EXPECT_EQ(DescribeDevice(*CreateDevice({.device = "cpu"}))["type"], "software");
+  } catch (const EnvironmentError& error) {
+    GTEST_SKIP() << error.what();
+  }
+}
+
+TEST_F(VulkanTest, FloatAtomicsCanBeTurnedOff) {
+  EXPECT_FALSE(CreateDevice({.float_atomics = false})->has_float_atomics);
+}
+
+}  // namespace
+}  // namespace tetrec::test

@@ -1,0 +1,106 @@
+"""Small scenes from input to report: the programs fit together and the result is the subject."""
+import csv
+import json
+import math
+import pathlib
+import shutil
+import struct
+import unittest
+
+from stage_case import StageCase
+from tiny_dataset import DISTANCE, FOV_RAD, RADIUS, SIZE, write_tiny_dataset
+
+DEMO_PHOTOS = pathlib.Path(__file__).resolve().parents[2] / "datasets_spec" / "demo" / "photos"
+# Width of a pixel at the ball's centre.
+PIXEL = 2 * DISTANCE * math.tan(FOV_RAD / 2) / SIZE
+
+
+def read_ply(path):
+    """Positions and triangles of a surface as tetrec-surface writes it."""
+    header, body = path.read_bytes().split(b"end_header\n", 1)
+    counts = {words[1]: int(words[2]) for words in map(str.split, header.decode().splitlines())
+              if words[0] == "element"}
+    vertex = struct.Struct("<3f3B" if b"uchar red" in header else "<3f")
+    face = struct.Struct("<B3i")
+    positions = [vertex.unpack_from(body, i * vertex.size)[:3] for i in range(counts["vertex"])]
+    start = counts["vertex"] * vertex.size
+    triangles = [face.unpack_from(body, start + i * face.size)[1:] for i in range(counts["face"])]
+    return positions, triangles
+
+
+class EndToEndTest(StageCase):
+
+    def test_a_ball_comes_back_from_its_pictures(self):
+        run = self.folder / "run"
+        tetrahedra = self.tiny_tetrahedra()
+        self.assert_done(self.run_stage("optimize", tetrahedra, "-o", run / "3_field",
+                                        "--time-limit", 0, "--iterations", 400))
+        self.assert_done(self.run_stage("render", run / "3_field", "-o", run / "4_views"))
+        self.assert_done(self.run_stage("surface", run / "3_field", "-o", run / "5_surface"))
+        self.assert_done(self.run_stage("evaluate", run / "4_views", run / "5_surface", "-o",
+                                        run / "6_report"))
+
+        rows = list(csv.DictReader((run / "3_field" / "metrics.csv").read_text().splitlines()))
+        losses = [float(row["loss"]) for row in rows if float(row["loss"]) > 0]
+        self.assertLess(losses[-1], 0.2 * losses[0])
+        self.assertGreater(int(rows[-1]["tets"]), int(rows[0]["tets"]))
+
+        metrics = json.loads((run / "6_report" / "metrics.json").read_text())
+        self.assertEqual(metrics["schema"], 1)
+        self.assertEqual(metrics["background"], "white")
+        self.assertEqual(metrics["resolution"], [SIZE, SIZE])
+        self.assertEqual(metrics["rays_per_pixel"], 4)
+        self.assertEqual(len(metrics["views"]), 4)
+        # A picture of the background alone has about 9 dB; 31 dB after a third of the iterations.
+        self.assertGreater(metrics["psnr"], 27)
+
+        # In the input's own coordinates: the ball of RADIUS around the origin, half of it to within a
+        # pixel and nine tenths to within three.
+        positions, triangles = read_ply(run / "5_surface" / "surface.ply")
+        errors = sorted(abs(math.dist(p, (0, 0, 0)) - RADIUS) for p in positions)
+        self.assertLess(errors[len(errors) // 2], PIXEL)
+        self.assertLess(errors[9 * len(errors) // 10], 3 * PIXEL)
+        # Every edge of a closed surface is met once in each direction.
+        edges = [(t[i], t[(i + 1) % 3]) for t in triangles for i in range(3)]
+        self.assertEqual(len(edges), len(set(edges)))
+        self.assertEqual(set(edges), {(b, a) for a, b in edges})
+
+        report = (run / "6_report" / "report.html").read_text()
+        for outside in ("http://", "https://", "src=\"/", "file:"):
+            self.assertNotIn(outside, report.replace("http://www.w3.org/", ""))
+
+        self.assert_done(self.run_stage("chart", run, "-o", self.folder / "chart"))
+        self.assertTrue((self.folder / "chart" / "chart.svg").exists())
+        self.assertTrue((self.folder / "chart" / "chart.png").exists())
+
+    def test_ten_photos_become_a_scene_and_a_mesh(self):
+        photos = self.folder / "photos"
+        photos.mkdir()
+        for path in sorted(DEMO_PHOTOS.glob("*.jpg"))[:10]:
+            shutil.copy(path, photos)
+        scene = self.folder / "run" / "1_scene"
+        self.assert_done(self.run_stage("sfm", photos, "-o", scene, "--max-size", 160, "--max-features", 1500))
+        content = json.loads((scene / "scene.json").read_text())
+        # Ten neighbours of a walk with steps of 9 degrees: all of them, every 8th held out.
+        self.assertEqual(len(content["views"]), 10)
+        self.assertEqual([view["split"] for view in content["views"]].count("test"), 2)
+        self.assertTrue(all(max(camera["width"], camera["height"]) <= 160
+                            for camera in content["cameras"]))
+        self.assertGreater(content["point_count"], 200)
+        tetrahedra = self.folder / "run" / "2_tetrahedra"
+        self.assert_done(self.run_stage("tetrahedralize", scene, "-o", tetrahedra))
+        self.assertGreater(self.manifest(tetrahedra)["counts"]["tets"], 1000)
+
+    def test_a_name_with_spaces_and_quotes_is_a_name(self):
+        dataset = self.folder / "a 'ball' $(touch oops); \"x\""
+        write_tiny_dataset(dataset, train=12)
+        scene, tetrahedra = self.folder / "1 scene's", self.folder / "2 $HOME"
+        self.assert_done(self.run_stage("import", dataset, "-o", scene))
+        # TetGen is another program: names must reach it whole.
+        self.assert_done(self.run_stage("tetrahedralize", scene, "-o", tetrahedra, "--start", "tetgen",
+                                        "--resolution", 6))
+        self.assertTrue((tetrahedra / "field.tetf").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,243 @@
+// The march renderer learns: steps, state, scores.
+#include "render/reference_renderer.h"
+#include "scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tetrec::test {
+namespace {
+
+constexpr int kWidth = 20, kHeight = 14;
+
+std::vector<RenderView> FourViews() {
+  std::vector<RenderView> views;
+  for (const glm::dvec3 eye : {glm::dvec3(1.7, -1.1, -1.0), glm::dvec3(-1.5, 1.0, -0.5),
+                               glm::dvec3(0.1, 0.4, 2.5), glm::dvec3(0.1, 0.4, 0.5)}) {
+    views.push_back(LookAt(eye, {0.0, 0.35, 0.65}, kWidth, kHeight));
+  }
+  return views;
+}
+
+std::vector<RayBlock> BlocksOf(const std::vector<RenderView>& views) {
+  std::vector<RayBlock> all;
+  for (uint32_t v = 0; v < views.size(); ++v) {
+    const auto blocks = AllBlocks(views[v].camera, v);
+    all.insert(all.end(), blocks.begin(), blocks.end());
+  }
+  return all;
+}
+
+TargetImage TargetOf(const RenderedImage& image) {
+  TargetImage target{image.width, image.height, {}};
+  for (size_t i = 0; i < image.color_srgb.size(); ++i) {
+    const auto byte = [](float value) {
+      return uint32_t(std::lround(255.0f * std::clamp(value, 0.0f, 1.0f)));
+    };
+    const glm::vec3& c = image.color_srgb[i];
+    target.rgba8.push_back(byte(c.r) | byte(c.g) << 8 | byte(c.b) << 16 |
+                           byte(1.0f - image.transmittance[i]) << 24);
+  }
+  return target;
+}
+
+std::vector<TargetImage> TargetsOf(TrainingRenderer& renderer,
+                                   const std::vector<RenderView>& views) {
+  std::vector<TargetImage> targets;
+  for (const RenderView& view : views) targets.push_back(TargetOf(renderer.Render(view, 1)));
+  return targets;
+}
+
+// Target value of a channel of a pixel, and what a ray shows before `background`.
+glm::vec3 Residual(const glm::vec4& ray, uint32_t rgba8, const glm::vec3& background) {
+  const glm::vec3 rgb(float(rgba8 & 255), float(rgba8 >> 8 & 255), float(rgba8 >> 16 & 255));
+  const float alpha = float(rgba8 >> 24) / 255.0f;
+  return glm::vec3(ray) + std::exp(-ray.a) * background -
+         (rgb / 255.0f + (1.0f - alpha) * background);
+}
+
+TEST_F(RendererTest, StepsLowerTheLoss) {
+  for (LossKind loss : {LossKind::kL2, LossKind::kL1}) {
+    TrainingRenderer& renderer = MakeRenderer();
+    const RadianceField truth = RandomField(40, 51, 6.0f);
+    renderer.SetField(truth);
+    const std::vector<RenderView> views = FourViews();
+    renderer.SetTargets(views, TargetsOf(renderer, views));
+    renderer.SetField(ConstantField(truth.mesh, 0.2f, glm::vec3(0.5f)));
+    const std::vector<RayBlock> blocks = BlocksOf(views);
+    std::vector<double> losses;
+    for (uint32_t i = 1; i <= 200; ++i) {
+      losses.push_back(renderer
+                           .Step({.blocks = blocks,
+                                  .loss = loss,
+                                  .background_srgb = glm::vec3(i % 3 == 0, i % 2, 0.5f),
+                                  .seed = i,
+                                  .adam_step = i})
+                           .loss);
+    }
+    EXPECT_EQ(losses[0], 0.0);
+    EXPECT_LT(losses.back(), (loss == LossKind::kL2 ? 0.02 : 0.2) * losses[2]);
+    for (double value : losses) ASSERT_TRUE(std::isfinite(value));
+  }
+}
+
+// The step's own account of the loss against one summed here from rays and targets.
+TEST_F(RendererTest, StepReportsTheLossOfItsRays) {
+  TrainingRenderer& renderer = MakeRenderer();
+  renderer.SetField(RandomField(40, 52, 6.0f));
+  const std::vector<RenderView> views = FourViews();
+  const std::vector<TargetImage> targets = TargetsOf(renderer, views);
+  renderer.SetTargets(views, targets);
+  renderer.SetField(RandomField(40, 53, 3.0f));
+  const std::vector<RayBlock> blocks = BlocksOf(views);
+  const glm::vec3 background(0.1f, 0.7f, 0.4f);
+  double squares = 0, absolutes = 0;
+  for (size_t v = 0; v < views.size(); ++v) {
+    const auto own = AllBlocks(views[v].camera);
+    const auto rays = renderer.MarchBlocks(views[v], own);
+    for (size_t r = 0; r < rays.size(); ++r) {
+      const size_t pixel = (own[r / 8].y + r % 8 / 4) * kWidth + own[r / 8].x + r % 4;
+      const glm::dvec3 residual(Residual(rays[r], targets[v].rgba8[pixel], background));
+      squares += glm::dot(residual, residual);
+      absolutes += glm::dot(glm::abs(residual), glm::dvec3(1.0));
+    }
+  }
+  const double count = 3.0 * double(blocks.size()) * kRaysPerBlock;
+  TrainingStep step{.blocks = blocks, .loss = LossKind::kL1, .background_srgb = background};
+  step.adam.color_rate = step.adam.density_rate = 0.0f;
+  renderer.Step(step);
+  renderer.Step(step);
+  const StepResult first = renderer.Step(step);
+  EXPECT_NEAR(first.loss, absolutes / count, 1e-5 * first.loss);
+  EXPECT_NEAR(first.squared_error, squares / count, 1e-5 * first.squared_error);
+}
+
+// Adam's first step moves every parameter by its rate against the sign of its gradient.
+TEST_F(RendererTest, FirstStepMovesEveryParameterAgainstItsGradient) {
+  TrainingRenderer& renderer = MakeRenderer({.stop_transmittance = 0.0f});
+  renderer.SetField(RandomField(40, 54, 6.0f));
+  const std::vector<RenderView> views = FourViews();
+  const std::vector<TargetImage> targets = TargetsOf(renderer, views);
+  renderer.SetTargets(views, targets);
+  const RadianceField field = RandomField(40, 55, 3.0f);
+  renderer.SetField(field);
+  const glm::vec3 background(0.1f, 0.7f, 0.4f);
+  std::vector<glm::dvec3> color(field.density.size());
+  std::vector<double> density(field.density.size());
+  for (size_t v = 0; v < views.size(); ++v) {
+    const ReferenceImage image = RenderReference(field, views[v], 0.0);
+    std::vector<glm::dvec4> g;
+    for (size_t i = 0; i < image.color_srgb.size(); ++i) {
+      const glm::vec4 ray(glm::vec3(image.color_srgb[i]), float(image.optical_depth[i]));
+      const glm::dvec3 residual(Residual(ray, targets[v].rgba8[i], background));
+      g.emplace_back(2.0 * residual, 2.0 * glm::dot(residual, glm::dvec3(background)));
+    }
+    const ReferenceGradient gradient = BackpropagateReference(field, views[v], g, 0.0);
+    for (size_t i = 0; i < color.size(); ++i) {
+      color[i] += gradient.color_srgb[i];
+      density[i] += gradient.density[i];
+    }
+  }
+  const std::vector<RayBlock> blocks = BlocksOf(views);
+  renderer.Step({.blocks = blocks, .background_srgb = background});
+  const VertexState state = renderer.ReadVertexState();
+  const AdamOptions adam;
+  for (size_t v = 0; v < color.size(); ++v) {
+    if (std::abs(color[v].g) > 1e-3) {
+      EXPECT_NEAR(state.parameters[v].g,
+                  field.color_srgb[v].g - std::copysign(adam.color_rate, color[v].g), 1e-5);
+    }
+    // Smaller ones come near Adam's epsilon.
+    if (std::abs(field.density[v] * density[v]) > 1e-3) {
+      EXPECT_NEAR(state.parameters[v].a,
+                  std::log(field.density[v]) - std::copysign(adam.density_rate, density[v]), 1e-4);
+    }
+  }
+}
+
+TEST_F(RendererTest, VertexStateComesBackAsItWasSet) {
+  TrainingRenderer& renderer = MakeRenderer();
+  const TetMesh mesh = RandomBoxMesh(40, 56);
+  std::mt19937 random(1);
+  std::normal_distribution<float> normal;
+  VertexState state;
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    const auto row = [&] {
+      return glm::vec4(normal(random), normal(random), normal(random), normal(random));
+    };
+    state.parameters.push_back(row());
+    state.first_moment.push_back(row());
+    state.second_moment.push_back(glm::abs(row()));
+  }
+  renderer.SetVertexState(mesh, state);
+  const VertexState back = renderer.ReadVertexState();
+  EXPECT_EQ(back.parameters, state.parameters);
+  EXPECT_EQ(back.first_moment, state.first_moment);
+  EXPECT_EQ(back.second_moment, state.second_moment);
+}
+
+// A step after a round trip ends where a step without it ends, up to the order of float sums.
+TEST_F(RendererTest, TrainingGoesOnFromAStateReadBack) {
+  const std::vector<RenderView> views = FourViews();
+  const std::vector<RayBlock> blocks = BlocksOf(views);
+  const RadianceField start = RandomField(40, 57, 3.0f);
+  std::vector<VertexState> ends;
+  for (bool with_round_trip : {false, true}) {
+    TrainingRenderer& renderer = MakeRenderer();
+    renderer.SetField(RandomField(40, 58, 6.0f));
+    renderer.SetTargets(views, TargetsOf(renderer, views));
+    renderer.SetField(start);
+    for (uint32_t i = 1; i <= 6; ++i) {
+      renderer.Step({.blocks = blocks, .adam_step = i});
+      if (with_round_trip && i == 3)
+        renderer.SetVertexState(start.mesh, renderer.ReadVertexState());
+    }
+    ends.push_back(renderer.ReadVertexState());
+  }
+  double worst = 0;
+  for (size_t v = 0; v < ends[0].parameters.size(); ++v) {
+    worst = std::max(worst, double(glm::distance(glm::vec3(ends[0].parameters[v]),
+                                                 glm::vec3(ends[1].parameters[v]))));
+  }
+  EXPECT_LT(worst, 2e-3);
+}
+
+TEST_F(RendererTest, ScoresShareOutTheSquaredResidualOfEveryRay) {
+  for (bool float_atomics : {true, false}) {
+    TrainingRenderer& renderer = MakeRenderer({.device = {.float_atomics = float_atomics}});
+    renderer.SetField(RandomField(40, 59, 6.0f));
+    const std::vector<RenderView> views = FourViews();
+    const std::vector<TargetImage> targets = TargetsOf(renderer, views);
+    renderer.SetTargets(views, targets);
+    renderer.SetField(RandomField(40, 60, 3.0f));
+    const glm::vec3 background(0.1f, 0.7f, 0.4f);
+    double expected = 0, residuals = 0;
+    for (size_t v = 0; v < views.size(); ++v) {
+      const auto own = AllBlocks(views[v].camera);
+      const auto rays = renderer.MarchBlocks(views[v], own);
+      for (size_t r = 0; r < rays.size(); ++r) {
+        const size_t pixel = (own[r / 8].y + r % 8 / 4) * kWidth + own[r / 8].x + r % 4;
+        const glm::dvec3 residual(Residual(rays[r], targets[v].rgba8[pixel], background));
+        residuals += glm::dot(residual, residual);
+        expected += glm::dot(residual, residual) * -std::expm1(-double(rays[r].a));
+      }
+    }
+    const std::vector<RayBlock> blocks = BlocksOf(views);
+    renderer.ClearScores();
+    renderer.AddScores({.blocks = blocks, .background_srgb = background});
+    const std::vector<float> scores = renderer.ReadScores();
+    const double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
+    EXPECT_LE(sum, expected * (1.0 + 1e-4));
+    // Shares below 1e-3 are left out; a ray meets 20 tets at most.
+    EXPECT_GE(sum, expected - 20 * 1e-3 * residuals);
+    EXPECT_GT(sum, 0.9 * expected);
+    renderer.ClearScores();
+    EXPECT_EQ(renderer.ReadScores(), std::vector<float>(scores.size(), 0.0f));
+  }
+}
+
+}  // namespace
+}  // namespace tetrec::test

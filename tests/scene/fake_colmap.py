@@ -1,0 +1,134 @@
+"""A stand-in for COLMAP: the same commands, database and files, with results that FAKE_COLMAP chooses.
+
+none: the mapper finds nothing and exits with 0.    junk: two pictures and 61 points.
+half: every second picture is registered.           good: all of them, on a ring around a ball of points.
+full: the disk is full while features are written.  killed: the extractor dies by SIGKILL.
+"""
+import math
+import os
+import signal
+import sqlite3
+import struct
+import sys
+
+TABLES = """
+CREATE TABLE IF NOT EXISTS cameras (camera_id INTEGER PRIMARY KEY, model, width, height, params, prior_focal_length);
+CREATE TABLE IF NOT EXISTS images (image_id INTEGER PRIMARY KEY, name TEXT UNIQUE, camera_id, prior_qw, prior_qx,
+  prior_qy, prior_qz, prior_tx, prior_ty, prior_tz);
+CREATE TABLE IF NOT EXISTS keypoints (image_id INTEGER PRIMARY KEY, rows, cols, data);
+CREATE TABLE IF NOT EXISTS descriptors (image_id INTEGER PRIMARY KEY, rows, cols, data);
+CREATE TABLE IF NOT EXISTS matches (pair_id INTEGER PRIMARY KEY, rows, cols, data);
+CREATE TABLE IF NOT EXISTS two_view_geometries (pair_id INTEGER PRIMARY KEY, rows, cols, data, config);
+"""
+WIDTH, HEIGHT, FOCAL = 64, 48, 80.0
+
+
+def open_database(path):
+    database = sqlite3.connect(path)
+    database.executescript(TABLES)
+    return database
+
+
+def extract(options):
+    names = open(options["image_list_path"]).read().split()
+    with open_database(options["database_path"]) as database:
+        for i, name in enumerate(names):
+            print(f"Processed file [{i + 1}/{len(names)}]")
+            if not os.path.exists(os.path.join(options["image_path"], name)):
+                sys.exit("no such picture: " + name)
+            database.execute("INSERT OR IGNORE INTO cameras VALUES (1, 1, ?, ?, NULL, 0)", (WIDTH, HEIGHT))
+            cursor = database.execute("INSERT INTO images (name, camera_id) VALUES (?, 1)", (name,))
+            database.execute("INSERT INTO keypoints VALUES (?, 0, 6, X'')", (cursor.lastrowid,))
+            database.execute("INSERT INTO descriptors VALUES (?, 0, 128, X'')", (cursor.lastrowid,))
+
+
+def verify(options):
+    with open_database(options["database_path"]) as database:
+        ids = dict(database.execute("SELECT name, image_id FROM images"))
+        for line in open(options["match_list_path"]):
+            first, second = sorted(ids[name] for name in line.split())
+            database.execute("INSERT INTO two_view_geometries VALUES (?, 0, 2, X'', 0)", (2147483647 * first + second,))
+
+
+def ring_pose(k, count):
+    """Camera k of a ring of radius 4 about the z axis, level, looking at the middle: q, t (world to camera)."""
+    angle = 2 * math.pi * k / count
+    c, s = math.cos(angle), math.sin(angle)
+    rows = [[-s, c, 0.0], [0.0, 0.0, -1.0], [-c, -s, 0.0]]  # x right, y down, z to the middle
+    center = [4 * c, 4 * s, 0.0]
+    t = [-sum(row[i] * center[i] for i in range(3)) for row in rows]
+    # Quaternion of a rotation matrix, by its largest component (Shepperd 1978).
+    m = rows
+    candidates = [m[0][0] + m[1][1] + m[2][2], m[0][0], m[1][1], m[2][2]]
+    largest = candidates.index(max(candidates))
+    if largest == 0:
+        q = [1 + candidates[0], m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]]
+    else:
+        i, j, l = [(0, 1, 2), (1, 2, 0), (2, 0, 1)][largest - 1]
+        q = [m[l][j] - m[j][l], 0, 0, 0]
+        q[1 + i] = 1 + m[i][i] - m[j][j] - m[l][l]
+        q[1 + j] = m[j][i] + m[i][j]
+        q[1 + l] = m[l][i] + m[i][l]
+    length = math.sqrt(sum(v * v for v in q))
+    return [v / length for v in q], t
+
+
+def write_model(folder, names, point_count):
+    os.makedirs(folder)
+    with open(os.path.join(folder, "cameras.bin"), "wb") as f:
+        f.write(struct.pack("<QIiQQ4d", 1, 1, 1, WIDTH, HEIGHT, FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2))
+    with open(os.path.join(folder, "images.bin"), "wb") as f:
+        f.write(struct.pack("<Q", len(names)))
+        for k, name in enumerate(names):
+            q, t = ring_pose(k, len(names))
+            f.write(struct.pack("<I7dI", k + 1, *q, *t, 1) + name.encode() + b"\0")
+            f.write(struct.pack("<Q", point_count))
+            for point in range(point_count):
+                f.write(struct.pack("<2dQ", 1.0, 1.0, point + 1))
+    with open(os.path.join(folder, "points3D.bin"), "wb") as f:
+        f.write(struct.pack("<Q", point_count))
+        for point in range(point_count):
+            # A spiral on the unit ball.
+            z = 1 - 2 * (point + 0.5) / point_count
+            r, turn = math.sqrt(1 - z * z), 2.4 * point
+            f.write(struct.pack("<Q3d3Bd", point + 1, r * math.cos(turn), r * math.sin(turn), z, 200, 100, 50, 0.4))
+            f.write(struct.pack("<Q", len(names)))
+            for k in range(len(names)):
+                f.write(struct.pack("<II", k + 1, point))
+
+
+def map_scene(options, mode):
+    names = [row[0] for row in open_database(options["database_path"]).execute("SELECT name FROM images ORDER BY image_id")]
+    folder = os.path.join(options["output_path"], "0")
+    if mode == "none":
+        print("WARNING: No images with matches found in the database.")
+    elif mode == "junk":
+        write_model(folder, names[:2], 61)
+    elif mode == "half":
+        write_model(folder, names[::2], 300)
+    else:
+        write_model(os.path.join(options["output_path"], "0"), names[:2], 61)  # the first is not the largest
+        write_model(os.path.join(options["output_path"], "1"), names, 300)
+
+
+def main():
+    mode, command = os.environ["FAKE_COLMAP"], sys.argv[1]
+    options = {sys.argv[i][2:]: sys.argv[i + 1] for i in range(2, len(sys.argv) - 1, 2)}
+    with open(os.environ["FAKE_COLMAP_CALLS"], "a") as calls:
+        calls.write(command + "\n")
+    if command == "help":
+        print("COLMAP 3.8 -- Structure-from-Motion and Multi-View Stereo")
+    elif command == "feature_extractor":
+        extract(options)
+        if mode == "full":
+            print("SQLite error [database.cc, line 500]: database or disk is full")
+        if mode == "killed":
+            sys.stdout.flush()
+            os.kill(os.getpid(), signal.SIGKILL)
+    elif command == "matches_importer":
+        verify(options)
+    elif command == "mapper":
+        map_scene(options, mode)
+
+
+main()
