@@ -167,14 +167,15 @@ json ListingOf(const fs::path& folder) {
 }
 
 bool IsInside(const fs::path& inner, const fs::path& outer) {
-  const fs::path relative =
-      fs::weakly_canonical(inner).lexically_relative(fs::weakly_canonical(outer));
+  const fs::path relative = fs::weakly_canonical(fs::absolute(inner))
+                                .lexically_relative(fs::weakly_canonical(fs::absolute(outer)));
   return !relative.empty() && *relative.begin() != "..";
 }
 
 std::string RelativeTo(const fs::path& path, const fs::path& folder) {
-  return fs::weakly_canonical(path)
-      .lexically_relative(fs::weakly_canonical(folder))
+  // Absolute first: a relative path of which nothing exists yet stays relative when made canonical.
+  return fs::weakly_canonical(fs::absolute(path))
+      .lexically_relative(fs::weakly_canonical(fs::absolute(folder)))
       .generic_string();
 }
 

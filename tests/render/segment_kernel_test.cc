@@ -4,6 +4,7 @@
 #include "test_shaders.h"
 #include "vulkan_test.h"
 
+#include <fmt/format.h>
 #include <glm/glm.hpp>
 #include <gtest/gtest.h>
 
@@ -69,7 +70,7 @@ TEST_F(VulkanTest, SegmentWeightsOfTheKernelAreThoseOfTheReference) {
     worst = std::max(worst, error);
     ASSERT_LE(error, kWeightTolerance) << "s0 = " << ends[i].x << ", s1 = " << ends[i].y;
   }
-  RecordProperty("worst_relative_error", std::to_string(worst));
+  RecordProperty("worst_relative_error", fmt::format("{:.1e}", worst));
 }
 
 TEST_F(VulkanTest, SegmentDerivativesOfTheKernelAreThoseOfTheReference) {
@@ -106,7 +107,7 @@ TEST_F(VulkanTest, ElementaryFunctionsAreAsExactAsVulkanPromises) {
   }
   EXPECT_LE(worst_sqrt, 1e-6);
   EXPECT_LE(worst_reciprocal, 3.1e-7);
-  RecordProperty("worst_exp_error_by_1_plus_x", std::to_string(1e7 * worst_exp) + "e-7");
+  RecordProperty("worst_exp_error_by_1_plus_x", fmt::format("{:.1e}", worst_exp));
 }
 
 }  // namespace
