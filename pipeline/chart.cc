@@ -28,7 +28,8 @@ int main(int argc, char** argv) {
       "Draws held-out PSNR against seconds of optimisation, from the metrics.csv of one or more "
       "runs\n"
       "(unfinished ones too), and writes chart.svg, chart.png, chart.csv and chart.json.\n"
-      "Example: tetrec-chart runs/fox runs/lego -o runs/chart");
+      "Example: tetrec-chart runs/fox runs/lego -o runs/chart",
+      "tetrec-chart");
   std::vector<std::filesystem::path> runs;
   std::filesystem::path out;
   tetrec::ChartOptions options;

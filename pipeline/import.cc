@@ -21,10 +21,11 @@ int main(int argc, char** argv) {
                   "what stands behind pictures with alpha: white or black")
       ->check(CLI::IsMember({"white", "black"}))
       ->capture_default_str();
-  return command.Run(argc, argv, [&](tetrec::Stage& stage) {
-    options.background =
-        background == "white" ? tetrec::Background::kWhite : tetrec::Background::kBlack;
-    options.Check();
-    RunImport(options, stage);
-  });
+  return command.Run(
+      argc, argv, [&](tetrec::Stage& stage) { RunImport(options, stage); },
+      [&] {
+        options.background =
+            background == "white" ? tetrec::Background::kWhite : tetrec::Background::kBlack;
+        options.Check();
+      });
 }

@@ -1,23 +1,28 @@
 // tetrec-optimize: fits the radiance field to the pictures, coarse to fine.
+#include "core/option_checks.h"
 #include "optimize/trainer.h"
 
 namespace {
 
-void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options) {
+// Options that the command line gives as words.
+struct Words {
+  std::string loss = "l2", background = "random";
+};
+
+void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options, Words& words) {
   CLI::App& app = command.app();
   app.add_option("--time-limit", options.time_limit_s,
                  "seconds of optimisation, refinement included; 0: no limit, by --iterations");
   app.add_option("--iterations", options.iterations, "steps; 0: by --time-limit");
   app.add_option("--seed", options.seed, "seed of all that is drawn");
   app.add_option("--rays", options.rays_per_step, "rays a step");
-  app.add_option("--loss", options.loss, "l2 (highest PSNR) or l1 (sharper, robust to outliers)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, tetrec::LossKind>{
-          {"l2", tetrec::LossKind::kL2}, {"l1", tetrec::LossKind::kL1}}));
+  app.add_option("--loss", words.loss, "l2 (highest PSNR) or l1 (sharper, robust to outliers)")
+      ->check(CLI::IsMember({"l2", "l1"}));
   app.add_option("--color-rate", options.color_rate, "first learning rate of colour [display sRGB]")
-      ->check(CLI::PositiveNumber);
+      ->check(tetrec::AboveZero());
   app.add_option("--density-rate", options.density_rate,
                  "first learning rate of the logarithm of density")
-      ->check(CLI::PositiveNumber);
+      ->check(tetrec::AboveZero());
   app.add_option("--final-rate-share", options.schedule.final_rate_share,
                  "learning rates fall exponentially to this share")
       ->check(CLI::Range(1e-6, 1.0));
@@ -28,23 +33,27 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   app.add_option("--subject-share", options.subject_share,
                  "share of the rays drawn where the masks show something")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_flag(
-      "--random-background,!--fixed-background", options.random_background,
-      "another background each step tells empty from background-coloured; else the scene's");
+  app.add_option("--background", words.background,
+                 "behind pictures with alpha: random (another colour each step, which tells empty "
+                 "from background-coloured) or scene (as imported)")
+      ->check(CLI::IsMember({"random", "scene"}));
   app.add_option("--rounds", options.schedule.rounds, "refinements of the mesh")
       ->check(CLI::Range(0, 100));
   app.add_option("--last-round", options.schedule.last_round,
                  "share of the run before the last refinement")
       ->check(CLI::Range(0.01, 1.0));
-  app.add_option("--max-vertices", options.max_vertices, "vertices; 0: what the time affords");
+  app.add_option("--max-vertices", options.max_vertices,
+                 "vertices that refinement may reach; 0: what the time affords");
   app.add_option("--score-rays", options.score_rays_per_tet,
                  "rays per tet in a refinement's look at the errors")
-      ->check(CLI::PositiveNumber);
+      ->check(tetrec::AboveZero());
   app.add_option("--watched-views", options.watched_views,
                  "held-out views whose PSNR goes into metrics.csv")
       ->check(CLI::Range(0, 1000));
-  command.DoesNotChangeResults(app.add_option(
-      "--checkpoint-interval", options.checkpoint_interval_s, "seconds between checkpoints"));
+  command.DoesNotChangeResults(app.add_option("--checkpoint-interval",
+                                              options.checkpoint_interval_s,
+                                              "seconds between checkpoints")
+                                   ->check(tetrec::AtLeastZero()));
   command.DoesNotChangeResults(app.add_option("--device", options.renderer.device.device,
                                               "Vulkan device: auto, cpu, gpu or a number"));
 }
@@ -53,11 +62,16 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
+  Words words;
   tetrec::StageCommand command(
       "optimize", 1, "Fits density and colour on a tet mesh to the pictures of its scene.");
   command.InputStage("TETRAHEDRA", "folder of tetrec-tetrahedralize", {"tetrahedralize"});
-  AddOptions(command, options);
+  AddOptions(command, options, words);
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunOptimize(options, stage); },
-      [&] { options.Check(); });
+      [&] {
+        options.loss = words.loss == "l1" ? tetrec::LossKind::kL1 : tetrec::LossKind::kL2;
+        options.random_background = words.background == "random";
+        options.Check();
+      });
 }

@@ -1,6 +1,7 @@
 // tetrec-surface: the level set of a field's density as a coloured triangle mesh.
 #include "core/error.h"
 #include "core/log.h"
+#include "core/option_checks.h"
 #include "core/progress.h"
 #include "core/stage.h"
 #include "field/radiance_field.h"
@@ -29,7 +30,7 @@ void AddOptions(CLI::App& app, SurfaceOptions& options) {
   app.add_option("--isovalue", options.isovalue,
                  "density of the surface [1 / world unit]; 0: the typical density where a ray from "
                  "a camera has lost half of its light")
-      ->check(CLI::NonNegativeNumber);
+      ->check(tetrec::AtLeastZero());
   app.add_option("--bounds", options.bounds, "extract the subject only, or all of the volume")
       ->check(CLI::IsMember({"subject", "all"}));
   app.add_option("--margin", options.margin,

@@ -2,6 +2,7 @@
 // starts from.
 #include "core/error.h"
 #include "core/log.h"
+#include "core/option_checks.h"
 #include "core/progress.h"
 #include "core/stage.h"
 #include "field/initial_field.h"
@@ -44,13 +45,13 @@ void AddOptions(CLI::App& app, TetrahedralizeOptions& options) {
       ->check(CLI::Range(0, 512));
   app.add_option("--max-reprojection-error", options.filter.max_reprojection_error_px,
                  "points: drop sparse points seen worse than this [px]")
-      ->check(CLI::PositiveNumber);
+      ->check(tetrec::AboveZero());
   app.add_option("--min-track-length", options.filter.min_track_length,
                  "points: drop sparse points seen by fewer views")
       ->check(CLI::Range(1, 1000000));
   app.add_option("--min-spacing", options.filter.min_spacing,
                  "points: of closer points keep one [world units; the subject's longest side is 2]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(tetrec::AtLeastZero());
   app.add_option("--sphere-points", options.shell.sphere_points,
                  "points: vertices on each sphere of the fill; the far shell has twice as many")
       ->check(CLI::Range(20, 100000));
@@ -62,7 +63,7 @@ void AddOptions(CLI::App& app, TetrahedralizeOptions& options) {
       ->check(CLI::Range(0, 1000000));
   app.add_option("--start-density", options.field.density,
                  "carve, grid, tetgen: first density of the subject [1 / world unit]")
-      ->check(CLI::PositiveNumber);
+      ->check(tetrec::AboveZero());
 }
 
 std::string ChooseStart(const std::string& wanted, const Scene& scene) {

@@ -200,7 +200,7 @@ Corner FetchApex(Ray ray, MarchState state, uvec4 ids) {
 vec3 HitWeights(MarchState state) {
   vec3 w = max(state.e, vec3(0.0));
   float sum = w.x + w.y + w.z;
-  return sum > 0.0 ? w / sum : vec3(1.0 / 3.0);
+  return sum > 0.0 ? w * (1.0 / sum) : vec3(1.0 / 3.0);  // one division, not three
 }
 
 #define AtHit(w, state, member) \

@@ -3,20 +3,17 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/folder_lock.h"
 #include "core/log.h"
+#include "core/option_values.h"
 #include "core/progress.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/file.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <charconv>
-#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <ctime>
@@ -30,7 +27,6 @@ constexpr int kSchema = 1;
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kStatus = "status.json";
 constexpr const char* kLog = "log.txt";
-constexpr const char* kLock = ".lock";
 
 volatile std::sig_atomic_t stop_signal = 0;
 
@@ -122,37 +118,6 @@ std::string FirstSpoiledOutput(const fs::path& folder, const json& manifest) {
   return "";
 }
 
-// A number where the text is one, so that "1e-3" and "0.001" are the same value.
-json OptionValue(const std::string& text) {
-  const char* end = text.data() + text.size();
-  int64_t whole = 0;
-  if (const auto r = std::from_chars(text.data(), end, whole); r.ec == std::errc() && r.ptr == end)
-    return whole;
-  double real = 0;
-  if (const auto r = std::from_chars(text.data(), end, real);
-      r.ec == std::errc() && r.ptr == end && std::isfinite(real)) {
-    if (real == std::floor(real) && std::abs(real) < 9e15) return int64_t(real);
-    return real;
-  }
-  if (text == "true") return true;
-  if (text == "false") return false;
-  return text;
-}
-
-json ValueOf(const CLI::Option& option) {
-  if (option.count() > 0) {
-    const std::vector<std::string> results = option.reduced_results();
-    if (results.size() == 1) return OptionValue(results[0]);
-    json values = json::array();
-    for (const std::string& text : results) values.push_back(OptionValue(text));
-    return values;
-  }
-  const bool flag = option.get_items_expected_max() == 0;
-  // A flag that can be negated does not tell its default.
-  if (flag) return option.get_fnames().empty() ? json(false) : json("default");
-  return OptionValue(option.get_default_str());
-}
-
 // Names, sizes and times of the files inside: enough to see a change without reading gigabytes.
 json ListingOf(const fs::path& folder) {
   json listing = json::array();
@@ -178,40 +143,6 @@ std::string RelativeTo(const fs::path& path, const fs::path& folder) {
       .lexically_relative(fs::weakly_canonical(fs::absolute(folder)))
       .generic_string();
 }
-
-// One process a folder.
-class FolderLock {
- public:
-  explicit FolderLock(const fs::path& folder) {
-    const fs::path path = folder / kLock;
-    fd_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (fd_ < 0) {
-      throw EnvironmentError(
-          fmt::format("{}: cannot be written ({})", folder.string(), std::strerror(errno)));
-    }
-    if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
-      char pid[32] = {};
-      [[maybe_unused]] const ssize_t n = read(fd_, pid, sizeof(pid) - 1);
-      close(fd_);
-      throw EnvironmentError(
-          fmt::format("{} is in use by another process (pid {}); wait for it or stop it",
-                      folder.string(), OneLine(pid)));
-    }
-    const std::string pid = std::to_string(getpid()) + "\n";
-    if (ftruncate(fd_, 0) != 0 || write(fd_, pid.data(), pid.size()) != ssize_t(pid.size())) {
-      const int error = errno;
-      close(fd_);
-      throw EnvironmentError(
-          fmt::format("{}: cannot be written ({})", path.string(), std::strerror(error)));
-    }
-  }
-  ~FolderLock() { close(fd_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int fd_ = -1;
-};
 
 void RemoveOwned(const fs::path& path) {
   std::error_code error;
@@ -278,10 +209,11 @@ bool IsAlive(const json& status) {
          kill(pid_t(pid->get<int64_t>()), 0) == 0;
 }
 
-std::string StateInWords(const json& status) {
+// `may_run` is false for who holds the folder's lock: the process id may be another's by now.
+std::string StateInWords(const json& status, bool may_run) {
   const std::string state = TextOr(status, "status", "unfinished");
   if (state == "running")
-    return IsAlive(status) ? "is still running" : "was killed before it finished";
+    return may_run && IsAlive(status) ? "is still running" : "was killed before it finished";
   const std::string error = TextOr(status, "error", "");
   return state + (error.empty() ? "" : ": " + error);
 }
@@ -327,7 +259,7 @@ bool IsForeign(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename();
     // A run that was killed at its very start leaves no more than these.
-    if (name != kLock && name != std::string(kStatus) + ".tmp") return true;
+    if (name != kLockFile && name != std::string(kStatus) + ".tmp") return true;
   }
   return false;
 }
@@ -367,7 +299,7 @@ json ReadManifest(const fs::path& folder, const std::set<std::string>& stages) {
   }
   if (manifest.is_null()) {
     throw DataError(fmt::format("{}: {} did not finish there ({}); run it again", name,
-                                Program(stage), StateInWords(status)));
+                                Program(stage), StateInWords(status, true)));
   }
   if (manifest["schema"] != kSchema) {
     throw DataError(fmt::format("{}: manifest.json has the schema {}, known is {}; run {} again",
@@ -387,8 +319,10 @@ fs::path PreviousStage(const fs::path& folder, const std::set<std::string>& stag
     const json manifest = ReadOwnJson(at / kManifest);
     if (link == kLongestChain || !manifest.is_object() || !manifest.contains("previous") ||
         !manifest["previous"].is_string()) {
-      throw DataError(fmt::format("{}: no folder of {} in the chain of manifests before {}",
-                                  at.string(), ProgramsOf(stages), folder.string()));
+      throw DataError(
+          fmt::format("{}: is not the folder of {} that {} was made from; put it back there or run "
+                      "the stages again",
+                      at.string(), ProgramsOf(stages), folder.string()));
     }
     at = (at / manifest["previous"].get<std::string>()).lexically_normal();
     const json before = ReadOwnJson(at / kManifest);
@@ -482,7 +416,7 @@ json StageCommand::Options(bool with_effect_only) const {
                                    [&](const auto& i) { return i->option == option; });
     if (input || skipped.contains(name) || (with_effect_only && without_effect_.contains(option)))
       continue;
-    options[name] = ValueOf(*option);
+    options[name] = OptionValue(*option);
   }
   return options;
 }
@@ -620,7 +554,7 @@ void StageCommand::RunLocked(const Request& request, const std::string& command_
   LogToFileOnly("options: " + request.options.dump(-1, ' ', false, json::error_handler_t::replace));
   if (stage.resume_) {
     LogInfo("{}: goes on where an earlier run ended ({})", request.folder.string(),
-            StateInWords(status));
+            StateInWords(status, false));
   }
 
   const auto record_failure = [&](const char* state, const std::string& message) {
@@ -669,6 +603,7 @@ int StageCommand::Run(int argc, char** argv, const std::function<void(Stage&)>& 
                   "Start over, even where the folder is up to date or could be resumed")
         ->excludes(resume);
     app_.parse(argc, argv);
+    CheckNumbers(app_);
     if (check_options) check_options();
     CatchStopSignals();
 

@@ -91,7 +91,9 @@ RunCurve ReadRunCurve(const fs::path& run) {
     return !row.heldout_psnr || !std::isfinite(*row.heldout_psnr) || !std::isfinite(row.seconds);
   });
   if (curve.rows.empty()) {
-    throw DataError(fmt::format("{}: no row has a held-out PSNR", curve.metrics_csv.string()));
+    throw DataError(fmt::format(
+        "{}: no row has a held-out PSNR; run tetrec-optimize with --watched-views above 0",
+        curve.metrics_csv.string()));
   }
   return curve;
 }

@@ -144,7 +144,9 @@ VkPhysicalDevice ChooseDevice(VkInstance instance, const std::string& wish) {
     const size_t number = wish.size() > 6 ? devices.size() : std::stoul(wish);
     if (number < devices.size()) return devices[number];
     throw EnvironmentError(
-        fmt::format("no Vulkan device {}: there are {}, numbered from 0", wish, devices.size()));
+        fmt::format("--device {}: no such Vulkan device; here are {}, numbered from 0; give a "
+                    "lower number or auto",
+                    wish, devices.size()));
   }
   if (wish != "auto" && wish != "cpu" && wish != "gpu") {
     throw UsageError(fmt::format("--device '{}' is not auto, cpu, gpu or a number", wish));

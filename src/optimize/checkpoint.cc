@@ -25,6 +25,15 @@ void CheckFinite(const std::vector<glm::vec4>& rows, const std::string& name, co
   }
 }
 
+// Adam takes their root.
+void CheckNotNegative(const std::vector<glm::vec4>& second_moment, const std::string& name) {
+  for (size_t v = 0; v < second_moment.size(); ++v) {
+    if (glm::any(glm::lessThan(second_moment[v], glm::vec4(0.0f)))) {
+      throw DataError(fmt::format("{}: a second moment of vertex {} is negative", name, v));
+    }
+  }
+}
+
 }  // namespace
 
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
@@ -72,6 +81,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   CheckFinite(result.state.parameters, name, "a parameter");
   CheckFinite(result.state.first_moment, name, "a first moment");
   CheckFinite(result.state.second_moment, name, "a second moment");
+  CheckNotNegative(result.state.second_moment, name);
   CheckTetMesh(result.mesh);
   return result;
 }

@@ -9,6 +9,9 @@ struct ScheduleOptions {
   int rounds = 5;                  // refinements
   double last_round = 0.55;        // progress at the last refinement; the rest settles
   double final_rate_share = 0.05;  // learning rates fall exponentially to this share
+  // Steps before each refinement of a run by time: on a slow machine a round may be due before the
+  // mesh was taught, and an untaught mesh cannot be judged.
+  uint64_t min_round_steps = 150;
 };
 
 // Share of the first learning rates at a progress.

@@ -103,7 +103,7 @@ class Trainer {
     Progress progress("optimise", 1.0);
     Timer timer;
     const double seconds_before = state_.seconds;
-    double last_row = -1, last_checkpoint = state_.seconds, last_watch = -1;
+    double last_row = -1, last_checkpoint = state_.seconds, last_watch = 0;
     Averages averages;
     double watched_psnr = 0;
     bool has_watched = false;
@@ -112,7 +112,7 @@ class Trainer {
       const double done = Done();
       if (done >= 1.0 || StopRequested()) break;
       if (int(state_.rounds) < options_.schedule.rounds &&
-          done >= RoundProgress(options_.schedule, int(state_.rounds))) {
+          done >= RoundProgress(options_.schedule, int(state_.rounds)) && IsTaught()) {
         RefineOnce();
         continue;
       }
@@ -177,8 +177,10 @@ class Trainer {
       state_ = ReadCheckpoint(checkpoint_path_);
       mesh_ = std::move(state_.mesh);
       state = std::move(state_.state);
+      round_iteration_ = state_.iteration;
       LogInfo("goes on from iteration {} after {:.0f} s", state_.iteration, state_.seconds);
     } else {
+      if (stage_.resume()) LogInfo("no checkpoint was saved: begins at the first iteration");
       mesh_ = start.mesh;
       state.parameters = ParametersOf(start);
       state.first_moment.assign(state.parameters.size(), glm::vec4(0.0f));
@@ -194,6 +196,11 @@ class Trainer {
       done = std::max(done, double(state_.iteration) / double(options_.iterations));
     }
     return done;
+  }
+
+  bool IsTaught() const {
+    return options_.iterations > 0 ||
+           state_.iteration - round_iteration_ >= options_.schedule.min_round_steps;
   }
 
   TrainingStep NextStep(double done) {
@@ -233,6 +240,7 @@ class Trainer {
     mesh_ = std::move(result.mesh);
     renderer_->SetVertexState(mesh_, result.state);
     ++state_.rounds;
+    round_iteration_ = state_.iteration;
     LogInfo(
         "round {}: {} -> {} vertices, {} tets: {} edges split, {} empty vertices dropped; errors "
         "{:.1f} s, mesh {:.1f} s",
@@ -272,9 +280,10 @@ class Trainer {
 
   std::string Row(const Averages& averages, const std::string& heldout_psnr,
                   const char* phase) const {
-    return fmt::format("{},{:.3f},{},{:.6g},{:.3f},{},{},{},{}", state_.iteration, state_.seconds,
-                       state_.rays, averages.Loss(), averages.Psnr(), heldout_psnr,
-                       mesh_.tets.size(), mesh_.positions.size(), phase);
+    const std::string losses =
+        averages.count > 0 ? fmt::format("{:.6g},{:.3f}", averages.Loss(), averages.Psnr()) : ",";
+    return fmt::format("{},{:.3f},{},{},{},{},{},{}", state_.iteration, state_.seconds, state_.rays,
+                       losses, heldout_psnr, mesh_.tets.size(), mesh_.positions.size(), phase);
   }
 
   void Report(double psnr) {
@@ -320,7 +329,8 @@ class Trainer {
   std::unique_ptr<TrainingRenderer> renderer_;
   fs::path checkpoint_path_;
   uint64_t max_vertices_ = 0;
-  Checkpoint state_;  // counters; its mesh and vertex state only on disk
+  uint64_t round_iteration_ = 0;  // at the last refinement
+  Checkpoint state_;              // counters; its mesh and vertex state only on disk
   TetMesh mesh_;
   std::vector<RayBlock> blocks_;
 };
@@ -355,12 +365,15 @@ void OptimizeOptions::Check() const {
   const auto fail = [](const char* option, double value, const char* want) {
     throw UsageError(fmt::format("{} is {}, must be {}", option, value, want));
   };
-  if (time_limit_s < 0) fail("--time-limit", time_limit_s, "at least 0 s");
+  if (!(time_limit_s >= 0)) fail("--time-limit", time_limit_s, "at least 0 s");
   if (time_limit_s == 0 && iterations == 0) {
     throw UsageError("--time-limit and --iterations are both 0: give one");
   }
   if (rays_per_step < kRaysPerBlock || rays_per_step > 1 << 22) {
     fail("--rays", rays_per_step, "8 to 4194304");
+  }
+  if (!(checkpoint_interval_s >= 0)) {
+    fail("--checkpoint-interval", checkpoint_interval_s, "at least 0 s");
   }
   if (!(max_density > 0 && max_density <= 1e30)) fail("--max-density", max_density, "above 0");
 }

@@ -37,6 +37,11 @@ bool ShowsSomething(const TargetImage& target, int x0, int y0, int margin) {
   return false;
 }
 
+// Less than `size` to either side.
+int Shift(Random& random, int size) {
+  return int(random.Below(uint32_t(2 * size - 1))) - (size - 1);
+}
+
 }  // namespace
 
 RenderView MakeRenderView(const Scene& scene, int view) {
@@ -98,8 +103,8 @@ std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double su
                 : set.blocks[random.Below(uint32_t(set.blocks.size()))];
     // Any offset, not only aligned ones; the picture's border still keeps whole blocks.
     const TargetImage& target = set.targets[block.view];
-    const int x = int(block.x) + int(random.Below(kRayBlockWidth)) - kRayBlockWidth / 2;
-    const int y = int(block.y) + int(random.Below(kRayBlockHeight));
+    const int x = int(block.x) + Shift(random, kRayBlockWidth);
+    const int y = int(block.y) + Shift(random, kRayBlockHeight);
     block.x = uint32_t(std::clamp(x, 0, target.width - kRayBlockWidth));
     block.y = uint32_t(std::clamp(y, 0, target.height - kRayBlockHeight));
   }

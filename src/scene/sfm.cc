@@ -86,7 +86,8 @@ std::vector<std::string> PhotoNames(const fs::path& folder) {
       ++others;
     }
   }
-  if (others > 0) LogInfo("{} other files in {} are passed over", others, folder.string());
+  if (others > 0)
+    LogInfo("{} other file{} in {} passed over", others, others == 1 ? "" : "s", folder.string());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -407,7 +408,7 @@ std::vector<Photo> FindPhotos(const fs::path& folder) {
     if (!error.empty()) told.push_back(error);
   }
   if (!told.empty()) {
-    throw DataError(fmt::format("{} of {} pictures cannot be read: {}; replace or remove them",
+    throw DataError(fmt::format("{} of {} pictures cannot be read; replace or remove: {}",
                                 told.size(), names.size(), fmt::join(told, "; ")));
   }
   return photos;

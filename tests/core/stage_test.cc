@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "core/option_checks.h"
 #include "scratch_folder.h"
 
 #include <gmock/gmock.h>
@@ -123,6 +124,44 @@ TEST_F(StageTest, HelpExitsWithZeroAndWrongCommandLinesWithTwo) {
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
   EXPECT_FALSE(fs::exists(output_));
+}
+
+TEST_F(StageTest, NumbersThatAreNoneOrWrapOrBreakTheirBoundTouchNothing) {
+  double rate = 1, share = 1;
+  uint64_t steps = 1;
+  const auto run = [&](const std::string& name, const std::string& value) {
+    StageCommand command("first", 1, "Copies.");
+    command.InputPath("INPUT", "A file");
+    command.app().add_option("--rate", rate, "Rate [1/s]");
+    command.app().add_option("--share", share, "Share")->check(AboveZero());
+    command.app().add_option("--room", share, "Room")->check(AtLeastZero());
+    command.app().add_option("--steps", steps, "Steps");
+    const Outcome outcome = RunCommand(command, {input_, "-o", output_, name, value}, CopyInput);
+    EXPECT_EQ(outcome.exit_code == 0, fs::exists(output_)) << name << " " << value;
+    fs::remove_all(output_);
+    return outcome;
+  };
+  for (const auto& [name, value] :
+       std::vector<std::pair<std::string, std::string>>{{"--rate", "nan"},
+                                                        {"--rate", "inf"},
+                                                        {"--steps", "-3"},
+                                                        {"--share", "0"},
+                                                        {"--share", "nan"},
+                                                        {"--room", "-1"},
+                                                        {"--room", "nan"},
+                                                        {"--share", "x"},
+                                                        {"--steps", "1e99"},
+                                                        {"--rate", "-inf"}}) {
+    const Outcome outcome = run(name, value);
+    EXPECT_EQ(outcome.exit_code, 2) << name << " " << value;
+    EXPECT_THAT(outcome.err, HasSubstr(name));
+    EXPECT_THAT(outcome.err, HasSubstr(value));
+    EXPECT_LT(outcome.err.size(), 120u) << outcome.err;
+  }
+  EXPECT_EQ(run("--rate", "-2.5").exit_code, 0);
+  EXPECT_EQ(run("--room", "0").exit_code, 0);
+  EXPECT_EQ(run("--share", "1e-9").exit_code, 0);
+  EXPECT_EQ(run("--steps", "7").exit_code, 0);
 }
 
 TEST_F(StageTest, TheSameCommandAgainIsUpToDate) {

@@ -1,0 +1,45 @@
+// The lock of a folder: an flock on a file that names the holder.
+#include "core/folder_lock.h"
+
+#include "core/error.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+
+FolderLock::FolderLock(const fs::path& folder) {
+  const fs::path path = folder / kLockFile;
+  fd_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (fd_ < 0) {
+    throw EnvironmentError(
+        fmt::format("{}: cannot be written ({})", folder.string(), std::strerror(errno)));
+  }
+  if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+    char pid[32] = {};
+    [[maybe_unused]] const ssize_t n = read(fd_, pid, sizeof(pid) - 1);
+    close(fd_);
+    throw EnvironmentError(
+        fmt::format("{} is in use by another process (pid {}); wait for it or stop it",
+                    folder.string(), std::string(pid, std::strcspn(pid, "\n"))));
+  }
+  const std::string pid = std::to_string(getpid()) + "\n";
+  if (ftruncate(fd_, 0) != 0 || write(fd_, pid.data(), pid.size()) != ssize_t(pid.size())) {
+    const int error = errno;
+    close(fd_);
+    throw EnvironmentError(
+        fmt::format("{}: cannot be written ({}); free some space or choose another folder",
+                    path.string(), std::strerror(error)));
+  }
+}
+
+FolderLock::~FolderLock() { close(fd_); }
+
+}  // namespace tetrec

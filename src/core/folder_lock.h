@@ -1,0 +1,23 @@
+// The lock that keeps a second process out of a stage folder.
+#pragma once
+
+#include <filesystem>
+
+namespace tetrec {
+
+inline constexpr const char* kLockFile = ".lock";
+
+// Held as long as it lives; a killed process loses it. Throws EnvironmentError where another
+// process holds it (with its pid) or the folder cannot be written.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int fd_ = -1;
+};
+
+}  // namespace tetrec

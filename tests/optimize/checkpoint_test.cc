@@ -1,0 +1,176 @@
+#include "optimize/checkpoint.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "expect_error.h"
+#include "mesh/delaunay.h"
+#include "optimize/random.h"
+#include "scratch_folder.h"
+
+#include <cstring>
+#include <limits>
+
+namespace tetrec {
+namespace {
+
+// Where the fields start: "TETRECK1", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
+// bytes, u64 V, u64 T, positions.
+constexpr size_t kSecondsAt = 16, kVertexCountAt = 44, kTetCountAt = 52, kPositionsAt = 60;
+
+Checkpoint MakeCheckpoint() {
+  Random random(5);
+  const auto unit = [&random] { return float(random.Uniform()); };
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 20; ++i) {
+    const float x = unit(), y = unit(), z = unit();
+    points.emplace_back(x, y, z);
+  }
+  Checkpoint checkpoint;
+  checkpoint.iteration = (uint64_t{1} << 40) + 3;
+  checkpoint.seconds = 12.375;
+  checkpoint.rays = 987654321012345;
+  checkpoint.rounds = 4;
+  checkpoint.metrics_bytes = 777;
+  checkpoint.mesh = BuildDelaunay(points).mesh;
+  VertexState& state = checkpoint.state;
+  for (auto* rows : {&state.parameters, &state.first_moment, &state.second_moment}) {
+    for (size_t v = 0; v < checkpoint.mesh.positions.size(); ++v) {
+      const float r = unit(), g = unit(), b = unit(), a = unit();
+      rows->emplace_back(r, g, b, a);
+    }
+  }
+  return checkpoint;
+}
+
+std::vector<uint8_t> BytesOf(const Checkpoint& checkpoint) {
+  const ScratchFolder folder;
+  WriteCheckpoint(folder / "checkpoint.bin", checkpoint);
+  return ReadBytes(folder / "checkpoint.bin");
+}
+
+template <class T>
+std::vector<uint8_t> With(std::vector<uint8_t> bytes, size_t at, T value) {
+  std::memcpy(bytes.data() + at, &value, sizeof(value));
+  return bytes;
+}
+
+TEST(Checkpoint, ReadsBackAsItWasWritten) {
+  const ScratchFolder folder;
+  const Checkpoint written = MakeCheckpoint();
+  WriteCheckpoint(folder / "checkpoint.bin", written);
+  const Checkpoint read = ReadCheckpoint(folder / "checkpoint.bin");
+  EXPECT_EQ(read.iteration, written.iteration);
+  EXPECT_EQ(read.seconds, written.seconds);
+  EXPECT_EQ(read.rays, written.rays);
+  EXPECT_EQ(read.rounds, written.rounds);
+  EXPECT_EQ(read.metrics_bytes, written.metrics_bytes);
+  EXPECT_EQ(read.mesh.positions, written.mesh.positions);
+  EXPECT_EQ(read.mesh.tets, written.mesh.tets);
+  EXPECT_EQ(read.mesh.neighbors, written.mesh.neighbors);
+  EXPECT_EQ(read.state.parameters, written.state.parameters);
+  EXPECT_EQ(read.state.first_moment, written.state.first_moment);
+  EXPECT_EQ(read.state.second_moment, written.state.second_moment);
+}
+
+TEST(Checkpoint, RefusesEveryPrefixAndTrailingBytes) {
+  std::vector<uint8_t> bytes = BytesOf(MakeCheckpoint());
+  for (size_t size = 0; size < bytes.size(); ++size) {
+    ASSERT_THROW(ParseCheckpoint(std::span(bytes).first(size), "c.bin"), DataError) << size;
+  }
+  bytes.push_back(0);
+  EXPECT_THROW(ParseCheckpoint(bytes, "c.bin"), DataError);
+}
+
+TEST(Checkpoint, RefusesHugeCountsBeforeItTakesMemory) {
+  const std::vector<uint8_t> good = BytesOf(MakeCheckpoint());
+  for (const size_t at : {kVertexCountAt, kTetCountAt}) {
+    for (const uint64_t count :
+         {uint64_t{1} << 32, uint64_t{1} << 60, uint64_t{1} << 62, ~uint64_t{0}}) {
+      ExpectError<DataError>([&] { ParseCheckpoint(With(good, at, count), "c.bin"); }, {"c.bin"});
+    }
+  }
+}
+
+TEST(Checkpoint, RefusesCountsThatAreOffByOne) {
+  const Checkpoint checkpoint = MakeCheckpoint();
+  const std::vector<uint8_t> good = BytesOf(checkpoint);
+  for (const int off : {-1, 1}) {
+    const uint64_t vertices = checkpoint.mesh.positions.size() + uint64_t(off);
+    const uint64_t tets = checkpoint.mesh.tets.size() + uint64_t(off);
+    EXPECT_THROW(ParseCheckpoint(With(good, kVertexCountAt, vertices), "c.bin"), DataError);
+    EXPECT_THROW(ParseCheckpoint(With(good, kTetCountAt, tets), "c.bin"), DataError);
+  }
+}
+
+TEST(Checkpoint, RefusesWhatIsNotFinite) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const float bad : {nan, infinity, -infinity}) {
+    const auto refused = [bad](auto&& damage, const std::string& what) {
+      Checkpoint checkpoint = MakeCheckpoint();
+      damage(checkpoint, bad);
+      const std::vector<uint8_t> bytes = BytesOf(checkpoint);
+      ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); }, {what});
+    };
+    refused([](Checkpoint& c, float x) { c.state.parameters[3].a = x; }, "parameter of vertex 3");
+    refused([](Checkpoint& c, float x) { c.state.first_moment[0].r = x; },
+            "first moment of vertex 0");
+    refused([](Checkpoint& c, float x) { c.state.second_moment.back().b = x; },
+            "second moment of vertex 19");
+    refused([](Checkpoint& c, float x) { c.mesh.positions[7].y = x; }, "7");
+    refused([](Checkpoint& c, float x) { c.seconds = x; }, "seconds");
+  }
+  EXPECT_THROW(ParseCheckpoint(With(BytesOf(MakeCheckpoint()), kSecondsAt, -1.0), "c.bin"),
+               DataError);
+}
+
+TEST(Checkpoint, RefusesANegativeSecondMoment) {
+  Checkpoint checkpoint = MakeCheckpoint();
+  checkpoint.state.first_moment[2].g = -1.0f;
+  EXPECT_NO_THROW(ParseCheckpoint(BytesOf(checkpoint), "c.bin"));
+  checkpoint.state.second_moment[2].g = -1e-9f;
+  const std::vector<uint8_t> bytes = BytesOf(checkpoint);
+  ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); }, {"vertex 2", "negative"});
+}
+
+TEST(Checkpoint, RefusesAMeshThatDoesNotFitTogether) {
+  const Checkpoint good = MakeCheckpoint();
+  const auto refused = [&good](auto&& damage) {
+    Checkpoint checkpoint = good;
+    damage(checkpoint.mesh);
+    const std::vector<uint8_t> bytes = BytesOf(checkpoint);
+    EXPECT_THROW(ParseCheckpoint(bytes, "c.bin"), DataError);
+  };
+  refused([](TetMesh& m) { m.tets[1][2] = uint32_t(m.positions.size()); });
+  refused([](TetMesh& m) { std::swap(m.tets[1][2], m.tets[1][3]); });
+  refused([](TetMesh& m) { m.neighbors[0][0] = uint32_t(m.tets.size()); });
+}
+
+TEST(Checkpoint, RefusesAnotherMagic) {
+  const std::vector<uint8_t> good = BytesOf(MakeCheckpoint());
+  for (size_t at = 0; at < 8; ++at) {
+    ExpectError<DataError>([&] { ParseCheckpoint(With(good, at, '?'), "c.bin"); },
+                           {"c.bin", "no checkpoint"});
+  }
+}
+
+TEST(Checkpoint, SurvivesOrRefusesEveryFlippedByteOfItsHeadAndMesh) {
+  const Checkpoint checkpoint = MakeCheckpoint();
+  const std::vector<uint8_t> good = BytesOf(checkpoint);
+  const size_t tets_at = kPositionsAt + 12 * checkpoint.mesh.positions.size();
+  const size_t state_at = tets_at + 32 * checkpoint.mesh.tets.size();
+  int refused = 0;
+  for (size_t at = 0; at < state_at; ++at) {
+    try {
+      const Checkpoint read = ParseCheckpoint(With(good, at, uint8_t(good[at] ^ 0xFF)), "c.bin");
+      EXPECT_EQ(read.mesh.positions.size(), checkpoint.mesh.positions.size());
+      EXPECT_LT(at, tets_at) << "no other tets and neighbours fit";
+    } catch (const DataError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GE(refused, int(state_at - tets_at));
+}
+
+}  // namespace
+}  // namespace tetrec

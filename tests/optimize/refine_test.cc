@@ -1,0 +1,374 @@
+#include "optimize/refine.h"
+
+#include "mesh/delaunay.h"
+#include "optimize/random.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <vector>
+
+namespace tetrec {
+namespace {
+
+constexpr float kHalfSide = 1.0f;
+// More than the exp and log of a density (log below 3: 2e-7 relative), the point's own rounding and
+// the blend, each in float on values below 8, add up to.
+constexpr float kRounding = 8e-6f;
+
+// The corners of the box [-1, 1]^3 and points strictly inside.
+TetMesh JitteredBox(int cells = 7, uint64_t seed = 1) {
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 8; ++i) {
+    points.push_back(kHalfSide * glm::vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+  }
+  Random random(seed);
+  for (int i = 0; i < cells * cells * cells; ++i) {
+    const glm::ivec3 cell(i % cells, i / cells % cells, i / (cells * cells));
+    glm::vec3 point;
+    for (int k = 0; k < 3; ++k) {
+      point[k] = 1.9f * (float(cell[k]) + float(random.Uniform())) / float(cells) - 0.95f;
+    }
+    points.push_back(point);
+  }
+  return BuildDelaunay(points).mesh;
+}
+
+// Everything linear in space: colour, density (not its logarithm) and the moments.
+glm::vec4 LinearRow(const glm::vec3& p, float scale) {
+  return scale * glm::vec4(0.5f + 0.2f * p.x, 0.4f - 0.3f * p.y, 0.3f + 0.1f * (p.x + p.z),
+                           4.0f + 1.5f * p.x - p.y + 0.5f * p.z);
+}
+
+VertexState LinearState(const TetMesh& mesh) {
+  VertexState state;
+  for (const glm::vec3& p : mesh.positions) {
+    glm::vec4 row = LinearRow(p, 1.0f);
+    row.a = std::log(row.a);
+    state.parameters.push_back(row);
+    state.first_moment.push_back(LinearRow(p, 0.1f));
+    state.second_moment.push_back(LinearRow(p, 0.01f));
+  }
+  return state;
+}
+
+// One density, grey, at rest.
+VertexState StateOfLogDensity(const TetMesh& mesh,
+                              const std::function<float(const glm::vec3&)>& log_density) {
+  VertexState state;
+  for (const glm::vec3& p : mesh.positions) {
+    state.parameters.emplace_back(0.5f, 0.5f, 0.5f, log_density(p));
+  }
+  state.first_moment.assign(mesh.positions.size(), glm::vec4(0.0f));
+  state.second_moment.assign(mesh.positions.size(), glm::vec4(0.0f));
+  return state;
+}
+
+std::array<float, 3> Key(const glm::vec3& p) { return {p.x, p.y, p.z}; }
+
+std::map<std::array<float, 3>, uint32_t> VertexAt(const TetMesh& mesh) {
+  std::map<std::array<float, 3>, uint32_t> result;
+  for (uint32_t v = 0; v < mesh.positions.size(); ++v) result[Key(mesh.positions[v])] = v;
+  return result;
+}
+
+// Vertices of `after` that stand where no vertex of `before` stands.
+std::vector<uint32_t> NewVertices(const TetMesh& before, const TetMesh& after) {
+  const auto old = VertexAt(before);
+  std::vector<uint32_t> result;
+  for (uint32_t v = 0; v < after.positions.size(); ++v) {
+    if (!old.contains(Key(after.positions[v]))) result.push_back(v);
+  }
+  return result;
+}
+
+struct Edge {
+  uint32_t a, b;
+  bool operator==(const Edge&) const = default;
+};
+
+std::vector<Edge> EdgesOf(const glm::uvec4& tet) {
+  std::vector<Edge> edges;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = i + 1; j < 4; ++j) {
+      edges.push_back({std::min(tet[i], tet[j]), std::max(tet[i], tet[j])});
+    }
+  }
+  return edges;
+}
+
+double Length(const TetMesh& mesh, Edge e) {
+  return glm::distance(glm::dvec3(mesh.positions[e.a]), glm::dvec3(mesh.positions[e.b]));
+}
+
+Edge LongestEdge(const TetMesh& mesh, const glm::uvec4& tet) {
+  const std::vector<Edge> edges = EdgesOf(tet);
+  return *std::max_element(edges.begin(), edges.end(),
+                           [&mesh](Edge x, Edge y) { return Length(mesh, x) < Length(mesh, y); });
+}
+
+// The edge of the mesh that a point cuts: the detour over the point is least, and no detour.
+Edge EdgeThrough(const TetMesh& mesh, const glm::vec3& point) {
+  Edge best{0, 0};
+  double least = 1e30;
+  for (const glm::uvec4& tet : mesh.tets) {
+    for (const Edge e : EdgesOf(tet)) {
+      const double detour = glm::distance(glm::dvec3(mesh.positions[e.a]), glm::dvec3(point)) +
+                            glm::distance(glm::dvec3(mesh.positions[e.b]), glm::dvec3(point)) -
+                            Length(mesh, e);
+      if (detour < least) {
+        least = detour;
+        best = e;
+      }
+    }
+  }
+  EXPECT_LT(least, 1e-6) << "the point lies on no edge";
+  return best;
+}
+
+bool IsCorner(const glm::vec3& p) { return glm::abs(p) == glm::vec3(kHalfSide); }
+
+// Vertices without a visible density in any of their tets, corners of the box left out.
+std::vector<uint8_t> EmptyInside(const TetMesh& mesh, const VertexState& state, float visible_log) {
+  std::vector<uint8_t> empty(mesh.positions.size(), 1);
+  for (const glm::uvec4& tet : mesh.tets) {
+    bool seen = false;
+    for (int i = 0; i < 4; ++i) seen |= state.parameters[tet[i]].a > visible_log;
+    for (int i = 0; i < 4 && seen; ++i) empty[tet[i]] = 0;
+  }
+  for (size_t v = 0; v < empty.size(); ++v) empty[v] &= !IsCorner(mesh.positions[v]);
+  return empty;
+}
+
+RefineOptions KeepAll() {
+  RefineOptions options;
+  options.drop_share = 0.0;
+  return options;
+}
+
+TEST(Refine, PutsNewVerticesOnlyWhereTheErrorIs) {
+  const TetMesh mesh = JitteredBox();
+  std::vector<float> error(mesh.tets.size(), 0.0f);
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    float least_x = 1.0f;
+    for (int i = 0; i < 4; ++i) least_x = std::min(least_x, mesh.positions[mesh.tets[t][i]].x);
+    if (least_x > 0.0f) error[t] = 1.0f;
+  }
+  const RefineResult result = Refine(mesh, LinearState(mesh), error, KeepAll());
+  const std::vector<uint32_t> added = NewVertices(mesh, result.mesh);
+  EXPECT_EQ(added.size(), result.split_edges);
+  EXPECT_GT(added.size(), 20u);
+  for (const uint32_t v : added) EXPECT_GT(result.mesh.positions[v].x, 0.0f);
+}
+
+TEST(Refine, SplitsTheLongestEdgeOfTheWorstTetFirst) {
+  const TetMesh mesh = JitteredBox();
+  RefineOptions options = KeepAll();
+  options.max_vertices = mesh.positions.size() + 1;
+  int tried = 0;
+  for (size_t worst = 0; worst < mesh.tets.size() && tried < 10; worst += 97) {
+    const Edge longest = LongestEdge(mesh, mesh.tets[worst]);
+    if (IsCorner(mesh.positions[longest.a]) && IsCorner(mesh.positions[longest.b])) continue;
+    ++tried;
+    std::vector<float> error(mesh.tets.size(), 1.0f);
+    error[worst] = 1.5f;
+    const RefineResult result = Refine(mesh, LinearState(mesh), error, options);
+    const std::vector<uint32_t> added = NewVertices(mesh, result.mesh);
+    ASSERT_EQ(added.size(), 1u);
+    EXPECT_EQ(EdgeThrough(mesh, result.mesh.positions[added[0]]), longest) << "tet " << worst;
+  }
+  EXPECT_EQ(tried, 10);
+}
+
+TEST(Refine, KeepsToTheVertexBudgetAndToTheGrowth) {
+  const TetMesh mesh = JitteredBox();
+  const size_t count = mesh.positions.size();
+  const std::vector<float> error(mesh.tets.size(), 1.0f);
+  RefineOptions options = KeepAll();
+  options.max_vertices = count + 7;
+  EXPECT_EQ(Refine(mesh, LinearState(mesh), error, options).mesh.positions.size(), count + 7);
+  options.max_vertices = count / 2;
+  EXPECT_EQ(Refine(mesh, LinearState(mesh), error, options).split_edges, 0u);
+  options.max_vertices = 1000000;
+  for (const double growth : {1.0, 1.25, 1.5}) {
+    options.growth = growth;
+    options.max_splits_at_vertex = 100;  // so that only growth limits
+    EXPECT_EQ(Refine(mesh, LinearState(mesh), error, options).mesh.positions.size(),
+              size_t(growth * double(count)));
+  }
+}
+
+TEST(Refine, KeepsTheBoxWholeRoundAfterRound) {
+  TetMesh mesh = JitteredBox(4);
+  VertexState state = LinearState(mesh);
+  for (uint64_t round = 0; round < 4; ++round) {
+    const size_t before = mesh.positions.size();
+    RefineOptions options;
+    options.seed = round;
+    RefineResult result = Refine(mesh, state, std::vector<float>(mesh.tets.size(), 1.0f), options);
+    mesh = std::move(result.mesh);
+    state = std::move(result.state);
+    EXPECT_GT(mesh.positions.size(), before);
+    EXPECT_NO_THROW(CheckTetMesh(mesh));
+    const TetMeshQuality quality = MeasureQuality(mesh);
+    EXPECT_EQ(quality.boundary_faces, 12u);
+    EXPECT_NEAR(quality.total_volume, 8.0, 8e-11);  // a sum of some thousand doubles
+    EXPECT_EQ(std::count_if(mesh.positions.begin(), mesh.positions.end(), IsCorner), 8);
+    EXPECT_EQ(state.parameters.size(), mesh.positions.size());
+    EXPECT_EQ(state.first_moment.size(), mesh.positions.size());
+    EXPECT_EQ(state.second_moment.size(), mesh.positions.size());
+  }
+}
+
+TEST(Refine, ReproducesALinearFieldAtEveryNewVertex) {
+  const TetMesh mesh = JitteredBox();
+  const std::vector<float> error(mesh.tets.size(), 1.0f);
+  const RefineResult result = Refine(mesh, LinearState(mesh), error, KeepAll());
+  const std::vector<uint32_t> added = NewVertices(mesh, result.mesh);
+  EXPECT_GT(added.size(), 100u);
+  for (const uint32_t v : added) {
+    const glm::vec3& p = result.mesh.positions[v];
+    glm::vec4 row = result.state.parameters[v];
+    row.a = std::exp(row.a);
+    for (int i = 0; i < 4; ++i) {
+      EXPECT_NEAR(row[i], LinearRow(p, 1.0f)[i], kRounding);
+      EXPECT_NEAR(result.state.first_moment[v][i], LinearRow(p, 0.1f)[i], 0.1f * kRounding);
+      EXPECT_NEAR(result.state.second_moment[v][i], LinearRow(p, 0.01f)[i], 0.01f * kRounding);
+    }
+  }
+}
+
+TEST(Refine, LeavesTheOldVerticesAsTheyWere) {
+  const TetMesh mesh = JitteredBox();
+  const VertexState state = LinearState(mesh);
+  const RefineResult result =
+      Refine(mesh, state, std::vector<float>(mesh.tets.size(), 1.0f), KeepAll());
+  const auto now = VertexAt(result.mesh);
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    const auto found = now.find(Key(mesh.positions[v]));
+    ASSERT_NE(found, now.end()) << "vertex " << v;
+    EXPECT_EQ(result.state.parameters[found->second], state.parameters[v]);
+    EXPECT_EQ(result.state.first_moment[found->second], state.first_moment[v]);
+    EXPECT_EQ(result.state.second_moment[found->second], state.second_moment[v]);
+  }
+}
+
+TEST(Refine, DropsTheGivenShareOfTheEmptyVerticesAndNoOther) {
+  const TetMesh mesh = JitteredBox(12);
+  const VertexState state =
+      StateOfLogDensity(mesh, [](const glm::vec3& p) { return p.x < 0 ? -20.0f : 6.0f; });
+  const std::vector<uint8_t> empty = EmptyInside(mesh, state, 0.0f);
+  const double empty_count = double(std::count(empty.begin(), empty.end(), 1));
+  ASSERT_GT(empty_count, 400);
+  for (const double share : {0.0, 0.3, 0.5, 1.0}) {
+    RefineOptions options;
+    options.drop_share = share;
+    const RefineResult result =
+        Refine(mesh, state, std::vector<float>(mesh.tets.size(), 0.0f), options);
+    CheckTetMesh(result.mesh);
+    const auto now = VertexAt(result.mesh);
+    uint64_t gone = 0;
+    for (size_t v = 0; v < mesh.positions.size(); ++v) {
+      if (now.contains(Key(mesh.positions[v]))) continue;
+      ++gone;
+      EXPECT_TRUE(empty[v]) << "vertex " << v;
+    }
+    EXPECT_EQ(gone, result.dropped_empty);
+    EXPECT_EQ(result.mesh.positions.size() + gone, mesh.positions.size());
+    // Four standard deviations of a binomial count.
+    const double margin = 4 * std::sqrt(empty_count * share * (1 - share));
+    EXPECT_NEAR(double(gone), share * empty_count, margin) << "share " << share;
+  }
+}
+
+TEST(Refine, LeavesTheCornersWhereAllIsEmpty) {
+  const TetMesh mesh = JitteredBox(3);
+  const VertexState state = StateOfLogDensity(mesh, [](const glm::vec3&) { return -80.0f; });
+  RefineOptions options;
+  options.drop_share = 1.0;
+  const RefineResult result =
+      Refine(mesh, state, std::vector<float>(mesh.tets.size(), 0.0f), options);
+  CheckTetMesh(result.mesh);
+  EXPECT_EQ(result.mesh.positions.size(), 8u);
+  EXPECT_TRUE(std::all_of(result.mesh.positions.begin(), result.mesh.positions.end(), IsCorner));
+}
+
+TEST(Refine, SplitsNoEdgeShorterThanTheLeast) {
+  const TetMesh mesh = JitteredBox();
+  const std::vector<float> error(mesh.tets.size(), 1.0f);
+  RefineOptions options = KeepAll();
+  options.max_splits_at_vertex = 100;
+  options.min_edge = 0.6;  // about twice the spacing: few edges are longer
+  const RefineResult result = Refine(mesh, LinearState(mesh), error, options);
+  const std::vector<uint32_t> added = NewVertices(mesh, result.mesh);
+  ASSERT_GT(added.size(), 5u);
+  for (const uint32_t v : added) {
+    EXPECT_GE(Length(mesh, EdgeThrough(mesh, result.mesh.positions[v])), 0.6 - 1e-6);
+  }
+  options.min_edge = 10;  // longer than the box' diagonal
+  EXPECT_EQ(Refine(mesh, LinearState(mesh), error, options).split_edges, 0u);
+}
+
+TEST(Refine, SplitsNoMoreEdgesAtAVertexThanAllowed) {
+  const TetMesh mesh = JitteredBox(5);
+  const std::vector<float> error(mesh.tets.size(), 1.0f);
+  for (const int most : {1, 3}) {
+    RefineOptions options = KeepAll();
+    options.max_splits_at_vertex = most;
+    const RefineResult result = Refine(mesh, LinearState(mesh), error, options);
+    std::vector<int> splits(mesh.positions.size(), 0);
+    for (const uint32_t v : NewVertices(mesh, result.mesh)) {
+      const Edge edge = EdgeThrough(mesh, result.mesh.positions[v]);
+      ++splits[edge.a];
+      ++splits[edge.b];
+    }
+    EXPECT_EQ(*std::max_element(splits.begin(), splits.end()), most);
+  }
+}
+
+TEST(Refine, GivesTheSameForTheSameSeedOnly) {
+  const TetMesh mesh = JitteredBox(5);
+  const VertexState state =
+      StateOfLogDensity(mesh, [](const glm::vec3& p) { return p.x < 0 ? -20.0f : 2.0f; });
+  const std::vector<float> error(mesh.tets.size(), 1.0f);
+  RefineOptions options;
+  const RefineResult first = Refine(mesh, state, error, options);
+  const RefineResult again = Refine(mesh, state, error, options);
+  EXPECT_EQ(first.mesh.positions, again.mesh.positions);
+  EXPECT_EQ(first.mesh.tets, again.mesh.tets);
+  EXPECT_EQ(first.state.parameters, again.state.parameters);
+  options.seed = 2;
+  EXPECT_NE(first.mesh.positions, Refine(mesh, state, error, options).mesh.positions);
+}
+
+TEST(Refine, SplitsNothingWhereThereIsNoError) {
+  const TetMesh mesh = JitteredBox(5);
+  const VertexState state = LinearState(mesh);
+  const RefineResult result =
+      Refine(mesh, state, std::vector<float>(mesh.tets.size(), 0.0f), RefineOptions{});
+  EXPECT_EQ(result.split_edges, 0u);
+  EXPECT_EQ(result.dropped_empty, 0u);
+  EXPECT_EQ(result.mesh.positions.size(), mesh.positions.size());
+  EXPECT_TRUE(NewVertices(mesh, result.mesh).empty());
+}
+
+TEST(Refine, KeepsTheLogarithmFiniteWhereThereIsNoDensity) {
+  const TetMesh mesh = JitteredBox(4);
+  // exp(-200) is 0 as a float.
+  const VertexState state = StateOfLogDensity(mesh, [](const glm::vec3&) { return -200.0f; });
+  const RefineResult result =
+      Refine(mesh, state, std::vector<float>(mesh.tets.size(), 1.0f), KeepAll());
+  EXPECT_GT(result.split_edges, 0u);
+  for (const uint32_t v : NewVertices(mesh, result.mesh)) {
+    const float log_density = result.state.parameters[v].a;
+    EXPECT_TRUE(std::isfinite(log_density));
+    EXPECT_LT(log_density, -79.0f);
+  }
+}
+
+}  // namespace
+}  // namespace tetrec

@@ -1,0 +1,244 @@
+#include "optimize/training_set.h"
+
+#include "core/error.h"
+#include "expect_error.h"
+#include "scene/image.h"
+#include "scene/synthetic.h"
+#include "scratch_folder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+namespace tetrec {
+namespace {
+
+SyntheticScene TinyScene(int width = 32, int height = 32) {
+  SyntheticOptions options;
+  options.train_views = 4;
+  options.validation_views = 1;
+  options.test_views = 1;
+  options.width = width;
+  options.height = height;
+  options.rays_per_side = 1;
+  return MakeSyntheticScene(options);
+}
+
+std::tuple<uint32_t, uint32_t, uint32_t> Key(const RayBlock& b) { return {b.view, b.x, b.y}; }
+
+bool Same(const std::vector<RayBlock>& a, const std::vector<RayBlock>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const RayBlock& x, const RayBlock& y) { return Key(x) == Key(y); });
+}
+
+// A scene on disk, whose pictures a test may replace.
+class TrainingSetTest : public ::testing::Test {
+ protected:
+  void Write(const SyntheticScene& synthetic) {
+    scene_ = synthetic.scene;
+    WriteSyntheticScene(folder_.path(), synthetic);
+  }
+  void Replace(int view, const Image& image) {
+    WriteImage(folder_.path() / scene_.views[view].image, image);
+  }
+  TrainingSet Load() const {
+    return LoadTrainingSet(folder_.path(), scene_, scene_.ViewsOf(Split::kTrain));
+  }
+
+  ScratchFolder folder_;
+  Scene scene_;
+};
+
+TEST_F(TrainingSetTest, HoldsEveryBlockOfTheTrainingViewsOnce) {
+  Write(TinyScene(33, 31));  // no multiple of a block
+  const TrainingSet set = Load();
+  ASSERT_EQ(set.views.size(), 4u);
+  ASSERT_EQ(set.targets.size(), 4u);
+  EXPECT_EQ(set.pixels, 4u * 33 * 31);
+  EXPECT_EQ(set.blocks.size(), 4u * 9 * 16);
+  std::set<std::tuple<uint32_t, uint32_t, uint32_t>> seen;
+  for (const RayBlock& block : set.blocks) {
+    EXPECT_TRUE(seen.insert(Key(block)).second);
+    EXPECT_EQ(block.x % kRayBlockWidth, 0u);
+    EXPECT_EQ(block.y % kRayBlockHeight, 0u);
+    EXPECT_LT(block.x, 33u);
+    EXPECT_LT(block.y, 31u);
+  }
+}
+
+TEST_F(TrainingSetTest, CallsTheBlocksOnAndBesideTheMaskTheSubject) {
+  Write(TinyScene(64, 64));
+  const TrainingSet set = Load();
+  const std::set<uint32_t> subject(set.subject_blocks.begin(), set.subject_blocks.end());
+  EXPECT_EQ(subject.size(), set.subject_blocks.size());
+  size_t on_mask = 0, far_off = 0;
+  for (uint32_t b = 0; b < set.blocks.size(); ++b) {
+    const TargetImage& target = set.targets[set.blocks[b].view];
+    int nearest = 1000;  // [px] from the block to what shows, along the farther axis
+    for (int y = 0; y < target.height; ++y) {
+      for (int x = 0; x < target.width; ++x) {
+        if (target.rgba8[size_t(y) * target.width + x] >> 24 == 0) continue;
+        const int x0 = int(set.blocks[b].x), y0 = int(set.blocks[b].y);
+        const int dx = std::max({0, x0 - x, x - (x0 + kRayBlockWidth - 1)});
+        const int dy = std::max({0, y0 - y, y - (y0 + kRayBlockHeight - 1)});
+        nearest = std::min(nearest, std::max(dx, dy));
+      }
+    }
+    on_mask += nearest == 0;
+    far_off += nearest > 8;
+    if (nearest <= 1) {
+      EXPECT_TRUE(subject.contains(b));
+    }
+    if (nearest > 8) {
+      EXPECT_FALSE(subject.contains(b));
+    }
+  }
+  EXPECT_GT(on_mask, 0u);
+  EXPECT_GT(far_off, 0u);
+}
+
+TEST_F(TrainingSetTest, MultipliesColourByAlpha) {
+  Write(TinyScene(4, 2));
+  const int view = scene_.ViewsOf(Split::kTrain)[0];
+  Image image = MakeImage(4, 2, 4);
+  for (int i = 0; i < 8; ++i) {
+    const uint8_t alpha = uint8_t(i == 7 ? 255 : 32 * i);
+    const uint8_t rgba[4] = {255, uint8_t(200 - 20 * i), uint8_t(3 * i), alpha};
+    std::copy(rgba, rgba + 4, image.At(i % 4, i / 4));
+  }
+  Replace(view, image);
+  const TargetImage target = Load().targets[0];
+  ASSERT_EQ(target.rgba8.size(), 8u);
+  for (int i = 0; i < 8; ++i) {
+    const uint8_t* straight = image.At(i % 4, i / 4);
+    EXPECT_EQ(target.rgba8[size_t(i)] >> 24, straight[3]);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_EQ(int(target.rgba8[size_t(i)] >> (8 * c) & 255),
+                int(std::lround(straight[c] * straight[3] / 255.0)))
+          << "pixel " << i << " channel " << c;
+    }
+  }
+  EXPECT_EQ(target.rgba8[0], 0u) << "what colour hides behind alpha 0 is nothing";
+}
+
+TEST_F(TrainingSetTest, TakesPicturesWithoutAlphaAsOpaque) {
+  Write(TinyScene(8, 4));
+  for (const int view : scene_.ViewsOf(Split::kTrain)) {
+    Image image = MakeImage(8, 4, 3);
+    for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = uint8_t(7 * i);
+    Replace(view, image);
+  }
+  const TrainingSet set = Load();
+  for (size_t i = 0; i < 32; ++i) {
+    const uint32_t r = uint8_t(21 * i), g = uint8_t(21 * i + 7), b = uint8_t(21 * i + 14);
+    EXPECT_EQ(set.targets[0].rgba8[i], r | g << 8 | b << 16 | 255u << 24);
+  }
+  EXPECT_EQ(set.subject_blocks.size(), set.blocks.size());
+}
+
+TEST_F(TrainingSetTest, RefusesAPictureOfAnotherSizeThanItsCamera) {
+  Write(TinyScene());
+  const int view = scene_.ViewsOf(Split::kTrain)[2];
+  Replace(view, MakeImage(31, 32, 4));
+  ExpectError<DataError>([&] { Load(); }, {scene_.views[view].image, "31x32", "32x32"});
+}
+
+TEST_F(TrainingSetTest, RefusesMissingTinyAndNoPictures) {
+  Write(TinyScene());
+  ExpectError<DataError>([&] { LoadTrainingSet(folder_.path(), scene_, {}); }, {"training view"});
+  const std::string image = scene_.views[scene_.ViewsOf(Split::kTrain)[1]].image;
+  std::filesystem::remove(folder_.path() / image);
+  ExpectError<DataError>([&] { Load(); }, {image});
+  Write(TinyScene(3, 2));
+  ExpectError<DataError>([&] { Load(); }, {"3x2", "too small"});
+}
+
+// View 0 shows nothing, and view 1 something everywhere.
+TrainingSet TwoViews(int width, int height) {
+  TrainingSet set;
+  for (uint32_t v = 0; v < 2; ++v) {
+    set.targets.push_back({width, height, {}});
+    set.targets[v].rgba8.assign(size_t(width) * height, v == 0 ? 0 : ~0u);
+    for (int y = 0; y < height; y += kRayBlockHeight) {
+      for (int x = 0; x < width; x += kRayBlockWidth) {
+        if (v == 1) set.subject_blocks.push_back(uint32_t(set.blocks.size()));
+        set.blocks.push_back({v, uint32_t(x), uint32_t(y)});
+      }
+    }
+  }
+  return set;
+}
+
+TEST(DrawBlocks, DependsOnSeedAndIterationOnly) {
+  const TrainingSet set = TwoViews(32, 32);
+  const std::vector<RayBlock> first = DrawBlocks(set, 64, 0.85, 3, 17);
+  ASSERT_EQ(first.size(), 64u);
+  for (uint64_t iteration = 0; iteration < 17; ++iteration) {
+    EXPECT_FALSE(Same(DrawBlocks(set, 64, 0.85, 3, iteration), first)) << iteration;
+  }
+  EXPECT_FALSE(Same(DrawBlocks(set, 64, 0.85, 4, 17), first));
+  EXPECT_TRUE(Same(DrawBlocks(set, 64, 0.85, 3, 17), first));
+}
+
+TEST(DrawBlocks, StaysInsideThePictures) {
+  for (const auto& [width, height] : {std::pair{33, 31}, {4, 2}, {5, 3}, {32, 32}}) {
+    const TrainingSet set = TwoViews(width, height);
+    for (const RayBlock& block : DrawBlocks(set, 5000, 0.5, 1, 1)) {
+      ASSERT_LT(block.view, 2u);
+      ASSERT_LE(int(block.x), width - kRayBlockWidth);
+      ASSERT_LE(int(block.y), height - kRayBlockHeight);
+    }
+  }
+}
+
+TEST(DrawBlocks, CoversEveryPixel) {
+  const TrainingSet set = TwoViews(13, 7);
+  std::vector<int> hits(13 * 7, 0);
+  for (const RayBlock& block : DrawBlocks(set, 5000, 0.5, 1, 1)) {
+    for (int i = 0; i < kRaysPerBlock; ++i) {
+      ++hits[(block.y + size_t(i) / kRayBlockWidth) * 13 + block.x + size_t(i) % kRayBlockWidth];
+    }
+  }
+  EXPECT_GT(*std::min_element(hits.begin(), hits.end()), 0);
+}
+
+TEST(DrawBlocks, TakesTheGivenShareFromTheSubject) {
+  const TrainingSet set = TwoViews(32, 32);
+  constexpr size_t kCount = 20000;
+  for (const double share : {0.0, 0.3, 0.85, 1.0}) {
+    size_t subject = 0;
+    for (const RayBlock& block : DrawBlocks(set, kCount, share, 9, 2)) subject += block.view == 1;
+    // Half of the other draws fall on the subject too. Four standard deviations of the count.
+    const double expected = share + 0.5 * (1 - share);
+    const double margin = 4 * std::sqrt(kCount * expected * (1 - expected));
+    EXPECT_NEAR(double(subject), kCount * expected, margin) << "share " << share;
+  }
+}
+
+TEST(DrawBlocks, MovesABlockByLessThanItsSize) {
+  TrainingSet set = TwoViews(32, 32);
+  const auto there = std::find_if(set.blocks.begin(), set.blocks.end(), [](const RayBlock& b) {
+    return Key(b) == std::tuple(1u, 16u, 10u);
+  });
+  set.subject_blocks = {uint32_t(there - set.blocks.begin())};
+  std::set<std::pair<uint32_t, uint32_t>> offsets;
+  for (const RayBlock& block : DrawBlocks(set, 1000, 1.0, 5, 0)) {
+    ASSERT_EQ(block.view, 1u);
+    ASSERT_LT(std::abs(int(block.x) - 16), kRayBlockWidth);
+    ASSERT_LT(std::abs(int(block.y) - 10), kRayBlockHeight);
+    offsets.insert({block.x, block.y});
+  }
+  EXPECT_EQ(offsets.size(), size_t(kRaysPerBlock)) << "as many offsets as pixels of a block";
+}
+
+TEST(DrawBlocks, DrawsFromEverywhereWhereNothingShows) {
+  TrainingSet set = TwoViews(32, 32);
+  set.subject_blocks.clear();
+  std::set<uint32_t> views;
+  for (const RayBlock& block : DrawBlocks(set, 200, 1.0, 5, 0)) views.insert(block.view);
+  EXPECT_EQ(views.size(), 2u);
+}
+
+}  // namespace
+}  // namespace tetrec
