@@ -229,7 +229,8 @@ TEST(DrawBlocks, MovesABlockByLessThanItsSize) {
     ASSERT_LT(std::abs(int(block.y) - 10), kRayBlockHeight);
     offsets.insert({block.x, block.y});
   }
-  EXPECT_EQ(offsets.size(), size_t(kRaysPerBlock)) << "as many offsets as pixels of a block";
+  EXPECT_EQ(offsets.size(), size_t((2 * kRayBlockWidth - 1) * (2 * kRayBlockHeight - 1)))
+      << "every offset to either side";
 }
 
 TEST(DrawBlocks, DrawsFromEverywhereWhereNothingShows) {
