@@ -107,13 +107,6 @@ double ShareBelow(std::span<const double> values, double limit) {
 
 }  // namespace
 
-TriangleMesh Transformed(const TriangleMesh& mesh, const Similarity3& similarity) {
-  TriangleMesh moved = mesh;
-  for (glm::vec3& position : moved.positions)
-    position = glm::vec3(similarity * glm::dvec3(position));
-  return moved;
-}
-
 SurfaceSamples SampleSurface(const TriangleMesh& mesh, size_t count, uint64_t seed) {
   std::vector<double> area_up_to;
   area_up_to.reserve(mesh.triangles.size());

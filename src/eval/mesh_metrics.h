@@ -12,9 +12,6 @@
 
 namespace tetrec {
 
-// The mesh with every position moved; triangles and colours stay.
-TriangleMesh Transformed(const TriangleMesh& mesh, const Similarity3& similarity);
-
 struct SurfaceSamples {
   std::vector<glm::dvec3> positions;
   std::vector<uint32_t> triangles;  // the triangle each sample lies on

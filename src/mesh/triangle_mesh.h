@@ -1,6 +1,8 @@
 // Triangle meshes with vertex colours.
 #pragma once
 
+#include "geometry/rigid3.h"
+
 #include <glm/glm.hpp>
 
 #include <array>
@@ -20,5 +22,8 @@ struct TriangleMesh {
 TriangleMesh ReadTriangleMesh(const std::filesystem::path& path);
 void WriteTriangleMeshPly(const std::filesystem::path& path, const TriangleMesh& mesh);
 void WriteTriangleMeshObj(const std::filesystem::path& path, const TriangleMesh& mesh);
+
+// Moved from frame a to frame b.
+TriangleMesh Transformed(TriangleMesh mesh, const Similarity3& b_from_a);
 
 }  // namespace tetrec

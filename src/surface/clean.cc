@@ -212,9 +212,4 @@ TriangleMesh Decimate(const TriangleMesh& mesh, uint64_t max_triangles) {
   return result;
 }
 
-TriangleMesh Transformed(TriangleMesh mesh, const Similarity3& b_from_a) {
-  for (glm::vec3& p : mesh.positions) p = glm::vec3(b_from_a * glm::dvec3(p));
-  return mesh;
-}
-
 }  // namespace tetrec

@@ -32,7 +32,4 @@ TriangleMesh SeparateFans(const TriangleMesh& mesh);
 // 1997, by OpenMesh. Throws DataError where the mesh is not a manifold.
 TriangleMesh Decimate(const TriangleMesh& mesh, uint64_t max_triangles);
 
-// Positions in another frame; triangles keep facing outward.
-TriangleMesh Transformed(TriangleMesh mesh, const Similarity3& b_from_a);
-
 }  // namespace tetrec
