@@ -150,8 +150,9 @@ nlohmann::json ReadJson(const fs::path& path) {
   const std::string text = ReadText(path);
   try {
     return nlohmann::json::parse(text);
-  } catch (const nlohmann::json::parse_error& error) {
-    // "[json.exception.parse_error.101] parse error at line 3, column 7: ..."
+  } catch (const nlohmann::json::exception& error) {
+    // "[json.exception.parse_error.101] parse error at line 3, column 7: ...", or out_of_range: a
+    // number that no double holds.
     std::string what = error.what();
     if (const size_t bracket = what.find("] "); bracket != std::string::npos)
       what.erase(0, bracket + 2);

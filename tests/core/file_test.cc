@@ -80,6 +80,12 @@ TEST(File, JsonKeepsValuesAndErrorsGiveThePosition) {
   EXPECT_EQ(message.find('\n'), std::string::npos);
 }
 
+TEST(File, JsonNumbersThatNoDoubleHoldsAreErrors) {
+  const ScratchFolder folder;
+  WriteText(folder / "a.json", "{\"a\": 1e999}");
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadJson(folder / "a.json"); }), HasSubstr("a.json"));
+}
+
 TEST(File, FileNamesThatAreNotUtf8CanBeWrittenAsJson) {
   const ScratchFolder folder;
   WriteJson(folder / "a.json", {{"name", "\xff.jpg"}});

@@ -2,11 +2,11 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "scratch_folder.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <filesystem>
 #include <limits>
 
 namespace tetrec {
@@ -23,9 +23,9 @@ RadianceField OneTet() {
 }
 
 std::vector<uint8_t> BytesOf(const RadianceField& field) {
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "field.tetf";
-  WriteField(path, field);
-  return ReadBytes(path);
+  const ScratchFolder folder;
+  WriteField(folder / "field.tetf", field);
+  return ReadBytes(folder / "field.tetf");
 }
 
 TEST(RadianceFieldFile, ReadsBackAsItWasWritten) {

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "mesh/delaunay.h"
+#include "scratch_folder.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -19,8 +20,8 @@ constexpr const char* kNodes = "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n# a
 constexpr const char* kElements = "1 4 0\n0 1 0 2 3\n";
 
 std::filesystem::path Folder(const std::string& name) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / name;
-  std::filesystem::remove_all(folder);
+  static const ScratchFolder scratch;
+  const std::filesystem::path folder = scratch / name;
   std::filesystem::create_directories(folder);
   return folder;
 }

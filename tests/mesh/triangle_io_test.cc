@@ -1,6 +1,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "mesh/triangle_mesh.h"
+#include "scratch_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,8 @@ namespace tetrec {
 namespace {
 
 std::filesystem::path Path(const std::string& name) {
-  return std::filesystem::path(testing::TempDir()) / name;
+  static const ScratchFolder folder;
+  return folder / name;
 }
 
 TriangleMesh Tetrahedron() {
