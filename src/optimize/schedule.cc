@@ -24,7 +24,7 @@ double RoundGrowth(const ScheduleOptions& options, int round, uint64_t vertices,
 
 uint64_t AffordableVertices(double seconds, uint64_t pixels) {
   const double by_time = 180e3 * std::pow(seconds / 120.0, 0.4);
-  return uint64_t(std::min(by_time, double(pixels) / 8.0));
+  return uint64_t(std::min(by_time, double(pixels) / 16.0));
 }
 
 }  // namespace tetrec

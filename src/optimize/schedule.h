@@ -27,7 +27,8 @@ double RoundGrowth(const ScheduleOptions& options, int round, uint64_t vertices,
                    uint64_t max_vertices);
 
 // How many vertices a run can teach: measured on NeRF-synthetic lego at 200x200 and two cores,
-// where 180 k after 120 s were still gaining, and never more than one for eight pixels.
+// where 180 k after 120 s were still gaining. Never more than one for 16 pixels: with one for ten
+// the demo's pictures gain nothing and its surface breaks up.
 uint64_t AffordableVertices(double seconds, uint64_t pixels);
 
 }  // namespace tetrec

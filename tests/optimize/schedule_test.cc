@@ -91,18 +91,18 @@ TEST(RoundGrowth, IsOneWhereTheBudgetIsSpent) {
   EXPECT_EQ(RoundGrowth(options, 99, 1000, 1500), 1.5);  // behind the last round
 }
 
-TEST(AffordableVertices, GrowsWithTimeUpToAVertexForEightPixels) {
+TEST(AffordableVertices, GrowsWithTimeUpToAVertexForSixteenPixels) {
   for (const uint64_t pixels : {uint64_t{8000}, uint64_t{4000000}, uint64_t{100000000}}) {
     uint64_t before = 0;
     for (double seconds = 1; seconds < 1e9; seconds *= 2) {
       const uint64_t vertices = AffordableVertices(seconds, pixels);
-      EXPECT_LE(vertices, pixels / 8);
-      if (before < pixels / 8) {
+      EXPECT_LE(vertices, pixels / 16);
+      if (before < pixels / 16) {
         EXPECT_GT(vertices, before);
       }
       before = vertices;
     }
-    EXPECT_EQ(before, pixels / 8);
+    EXPECT_EQ(before, pixels / 16);
   }
 }
 
