@@ -198,9 +198,9 @@ HalfTransmittanceLevel FindHalfTransmittanceLevel(const RadianceField& field, co
         "for a surface; optimise longer or give --isovalue",
         densities.size(), result.rays));
   }
-  const auto middle = densities.begin() + ptrdiff_t(densities.size() / 2);
-  std::nth_element(densities.begin(), middle, densities.end());
-  result.isovalue = *middle;
+  const auto level = densities.begin() + ptrdiff_t(densities.size() * 3 / 4);
+  std::nth_element(densities.begin(), level, densities.end());
+  result.isovalue = *level;
   return result;
 }
 

@@ -18,8 +18,10 @@ struct HalfTransmittanceLevel {
   uint64_t lost_rays = 0;    // whose march failed by rounding; they are left out
 };
 
-// The density at which a typical surface is met: the median, over rays from the cameras to random
-// points of `bounds`, of the density where transmittance has fallen to one half. An optimised wall
+// The density at which a typical surface is met: the third quartile, over rays from the cameras to
+// random points of `bounds`, of the density where transmittance has fallen to one half. (Not the
+// median: in photo scenes up to half of these rays lose their light in the haze of places that no
+// photo saw well.) An optimised wall
 // is a soft ramp whose height depends on the scene's scale and on the tets' size, so no fixed
 // density is right; half transmittance is where an eye would put the wall. Rays that are not
 // stopped inside `bounds` do not count. Without cameras the rays come from a sphere around the
