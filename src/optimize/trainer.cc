@@ -172,6 +172,12 @@ class Trainer {
   }
 
   void Begin(const RadianceField& start) {
+    if (options_.max_vertices > 0 && options_.max_vertices < start.mesh.positions.size()) {
+      throw UsageError(fmt::format(
+          "--max-vertices is {}, but the mesh starts with {}: allow more, or start coarser "
+          "(tetrec-tetrahedralize --help)",
+          options_.max_vertices, start.mesh.positions.size()));
+    }
     VertexState state;
     if (stage_.resume() && fs::exists(checkpoint_path_)) {
       state_ = ReadCheckpoint(checkpoint_path_);

@@ -70,6 +70,11 @@ class BadInputTest(StageCase):
         result = self.run_stage("optimize", tetrahedra, "-o", self.folder / "run" / "3_field")
         self.assert_fails(result, 3, "field.tetf")
 
+    def test_optimize_refuses_fewer_vertices_than_the_mesh_starts_with(self):
+        result = self.run_stage("optimize", self.tiny_tetrahedra(), "-o", self.folder / "run" / "3_field",
+                                "--max-vertices", 10)
+        self.assert_fails(result, 2, "--max-vertices is 10, but the mesh starts with")
+
     def test_optimize_without_a_vulkan_device(self):
         nowhere = str(self.folder / "no-driver.json")
         result = self.run_stage("optimize", self.tiny_tetrahedra(), "-o", self.folder / "run" / "3_field",

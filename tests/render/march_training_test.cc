@@ -59,6 +59,21 @@ glm::vec3 Residual(const glm::vec4& ray, uint32_t rgba8, const glm::vec3& backgr
          (rgb / 255.0f + (1.0f - alpha) * background);
 }
 
+// Calls body(residual, optical depth) for every ray through the pixels of all views.
+template <class Body>
+void ForEachResidual(TrainingRenderer& renderer, const std::vector<RenderView>& views,
+                     const std::vector<TargetImage>& targets, const glm::vec3& background,
+                     const Body& body) {
+  for (size_t v = 0; v < views.size(); ++v) {
+    const auto blocks = AllBlocks(views[v].camera);
+    const auto rays = renderer.MarchBlocks(views[v], blocks);
+    for (size_t r = 0; r < rays.size(); ++r) {
+      const size_t pixel = (blocks[r / 8].y + r % 8 / 4) * kWidth + blocks[r / 8].x + r % 4;
+      body(glm::dvec3(Residual(rays[r], targets[v].rgba8[pixel], background)), double(rays[r].a));
+    }
+  }
+}
+
 TEST_F(RendererTest, StepsLowerTheLoss) {
   for (LossKind loss : {LossKind::kL2, LossKind::kL1}) {
     TrainingRenderer& renderer = MakeRenderer();
@@ -95,16 +110,10 @@ TEST_F(RendererTest, StepReportsTheLossOfItsRays) {
   const std::vector<RayBlock> blocks = BlocksOf(views);
   const glm::vec3 background(0.1f, 0.7f, 0.4f);
   double squares = 0, absolutes = 0;
-  for (size_t v = 0; v < views.size(); ++v) {
-    const auto own = AllBlocks(views[v].camera);
-    const auto rays = renderer.MarchBlocks(views[v], own);
-    for (size_t r = 0; r < rays.size(); ++r) {
-      const size_t pixel = (own[r / 8].y + r % 8 / 4) * kWidth + own[r / 8].x + r % 4;
-      const glm::dvec3 residual(Residual(rays[r], targets[v].rgba8[pixel], background));
-      squares += glm::dot(residual, residual);
-      absolutes += glm::dot(glm::abs(residual), glm::dvec3(1.0));
-    }
-  }
+  ForEachResidual(renderer, views, targets, background, [&](const glm::dvec3& residual, double) {
+    squares += glm::dot(residual, residual);
+    absolutes += glm::dot(glm::abs(residual), glm::dvec3(1.0));
+  });
   const double count = 3.0 * double(blocks.size()) * kRaysPerBlock;
   TrainingStep step{.blocks = blocks, .loss = LossKind::kL1, .background_srgb = background};
   step.adam.color_rate = step.adam.density_rate = 0.0f;
@@ -215,16 +224,11 @@ TEST_F(RendererTest, ScoresShareOutTheSquaredResidualOfEveryRay) {
     renderer.SetField(RandomField(40, 60, 3.0f));
     const glm::vec3 background(0.1f, 0.7f, 0.4f);
     double expected = 0, residuals = 0;
-    for (size_t v = 0; v < views.size(); ++v) {
-      const auto own = AllBlocks(views[v].camera);
-      const auto rays = renderer.MarchBlocks(views[v], own);
-      for (size_t r = 0; r < rays.size(); ++r) {
-        const size_t pixel = (own[r / 8].y + r % 8 / 4) * kWidth + own[r / 8].x + r % 4;
-        const glm::dvec3 residual(Residual(rays[r], targets[v].rgba8[pixel], background));
-        residuals += glm::dot(residual, residual);
-        expected += glm::dot(residual, residual) * -std::expm1(-double(rays[r].a));
-      }
-    }
+    ForEachResidual(renderer, views, targets, background,
+                    [&](const glm::dvec3& residual, double depth) {
+                      residuals += glm::dot(residual, residual);
+                      expected += glm::dot(residual, residual) * -std::expm1(-depth);
+                    });
     const std::vector<RayBlock> blocks = BlocksOf(views);
     renderer.ClearScores();
     renderer.AddScores({.blocks = blocks, .background_srgb = background});

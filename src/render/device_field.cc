@@ -1,0 +1,92 @@
+// A field on the device: mesh, parameters, gradients, the state of Adam.
+#include "render/device_field.h"
+
+#include "core/error.h"
+#include "shared/gpu_types.glsl.h"
+
+#include <bit>
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+using gpu_types::Moments;
+
+// Vertex ids and neighbours, two rows a tet.
+std::vector<glm::uvec4> TetRows(const TetMesh& mesh) {
+  std::vector<glm::uvec4> rows(2 * mesh.tets.size());
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    rows[2 * t] = mesh.tets[t];
+    rows[2 * t + 1] = mesh.neighbors[t];
+  }
+  return rows;
+}
+
+// Position with density, and colour, two rows a vertex.
+std::vector<glm::vec4> VertexRows(const TetMesh& mesh, std::span<const glm::vec4> parameters) {
+  std::vector<glm::vec4> rows(2 * mesh.positions.size());
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    rows[2 * v] = glm::vec4(mesh.positions[v], std::exp(parameters[v].a));
+    rows[2 * v + 1] = glm::vec4(glm::vec3(parameters[v]), 0.0f);
+  }
+  return rows;
+}
+
+// Plane (outward normal, offset) and (a, b, c, tet) as bits, two rows a boundary face.
+std::vector<glm::vec4> HullRows(const TetMesh& mesh) {
+  std::vector<glm::vec4> rows;
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    for (int face = 0; face < 4; ++face) {
+      if (mesh.neighbors[t][face] != kNoTet) continue;
+      const auto& corner = kFaceVertices[face];
+      const uint32_t a = mesh.tets[t][corner[0]], b = mesh.tets[t][corner[1]],
+                     c = mesh.tets[t][corner[2]];
+      const glm::dvec3 pa(mesh.positions[a]), pb(mesh.positions[b]), pc(mesh.positions[c]);
+      const glm::dvec3 outward = glm::normalize(glm::cross(pb - pa, pc - pa));
+      rows.emplace_back(outward, float(glm::dot(outward, pa)));
+      // Wound inwards: positive in the frame of a ray that enters.
+      rows.emplace_back(std::bit_cast<float>(a), std::bit_cast<float>(c), std::bit_cast<float>(b),
+                        std::bit_cast<float>(uint32_t(t)));
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+DeviceField UploadField(const Device& device, const TetMesh& mesh, const VertexState& state) {
+  TETREC_CHECK(state.parameters.size() == mesh.positions.size(), "one parameter row a vertex");
+  DeviceField field;
+  field.mesh = mesh;
+  field.vertex_count = uint32_t(mesh.positions.size());
+  field.tet_count = uint32_t(mesh.tets.size());
+  const std::vector<glm::vec4> hull = HullRows(mesh);
+  field.hull_faces = uint32_t(hull.size() / 2);
+  field.tets = MakeBuffer(device, "tets", TetRows(mesh), VK_FORMAT_R32G32B32A32_UINT);
+  field.vertices = MakeBuffer(device, "vertices", VertexRows(mesh, state.parameters),
+                              VK_FORMAT_R32G32B32A32_SFLOAT);
+  field.hull = MakeBuffer(device, "hull", hull, VK_FORMAT_R32G32B32A32_SFLOAT);
+  field.parameters = MakeBuffer(device, "parameters", state.parameters);
+  std::vector<Moments> moments(field.vertex_count);
+  for (size_t v = 0; v < state.first_moment.size(); ++v) {
+    moments[v] = {state.first_moment[v], state.second_moment[v]};
+  }
+  field.moments = MakeBuffer(device, "moments", moments);
+  field.gradients = Buffer(device, "vertex gradients", uint64_t(field.vertex_count) * 16);
+  field.gradients.FillZero();
+  field.tet_scores = Buffer(device, "tet scores", uint64_t(field.tet_count) * 4);
+  field.tet_scores.FillZero();
+  return field;
+}
+
+VertexState DownloadState(const DeviceField& field) {
+  VertexState state;
+  state.parameters = field.parameters.DownloadAs<glm::vec4>(field.vertex_count);
+  for (const Moments& moments : field.moments.DownloadAs<Moments>(field.vertex_count)) {
+    state.first_moment.push_back(moments.first);
+    state.second_moment.push_back(moments.second);
+  }
+  return state;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,71 @@
+// Marches rays from tet to tet through neighbour links.
+#include "render/march_integrator.h"
+
+#include "embedded_shaders.h"
+
+namespace tetrec {
+namespace {
+
+// What every march kernel reads, and `more`.
+std::vector<BindingSpec> WithMesh(std::vector<BindingSpec> more) {
+  std::vector<BindingSpec> all = {
+      {kBindTets, Access::kTexelRead}, {kBindVertices, Access::kTexelRead},
+      {kBindHull, Access::kTexelRead}, {kBindViews, Access::kRead},
+      {kBindBlocks, Access::kRead},    {kBindCounters, Access::kReadWrite}};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+void Dispatch(CommandRecorder& recorder, const Program& program, const RayPass& pass,
+              std::initializer_list<const Buffer*> more) {
+  std::vector<const Buffer*> buffers = {&pass.field.tets, &pass.field.vertices, &pass.field.hull,
+                                        &pass.views,      &pass.rays.blocks,    &pass.counters};
+  buffers.insert(buffers.end(), more);
+  recorder.Dispatch(program, buffers, pass.push, pass.push.ray_count, kWorkgroupSize);
+}
+
+}  // namespace
+
+MarchIntegrator::MarchIntegrator(const Device& device) {
+  const auto make = [&device](const char* name, std::span<const uint32_t> spirv,
+                              std::vector<BindingSpec> more) {
+    return Program(device, name, spirv, WithMesh(std::move(more)), sizeof(gpu_types::MarchPush));
+  };
+  const auto with_atomics = [&device](std::span<const uint32_t> native,
+                                      std::span<const uint32_t> compare_and_swap) {
+    return device.has_float_atomics ? native : compare_and_swap;
+  };
+  const std::vector<BindingSpec> results = {{kBindRayColors, Access::kWrite},
+                                            {kBindRayEntries, Access::kWrite}};
+  forward_ = make("march_forward", kMarchForward, results);
+  forward_counting_ = make("march_forward (counting)", kMarchForwardCounting, results);
+  backward_ = make("march_backward", with_atomics(kMarchBackward, kMarchBackwardCas),
+                   {{kBindRayColors, Access::kRead},
+                    {kBindRayEntries, Access::kRead},
+                    {kBindRayGradients, Access::kRead},
+                    {kBindVertexGradients, Access::kReadWrite}});
+  score_ = make("march_score", with_atomics(kMarchScore, kMarchScoreCas),
+                {{kBindRayEntries, Access::kRead},
+                 {kBindRayGradients, Access::kRead},
+                 {kBindTetScores, Access::kReadWrite}});
+}
+
+void MarchIntegrator::Forward(CommandRecorder& recorder, const RayPass& pass) {
+  Dispatch(recorder, forward_, pass, {&pass.rays.colors, &pass.rays.entries});
+}
+
+void MarchIntegrator::ForwardCounting(CommandRecorder& recorder, const RayPass& pass) {
+  Dispatch(recorder, forward_counting_, pass, {&pass.rays.colors, &pass.rays.entries});
+}
+
+void MarchIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
+  Dispatch(recorder, backward_, pass,
+           {&pass.rays.colors, &pass.rays.entries, &pass.rays.gradients, &pass.field.gradients});
+}
+
+void MarchIntegrator::Score(CommandRecorder& recorder, const RayPass& pass) {
+  Dispatch(recorder, score_, pass,
+           {&pass.rays.entries, &pass.rays.gradients, &pass.field.tet_scores});
+}
+
+}  // namespace tetrec

@@ -1,0 +1,23 @@
+// Marches rays from tet to tet through neighbour links (shaders/march.glsl).
+#pragma once
+
+#include "gpu/program.h"
+#include "render/integrator.h"
+
+namespace tetrec {
+
+class MarchIntegrator final : public Integrator {
+ public:
+  explicit MarchIntegrator(const Device& device);
+  void Forward(CommandRecorder& recorder, const RayPass& pass) override;
+  void Backward(CommandRecorder& recorder, const RayPass& pass) override;
+  // As Forward; counts steps and hit rays too, which makes it a little slower.
+  void ForwardCounting(CommandRecorder& recorder, const RayPass& pass);
+  // Records what adds to field.tet_scores, after Forward and the loss.
+  void Score(CommandRecorder& recorder, const RayPass& pass);
+
+ private:
+  Program forward_, forward_counting_, backward_, score_;
+};
+
+}  // namespace tetrec

@@ -1,0 +1,43 @@
+// A batch of rays on the device.
+#include "render/ray_batch.h"
+
+#include "shared/gpu_types.glsl.h"
+
+namespace tetrec {
+
+static_assert(sizeof(RayBlock) == sizeof(gpu_types::GpuBlock));
+static_assert(kRayBlockWidth == kBlockWidth && kRayBlockHeight == kBlockHeight &&
+              kRaysPerBlock == kBlockRays);
+
+void RayBatch::SetBlocks(const Device& device, std::span<const RayBlock> ray_blocks) {
+  count = uint32_t(ray_blocks.size()) * kRaysPerBlock;
+  if (count > capacity) {
+    const uint64_t rays = count;
+    blocks = Buffer(device, "ray blocks", ray_blocks.size_bytes());
+    colors = Buffer(device, "ray colors", rays * 16);
+    entries = Buffer(device, "ray entries", rays * 8);
+    gradients = Buffer(device, "ray gradients", rays * 16);
+    partial_losses =
+        Buffer(device, "partial losses", (rays + kWorkgroupSize - 1) / kWorkgroupSize * 8);
+    capacity = count;
+  }
+  blocks.Upload(ray_blocks.data(), ray_blocks.size_bytes());
+}
+
+std::vector<RayBlock> CoveringBlocks(int width, int height) {
+  std::vector<RayBlock> blocks;
+  for (int y = 0; y < height; y += kRayBlockHeight) {
+    for (int x = 0; x < width; x += kRayBlockWidth) {
+      blocks.push_back({0, uint32_t(x), uint32_t(y)});
+    }
+  }
+  return blocks;
+}
+
+glm::ivec2 PixelOfRay(std::span<const RayBlock> blocks, size_t ray) {
+  const RayBlock& block = blocks[ray / kRaysPerBlock];
+  const int lane = int(ray % kRaysPerBlock);
+  return {int(block.x) + lane % kRayBlockWidth, int(block.y) + lane / kRayBlockWidth};
+}
+
+}  // namespace tetrec

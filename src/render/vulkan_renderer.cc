@@ -1,0 +1,366 @@
+// Renderers on Vulkan compute: pictures, gradients, training steps over any integrator.
+#include "core/error.h"
+#include "embedded_shaders.h"
+#include "mesh/locate.h"
+#include "render/march_integrator.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+using gpu_types::AdamPush;
+using gpu_types::GpuView;
+using gpu_types::LossPush;
+using gpu_types::MarchPush;
+
+// Rays of one submit while rendering pictures; bounds the ray buffers.
+constexpr uint32_t kRaysPerSubmit = 1u << 17;
+
+// `grid` rays a pixel side; `start_tet` as FindTet gives it.
+GpuView MakeGpuView(const RenderView& view, int grid, uint32_t first_pixel, uint32_t start_tet) {
+  const Rigid3 world_from_cam = view.cam_from_world.Inverse();
+  const Camera& camera = view.camera;
+  GpuView result;
+  result.right_in_world_fx = glm::vec4(glm::dvec4(world_from_cam.rotation[0], grid * camera.fx));
+  result.down_in_world_fy = glm::vec4(glm::dvec4(world_from_cam.rotation[1], grid * camera.fy));
+  result.forward_in_world_cx = glm::vec4(glm::dvec4(world_from_cam.rotation[2], grid * camera.cx));
+  result.center_in_world_cy = glm::vec4(glm::dvec4(world_from_cam.translation, grid * camera.cy));
+  result.size_pixel_tet = glm::uvec4(uint32_t(grid * camera.width), uint32_t(grid * camera.height),
+                                     first_pixel, start_tet);
+  return result;
+}
+
+Program LossProgram(const Device& device) {
+  return Program(device, "loss", kLoss,
+                 {{kBindViews, Access::kRead},
+                  {kBindBlocks, Access::kRead},
+                  {kBindRayColors, Access::kRead},
+                  {kBindRayGradients, Access::kWrite},
+                  {kBindPartialLosses, Access::kWrite},
+                  {kBindTargets, Access::kTexelRead}},
+                 sizeof(LossPush));
+}
+
+Program AdamProgram(const Device& device) {
+  return Program(device, "adam", kAdam,
+                 {{kBindVertexGradients, Access::kReadWrite},
+                  {kBindParameters, Access::kReadWrite},
+                  {kBindMoments, Access::kReadWrite},
+                  {kBindVertices, Access::kReadWrite}},
+                 sizeof(AdamPush));
+}
+
+class VulkanRenderer final : public TrainingRenderer {
+ public:
+  explicit VulkanRenderer(const RendererOptions& options)
+      : options_(options),
+        device_(CreateDevice(options.device)),
+        loss_(LossProgram(*device_)),
+        adam_(AdamProgram(*device_)),
+        march_(*device_),
+        recorders_{std::make_unique<CommandRecorder>(*device_),
+                   std::make_unique<CommandRecorder>(*device_)},
+        render_recorder_(*device_),
+        counters_(*device_, "counters", kCounterCount * 4),
+        render_view_(*device_, "view", sizeof(GpuView)) {
+    counters_.FillZero();
+  }
+
+  // Buffers go before the recorders; the device must be done with them.
+  ~VulkanRenderer() override { WaitAll(); }
+
+  void SetField(const RadianceField& field) override {
+    SetVertexState(field.mesh, {ParametersOf(field), {}, {}});
+  }
+
+  void SetVertexState(const TetMesh& mesh, const VertexState& state) override {
+    WaitAll();
+    field_ = {};  // frees the old mesh before the new one takes memory
+    field_ = UploadField(*device_, mesh, state);
+    UploadViews();
+  }
+
+  VertexState ReadVertexState() override {
+    WaitAll();
+    return DownloadState(field_);
+  }
+
+  void SetTargets(std::span<const RenderView> views,
+                  std::span<const TargetImage> targets) override {
+    TETREC_CHECK(views.size() == targets.size(), "one target a view");
+    WaitAll();
+    views_.assign(views.begin(), views.end());
+    first_pixels_.clear();
+    std::vector<uint32_t> pixels;
+    for (size_t i = 0; i < views.size(); ++i) {
+      TETREC_CHECK(
+          views[i].camera.width == targets[i].width && views[i].camera.height == targets[i].height,
+          fmt::format("target {} and its camera differ in size", i));
+      first_pixels_.push_back(uint32_t(pixels.size()));
+      pixels.insert(pixels.end(), targets[i].rgba8.begin(), targets[i].rgba8.end());
+    }
+    targets_ = MakeBuffer(*device_, "target pictures", pixels, VK_FORMAT_R8G8B8A8_UNORM);
+    if (field_.tet_count > 0) UploadViews();
+  }
+
+  // Two steps are in flight: while the device works on one, the host prepares the next.
+  StepResult Step(const TrainingStep& step) override {
+    return InFlightBatch(step, 1.0f / float(3 * step.blocks.size() * kRaysPerBlock),
+                         [&](CommandRecorder& recorder, const RayPass& pass) {
+                           march_.Backward(recorder, pass);
+                           RecordAdam(recorder, step);
+                         });
+  }
+
+  void ClearScores() override {
+    WaitAll();
+    field_.tet_scores.FillZero();
+  }
+
+  // A gradient scale of 1/2 leaves the residuals themselves in the rays' gradients.
+  StepResult AddScores(const TrainingStep& step) override {
+    return InFlightBatch(step, 0.5f, [&](CommandRecorder& recorder, const RayPass& pass) {
+      march_.Score(recorder, pass);
+    });
+  }
+
+  std::vector<float> ReadScores() override {
+    WaitAll();
+    return field_.tet_scores.DownloadAs<float>(field_.tet_count);
+  }
+
+  RenderedImage Render(const RenderView& view, int samples) override {
+    WaitAll();
+    const int width = view.camera.width, height = view.camera.height;
+    UploadRenderView(view, samples);
+    RenderedImage image{width, height, std::vector<glm::vec3>(size_t(width) * height),
+                        std::vector<float>(size_t(width) * height)};
+    const float share = 1.0f / float(samples * samples);
+    ForEachBatch(width * samples, height * samples, [&](std::span<const RayBlock> blocks) {
+      const std::vector<glm::vec4> colors = MarchBatch(blocks);
+      for (size_t r = 0; r < colors.size(); ++r) {
+        const glm::ivec2 at = PixelOfRay(blocks, r);
+        if (at.x >= width * samples || at.y >= height * samples) continue;
+        const size_t pixel = size_t(at.y / samples) * width + at.x / samples;
+        image.color_srgb[pixel] += share * glm::vec3(colors[r]);
+        image.transmittance[pixel] += share * std::exp(-colors[r].a);
+      }
+    });
+    return image;
+  }
+
+  FieldGradient Backpropagate(const RenderView& view,
+                              std::span<const glm::vec4> pixel_gradient) override {
+    WaitAll();
+    const int width = view.camera.width, height = view.camera.height;
+    TETREC_CHECK(pixel_gradient.size() == size_t(width) * height, "one gradient a pixel");
+    UploadRenderView(view, 1);
+    field_.gradients.FillZero();
+    ForEachBatch(width, height, [&](std::span<const RayBlock> blocks) {
+      MarchBatch(blocks);
+      std::vector<glm::vec4> gradients(blocks.size() * kRaysPerBlock, glm::vec4(0.0f));
+      for (size_t r = 0; r < gradients.size(); ++r) {
+        const glm::ivec2 at = PixelOfRay(blocks, r);
+        if (at.x < width && at.y < height) {
+          gradients[r] = pixel_gradient[size_t(at.y) * width + at.x];
+        }
+      }
+      rays_[0].gradients.Upload(gradients);
+      render_recorder_.Begin();
+      march_.Backward(render_recorder_, PassOver(rays_[0], render_view_, {}));
+      render_recorder_.EndAndSubmit();
+      render_recorder_.Wait();
+    });
+    FieldGradient result;
+    for (const glm::vec4& g : field_.gradients.DownloadAs<glm::vec4>(field_.vertex_count)) {
+      result.color_srgb.emplace_back(g);
+      result.density.push_back(g.a);
+    }
+    field_.gradients.FillZero();
+    return result;
+  }
+
+  std::vector<glm::vec4> MarchBlocks(const RenderView& view,
+                                     std::span<const RayBlock> blocks) override {
+    WaitAll();
+    UploadRenderView(view, 1);
+    return MarchBatch(blocks);
+  }
+
+  RenderCounts counts() const override {
+    WaitAll();
+    RenderCounts counts = counts_;
+    AddCounters(counts);
+    return counts;
+  }
+
+  std::vector<std::string> ValidationMessages() const override {
+    return device_->validation_messages;
+  }
+
+  nlohmann::json DescribeDevice() const override { return tetrec::DescribeDevice(*device_); }
+
+ private:
+  void WaitAll() const {
+    for (const auto& recorder : recorders_) recorder->Wait();
+  }
+
+  void AddCounters(RenderCounts& counts) const {
+    const auto counters = counters_.DownloadAs<uint32_t>(kCounterCount);
+    counts.lost_rays += counters[kCounterLostRays];
+    counts.hit_rays += counters[kCounterHitRays];
+    counts.steps += counters[kCounterSteps];
+  }
+
+  // Forward and loss of a batch, then what `then` records; the losses of the batch before last.
+  template <class Then>
+  StepResult InFlightBatch(const TrainingStep& step, float gradient_scale, const Then& then) {
+    current_ ^= 1;
+    const StepResult before = Collect(current_);
+    RayBatch& rays = rays_[current_];
+    PutBlocks(rays, step.blocks);
+    const RayPass pass = PassOver(rays, training_views_, step);
+    CommandRecorder& recorder = *recorders_[current_];
+    recorder.Begin();
+    march_.Forward(recorder, pass);
+    RecordLoss(recorder, rays, step, gradient_scale);
+    then(recorder, pass);
+    recorder.EndAndSubmit();
+    in_flight_rays_[current_] = rays.count;
+    return before;
+  }
+
+  // Waits for the batch in slot `i` and sums its losses.
+  StepResult Collect(int i) {
+    recorders_[i]->Wait();
+    const uint32_t rays = std::exchange(in_flight_rays_[i], 0);
+    StepResult result;
+    if (rays == 0) return result;
+    const uint32_t groups = (rays + kWorkgroupSize - 1) / kWorkgroupSize;
+    for (const glm::vec2& partial : rays_[i].partial_losses.DownloadAs<glm::vec2>(groups)) {
+      result.loss += partial.x;
+      result.squared_error += partial.y;
+    }
+    result.loss /= 3.0 * rays;
+    result.squared_error /= 3.0 * rays;
+    return result;
+  }
+
+  void UploadViews() {
+    std::vector<GpuView> views;
+    uint32_t tet = 0;
+    for (size_t i = 0; i < views_.size(); ++i) {
+      tet = FindTet(field_.mesh, views_[i].cam_from_world.Inverse().translation,
+                    tet == kNoTet ? 0 : tet);
+      views.push_back(MakeGpuView(views_[i], 1, first_pixels_[i], tet));
+    }
+    training_views_ = MakeBuffer(*device_, "views", views);
+  }
+
+  void UploadRenderView(const RenderView& view, int samples) {
+    const uint32_t tet = FindTet(field_.mesh, view.cam_from_world.Inverse().translation);
+    const GpuView gpu_view = MakeGpuView(view, samples, 0, tet);
+    render_view_.Upload(&gpu_view, sizeof(gpu_view));
+  }
+
+  void PutBlocks(RayBatch& rays, std::span<const RayBlock> blocks) {
+    rays.SetBlocks(*device_, blocks);
+    counts_.rays += rays.count;
+  }
+
+  template <class Body>
+  void ForEachBatch(int width, int height, const Body& body) {
+    const std::vector<RayBlock> blocks = CoveringBlocks(width, height);
+    constexpr size_t kBatch = kRaysPerSubmit / kRaysPerBlock;
+    for (size_t first = 0; first < blocks.size(); first += kBatch) {
+      body(std::span(blocks).subspan(first, std::min(kBatch, blocks.size() - first)));
+    }
+  }
+
+  // Forward march of blocks of the render view: colour and optical depth a ray.
+  std::vector<glm::vec4> MarchBatch(std::span<const RayBlock> blocks) {
+    RayBatch& rays = rays_[0];
+    PutBlocks(rays, blocks);
+    const RayPass pass = PassOver(rays, render_view_, {});
+    render_recorder_.Begin();
+    if (options_.count_steps) {
+      march_.ForwardCounting(render_recorder_, pass);
+    } else {
+      march_.Forward(render_recorder_, pass);
+    }
+    render_recorder_.EndAndSubmit();
+    render_recorder_.Wait();
+    // The device's 32-bit counters would run over in pictures of many steps.
+    AddCounters(counts_);
+    counters_.FillZero();
+    return rays.colors.DownloadAs<glm::vec4>(rays.count);
+  }
+
+  RayPass PassOver(RayBatch& rays, const Buffer& views, const TrainingStep& step) {
+    return {field_, rays, views, counters_,
+            MarchPush{.ray_count = rays.count,
+                      .hull_faces = field_.hull_faces,
+                      .max_steps = options_.max_steps,
+                      .jitter_seed = step.seed,
+                      .jitter_px = step.jitter_px,
+                      .stop_depth = -std::log(options_.stop_transmittance)}};
+  }
+
+  void RecordLoss(CommandRecorder& recorder, const RayBatch& rays, const TrainingStep& step,
+                  float gradient_scale) {
+    const LossPush push{.ray_count = rays.count,
+                        .loss = step.loss == LossKind::kL2 ? uint32_t(kLossL2) : uint32_t(kLossL1),
+                        .gradient_scale = gradient_scale,
+                        .background = glm::vec4(step.background_srgb, 0.0f)};
+    const Buffer* buffers[] = {&training_views_, &rays.blocks,         &rays.colors,
+                               &rays.gradients,  &rays.partial_losses, &targets_};
+    recorder.Dispatch(loss_, buffers, push, rays.count, kWorkgroupSize);
+  }
+
+  void RecordAdam(CommandRecorder& recorder, const TrainingStep& step) {
+    const AdamOptions& adam = step.adam;
+    const double t = step.adam_step;
+    const float first_correction = float(1.0 / (1.0 - std::pow(double(adam.beta1), t)));
+    const AdamPush push{
+        .vertex_count = field_.vertex_count,
+        .beta1 = adam.beta1,
+        .beta2 = adam.beta2,
+        .epsilon = adam.epsilon,
+        .color_rate = adam.color_rate * first_correction,
+        .density_rate = adam.density_rate * first_correction,
+        .second_moment_correction = float(1.0 / (1.0 - std::pow(double(adam.beta2), t))),
+        .max_log_density = std::log(adam.max_density)};
+    const Buffer* buffers[] = {&field_.gradients, &field_.parameters, &field_.moments,
+                               &field_.vertices};
+    recorder.Dispatch(adam_, buffers, push, field_.vertex_count, kWorkgroupSize);
+  }
+
+  RendererOptions options_;
+  std::unique_ptr<Device> device_;
+  Program loss_, adam_;
+  MarchIntegrator march_;
+  std::array<std::unique_ptr<CommandRecorder>, 2> recorders_;
+  CommandRecorder render_recorder_;
+  Buffer counters_, render_view_;
+  DeviceField field_;
+  Buffer targets_, training_views_;
+  std::vector<RenderView> views_;
+  std::vector<uint32_t> first_pixels_;
+  std::array<RayBatch, 2> rays_;
+  std::array<uint32_t, 2> in_flight_rays_{};
+  int current_ = 0;
+  RenderCounts counts_;  // without what is still in counters_
+};
+
+}  // namespace
+
+std::unique_ptr<TrainingRenderer> CreateMarchRenderer(const RendererOptions& options) {
+  return std::make_unique<VulkanRenderer>(options);
+}
+
+}  // namespace tetrec
