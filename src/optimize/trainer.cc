@@ -86,7 +86,7 @@ class Trainer {
         stage_(stage),
         set_(LoadTrainingSet(scene_folder, scene, scene.ViewsOf(Split::kTrain))),
         watched_(EvenlyChosen(Watchable(scene), options.watched_views)),
-        renderer_(CreateMarchRenderer(options.renderer)),
+        renderer_(CreateRenderer(options.renderer)),
         checkpoint_path_(stage.Scratch("checkpoint.bin")) {
     renderer_->SetTargets(set_.views, set_.targets);
     max_vertices_ = options.max_vertices > 0 ? options.max_vertices
@@ -211,8 +211,9 @@ class Trainer {
 
   TrainingStep NextStep(double done) {
     const double share = RateShare(options_.schedule, done);
-    blocks_ = DrawBlocks(set_, size_t(options_.rays_per_step) / kRaysPerBlock,
-                         options_.subject_share, options_.seed, state_.iteration);
+    const auto draw = renderer_->NeedsTiles() ? DrawTile : DrawBlocks;
+    blocks_ = draw(set_, size_t(options_.rays_per_step) / kRaysPerBlock, options_.subject_share,
+                   options_.seed, state_.iteration);
     TrainingStep step;
     step.blocks = blocks_;
     step.loss = options_.loss;

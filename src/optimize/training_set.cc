@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace tetrec {
 namespace {
@@ -107,6 +108,29 @@ std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double su
     const int y = int(block.y) + Shift(random, kRayBlockHeight);
     block.x = uint32_t(std::clamp(x, 0, target.width - kRayBlockWidth));
     block.y = uint32_t(std::clamp(y, 0, target.height - kRayBlockHeight));
+  }
+  return blocks;
+}
+
+std::vector<RayBlock> DrawTile(const TrainingSet& set, size_t count, double subject_share,
+                               uint64_t seed, uint64_t iteration) {
+  const RayBlock center = DrawBlocks(set, 1, subject_share, seed, iteration)[0];
+  const TargetImage& target = set.targets[center.view];
+  // About square in pixels, whole blocks inside the picture.
+  const double side_px = std::sqrt(double(count * kRaysPerBlock));
+  const int columns =
+      std::clamp(int(std::lround(side_px / kRayBlockWidth)), 1, target.width / kRayBlockWidth);
+  const int rows = std::clamp(int(count) / columns, 1, target.height / kRayBlockHeight);
+  const int left = std::clamp(int(center.x) - columns / 2 * kRayBlockWidth, 0,
+                              target.width - columns * kRayBlockWidth);
+  const int top = std::clamp(int(center.y) - rows / 2 * kRayBlockHeight, 0,
+                             target.height - rows * kRayBlockHeight);
+  std::vector<RayBlock> blocks;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      blocks.push_back({center.view, uint32_t(left + column * kRayBlockWidth),
+                        uint32_t(top + row * kRayBlockHeight)});
+    }
   }
   return blocks;
 }

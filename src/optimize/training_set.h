@@ -29,4 +29,9 @@ RenderView MakeRenderView(const Scene& scene, int view);
 std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double subject_share,
                                  uint64_t seed, uint64_t iteration);
 
+// A rectangle of one view of about `count` blocks around a block drawn as by DrawBlocks, row by
+// row; the whole view where it is smaller.
+std::vector<RayBlock> DrawTile(const TrainingSet& set, size_t count, double subject_share,
+                               uint64_t seed, uint64_t iteration);
+
 }  // namespace tetrec

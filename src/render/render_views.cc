@@ -57,7 +57,7 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
     throw DataError(fmt::format("{}: the scene has no {} views; use --views all",
                                 scene_folder.string(), options.views));
   }
-  const std::unique_ptr<TrainingRenderer> renderer = CreateMarchRenderer(options.renderer);
+  const std::unique_ptr<TrainingRenderer> renderer = CreateRenderer(options.renderer);
   stage.Device(renderer->DescribeDevice());
   renderer->SetField(field);
   for (const char* folder : {"renders", "gt"}) fs::create_directories(stage.Output(folder));

@@ -107,6 +107,8 @@ class TrainingRenderer : public Renderer {
                           std::span<const TargetImage> targets) = 0;
   virtual void SetVertexState(const TetMesh& mesh, const VertexState& state) = 0;
   virtual VertexState ReadVertexState() = 0;
+  // Whether every batch of blocks must be a tile: a rectangle of one view, row of blocks by row.
+  virtual bool NeedsTiles() const = 0;
   // Forward, loss, backward, Adam; returns before the device is done. The result is that of the
   // step before last waits for (one step late), zero for the first.
   virtual StepResult Step(const TrainingStep& step) = 0;
@@ -126,16 +128,26 @@ class TrainingRenderer : public Renderer {
   virtual std::vector<std::string> ValidationMessages() const = 0;
 };
 
+// How a renderer finds the tets that a ray passes.
+enum class RendererKind {
+  kMarch,       // from tet to tet through neighbour links
+  kPpll,        // rasterised faces in per-pixel linked lists, sorted
+  kProjection,  // projected tets in sorted order
+};
+
 struct RendererOptions {
+  RendererKind kind = RendererKind::kMarch;
   DeviceOptions device;
   // A ray ends behind the tet in which its transmittance falls to this; 0: never. The same rule
   // forward and backward.
   float stop_transmittance = 1e-3f;
   uint32_t max_steps = 1u << 16;  // tets on one ray
   bool count_steps = false;       // fill RenderCounts::steps and hit_rays; a little slower
+  // What lists of fragments may take on the device [bytes]; pictures are tiled to fit.
+  uint64_t fragment_memory = 512ull << 20;
 };
 
-// The default: marches from tet to tet on Vulkan compute.
-std::unique_ptr<TrainingRenderer> CreateMarchRenderer(const RendererOptions& options);
+// Throws EnvironmentError where there is no such device.
+std::unique_ptr<TrainingRenderer> CreateRenderer(const RendererOptions& options);
 
 }  // namespace tetrec

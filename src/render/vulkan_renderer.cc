@@ -55,6 +55,12 @@ Program AdamProgram(const Device& device) {
                  sizeof(AdamPush));
 }
 
+// Null for the march.
+std::unique_ptr<Integrator> MakeOtherIntegrator(const Device&, const RendererOptions& options) {
+  TETREC_CHECK(options.kind == RendererKind::kMarch, "no such renderer yet");
+  return nullptr;
+}
+
 class VulkanRenderer final : public TrainingRenderer {
  public:
   explicit VulkanRenderer(const RendererOptions& options)
@@ -63,6 +69,8 @@ class VulkanRenderer final : public TrainingRenderer {
         loss_(LossProgram(*device_)),
         adam_(AdamProgram(*device_)),
         march_(*device_),
+        other_(MakeOtherIntegrator(*device_, options)),
+        integrator_(other_ ? other_.get() : &march_),
         recorders_{std::make_unique<CommandRecorder>(*device_),
                    std::make_unique<CommandRecorder>(*device_)},
         render_recorder_(*device_),
@@ -110,12 +118,14 @@ class VulkanRenderer final : public TrainingRenderer {
 
   // Two steps are in flight: while the device works on one, the host prepares the next.
   StepResult Step(const TrainingStep& step) override {
-    return InFlightBatch(step, 1.0f / float(3 * step.blocks.size() * kRaysPerBlock),
+    return InFlightBatch(*integrator_, step, 1.0f / float(3 * step.blocks.size() * kRaysPerBlock),
                          [&](CommandRecorder& recorder, const RayPass& pass) {
-                           march_.Backward(recorder, pass);
+                           integrator_->Backward(recorder, pass);
                            RecordAdam(recorder, step);
                          });
   }
+
+  bool NeedsTiles() const override { return integrator_ != &march_; }
 
   void ClearScores() override {
     WaitAll();
@@ -124,7 +134,7 @@ class VulkanRenderer final : public TrainingRenderer {
 
   // A gradient scale of 1/2 leaves the residuals themselves in the rays' gradients.
   StepResult AddScores(const TrainingStep& step) override {
-    return InFlightBatch(step, 0.5f, [&](CommandRecorder& recorder, const RayPass& pass) {
+    return InFlightBatch(march_, step, 0.5f, [&](CommandRecorder& recorder, const RayPass& pass) {
       march_.Score(recorder, pass);
     });
   }
@@ -172,7 +182,7 @@ class VulkanRenderer final : public TrainingRenderer {
       }
       rays_[0].gradients.Upload(gradients);
       render_recorder_.Begin();
-      march_.Backward(render_recorder_, PassOver(rays_[0], render_view_, {}));
+      integrator_->Backward(render_recorder_, PassOver(rays_[0], render_view_, {}));
       render_recorder_.EndAndSubmit();
       render_recorder_.Wait();
     });
@@ -219,7 +229,8 @@ class VulkanRenderer final : public TrainingRenderer {
 
   // Forward and loss of a batch, then what `then` records; the losses of the batch before last.
   template <class Then>
-  StepResult InFlightBatch(const TrainingStep& step, float gradient_scale, const Then& then) {
+  StepResult InFlightBatch(Integrator& integrator, const TrainingStep& step, float gradient_scale,
+                           const Then& then) {
     current_ ^= 1;
     const StepResult before = Collect(current_);
     RayBatch& rays = rays_[current_];
@@ -227,7 +238,7 @@ class VulkanRenderer final : public TrainingRenderer {
     const RayPass pass = PassOver(rays, training_views_, step);
     CommandRecorder& recorder = *recorders_[current_];
     recorder.Begin();
-    march_.Forward(recorder, pass);
+    integrator.Forward(recorder, pass);
     RecordLoss(recorder, rays, step, gradient_scale);
     then(recorder, pass);
     recorder.EndAndSubmit();
@@ -273,12 +284,14 @@ class VulkanRenderer final : public TrainingRenderer {
     counts_.rays += rays.count;
   }
 
+  // Batches of whole rows of blocks, so that each is a tile.
   template <class Body>
   void ForEachBatch(int width, int height, const Body& body) {
     const std::vector<RayBlock> blocks = CoveringBlocks(width, height);
-    constexpr size_t kBatch = kRaysPerSubmit / kRaysPerBlock;
-    for (size_t first = 0; first < blocks.size(); first += kBatch) {
-      body(std::span(blocks).subspan(first, std::min(kBatch, blocks.size() - first)));
+    const size_t row = (width + kRayBlockWidth - 1) / kRayBlockWidth;
+    const size_t batch = std::max<size_t>(1, kRaysPerSubmit / kRaysPerBlock / row) * row;
+    for (size_t first = 0; first < blocks.size(); first += batch) {
+      body(std::span(blocks).subspan(first, std::min(batch, blocks.size() - first)));
     }
   }
 
@@ -288,10 +301,10 @@ class VulkanRenderer final : public TrainingRenderer {
     PutBlocks(rays, blocks);
     const RayPass pass = PassOver(rays, render_view_, {});
     render_recorder_.Begin();
-    if (options_.count_steps) {
+    if (options_.count_steps && integrator_ == &march_) {
       march_.ForwardCounting(render_recorder_, pass);
     } else {
-      march_.Forward(render_recorder_, pass);
+      integrator_->Forward(render_recorder_, pass);
     }
     render_recorder_.EndAndSubmit();
     render_recorder_.Wait();
@@ -343,7 +356,9 @@ class VulkanRenderer final : public TrainingRenderer {
   RendererOptions options_;
   std::unique_ptr<Device> device_;
   Program loss_, adam_;
-  MarchIntegrator march_;
+  MarchIntegrator march_;              // scores, whatever renders
+  std::unique_ptr<Integrator> other_;  // where the march does not render
+  Integrator* integrator_;
   std::array<std::unique_ptr<CommandRecorder>, 2> recorders_;
   CommandRecorder render_recorder_;
   Buffer counters_, render_view_;
@@ -359,7 +374,7 @@ class VulkanRenderer final : public TrainingRenderer {
 
 }  // namespace
 
-std::unique_ptr<TrainingRenderer> CreateMarchRenderer(const RendererOptions& options) {
+std::unique_ptr<TrainingRenderer> CreateRenderer(const RendererOptions& options) {
   return std::make_unique<VulkanRenderer>(options);
 }
 

@@ -104,7 +104,7 @@ class RayClock {
 struct Stage {
   RadianceField field = MakeField(kGrid);
   std::vector<RenderView> views = ViewsFromOutside();
-  std::unique_ptr<TrainingRenderer> renderer = CreateMarchRenderer({});
+  std::unique_ptr<TrainingRenderer> renderer = CreateRenderer({});
 
   Stage() {
     renderer->SetField(field);
@@ -184,7 +184,7 @@ void LostRays(benchmark::State& state, uint64_t rays) {
   RendererOptions options;
   options.count_steps = true;
   options.stop_transmittance = 0.0f;
-  const auto renderer = CreateMarchRenderer(options);
+  const auto renderer = CreateRenderer(options);
   renderer->SetField(Stage::Get().field);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> inside(0.0, 1.0), around(-2.0, 3.0);
@@ -209,7 +209,7 @@ void PrintScene() {
   Stage& stage = Stage::Get();
   RendererOptions options;
   options.count_steps = true;
-  const auto renderer = CreateMarchRenderer(options);
+  const auto renderer = CreateRenderer(options);
   renderer->SetField(stage.field);
   for (const RenderView& view : stage.views) renderer->MarchBlocks(view, AllBlocks(0));
   const RenderCounts counts = renderer->counts();

@@ -216,6 +216,44 @@ TEST(DrawBlocks, TakesTheGivenShareFromTheSubject) {
   }
 }
 
+TEST(DrawTile, IsARectangleOfWholeBlocksInsideOnePicture) {
+  for (const auto& [width, height] : {std::pair{33, 31}, {4, 2}, {5, 3}, {64, 32}}) {
+    const TrainingSet set = TwoViews(width, height);
+    for (uint64_t iteration = 0; iteration < 200; ++iteration) {
+      const std::vector<RayBlock> tile = DrawTile(set, 24, 0.5, 1, iteration);
+      ASSERT_FALSE(tile.empty());
+      const auto wider = std::find_if(tile.begin(), tile.end(),
+                                      [&](const RayBlock& block) { return block.y != tile[0].y; });
+      const size_t columns = size_t(wider - tile.begin());
+      ASSERT_EQ(tile.size() % columns, 0u);
+      for (size_t i = 0; i < tile.size(); ++i) {
+        ASSERT_EQ(tile[i].view, tile[0].view);
+        ASSERT_EQ(tile[i].x, tile[0].x + i % columns * kRayBlockWidth);
+        ASSERT_EQ(tile[i].y, tile[0].y + i / columns * kRayBlockHeight);
+        ASSERT_LE(int(tile[i].x), width - kRayBlockWidth);
+        ASSERT_LE(int(tile[i].y), height - kRayBlockHeight);
+      }
+    }
+  }
+  // 24 blocks are 192 pixels: the side nearest to 13.9 is 12 pixels wide, 16 high.
+  const std::vector<RayBlock> tile = DrawTile(TwoViews(64, 32), 24, 0.5, 1, 0);
+  EXPECT_EQ(tile.size(), 24u);
+  EXPECT_EQ(tile.back().x - tile[0].x, 8u);
+}
+
+TEST(DrawTile, CoversEveryPixelThatBlocksCanCover) {
+  const TrainingSet set = TwoViews(28, 20);
+  std::vector<int> hits(28 * 20, 0);
+  for (uint64_t iteration = 0; iteration < 500; ++iteration) {
+    for (const RayBlock& block : DrawTile(set, 8, 0.5, 1, iteration)) {
+      for (int i = 0; i < kRaysPerBlock; ++i) {
+        ++hits[(block.y + size_t(i) / kRayBlockWidth) * 28 + block.x + size_t(i) % kRayBlockWidth];
+      }
+    }
+  }
+  EXPECT_GT(*std::min_element(hits.begin(), hits.end()), 0);
+}
+
 TEST(DrawBlocks, MovesABlockByLessThanItsSize) {
   TrainingSet set = TwoViews(32, 32);
   const auto there = std::find_if(set.blocks.begin(), set.blocks.end(), [](const RayBlock& b) {

@@ -125,7 +125,7 @@ class RendererTest : public ::testing::Test {
   // Skips the test where there is no Vulkan device.
   TrainingRenderer& MakeRenderer(RendererOptions options = {}) {
     options.device.validation = true;
-    renderers_.push_back(CreateMarchRenderer(options));
+    renderers_.push_back(CreateRenderer(options));
     return *renderers_.back();
   }
 
