@@ -27,6 +27,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                  "learning rates fall exponentially to this share")
       ->check(CLI::Range(1e-6, 1.0));
   app.add_option("--max-density", options.max_density, "upper bound of density [1 / world unit]");
+  app.add_option("--density-decay", options.density_decay,
+                 "pull of seen vertices towards empty, as a share of Adam's largest step")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_option("--jitter", options.jitter_px,
                  "rays move inside their pixel by up to half of this [px]")
       ->check(CLI::Range(0.0, 2.0));

@@ -24,6 +24,9 @@ void main() {
     m.second = push.beta2 * m.second + (1.0 - push.beta2) * gradient * gradient;
     vec4 rate = vec4(vec3(push.color_rate), push.density_rate);
     parameter -= rate * m.first / (sqrt(m.second * push.second_moment_correction) + push.epsilon);
+    // Seen vertices tend to empty: what the pictures do not ask for again and again goes.
+    if (gradient != vec4(0.0)) parameter.a -= push.density_decay;
+    parameter.rgb = clamp(parameter.rgb, 0.0, 1.0);
     parameter.a = min(parameter.a, push.max_log_density);
     moments[v] = m;
     parameters[v] = parameter;

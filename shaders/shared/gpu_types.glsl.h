@@ -65,6 +65,7 @@ struct AdamPush {
   float color_rate, density_rate;  // after bias correction of the first moment
   float second_moment_correction;  // 1 / (1 - beta2^t)
   float max_log_density;
+  float density_decay;  // of the log density of a seen vertex, a step
 };
 
 // Counters of the march kernels.

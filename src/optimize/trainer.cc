@@ -224,6 +224,7 @@ class Trainer {
     step.adam.color_rate = float(options_.color_rate * share);
     step.adam.density_rate = float(options_.density_rate * share);
     step.adam.max_density = float(options_.max_density);
+    step.adam.density_decay = float(options_.density_decay);
     state_.rays += blocks_.size() * kRaysPerBlock;
     return step;
   }

@@ -82,6 +82,8 @@ struct AdamOptions {
   float epsilon = 1e-12f;  // gradients of a mean over many rays are tiny
   float color_rate = 0.02f, density_rate = 0.2f;
   float max_density = 1e6f;  // [1 / world unit]
+  // Pull of seen vertices towards empty, as a share of Adam's largest step.
+  float density_decay = 0.0f;
 };
 
 struct TrainingStep {

@@ -347,7 +347,8 @@ class VulkanRenderer final : public TrainingRenderer {
         .color_rate = adam.color_rate * first_correction,
         .density_rate = adam.density_rate * first_correction,
         .second_moment_correction = float(1.0 / (1.0 - std::pow(double(adam.beta2), t))),
-        .max_log_density = std::log(adam.max_density)};
+        .max_log_density = std::log(adam.max_density),
+        .density_decay = adam.density_decay * adam.density_rate};
     const Buffer* buffers[] = {&field_.gradients, &field_.parameters, &field_.moments,
                                &field_.vertices};
     recorder.Dispatch(adam_, buffers, push, field_.vertex_count, kWorkgroupSize);

@@ -156,8 +156,8 @@ TEST_F(RendererTest, FirstStepMovesEveryParameterAgainstItsGradient) {
   const AdamOptions adam;
   for (size_t v = 0; v < color.size(); ++v) {
     if (std::abs(color[v].g) > 1e-3) {
-      EXPECT_NEAR(state.parameters[v].g,
-                  field.color_srgb[v].g - std::copysign(adam.color_rate, color[v].g), 1e-5);
+      const double moved = field.color_srgb[v].g - std::copysign(adam.color_rate, color[v].g);
+      EXPECT_NEAR(state.parameters[v].g, std::clamp(moved, 0.0, 1.0), 1e-5);
     }
     // Smaller ones come near Adam's epsilon.
     if (std::abs(field.density[v] * density[v]) > 1e-3) {
@@ -212,6 +212,65 @@ TEST_F(RendererTest, TrainingGoesOnFromAStateReadBack) {
                                                  glm::vec3(ends[1].parameters[v]))));
   }
   EXPECT_LT(worst, 2e-3);
+}
+
+// Colours beyond what a picture can show would let bright surfaces shine through dark fog.
+TEST_F(RendererTest, StepsKeepColorsInsideThePicturesRange) {
+  TrainingRenderer& renderer = MakeRenderer();
+  const std::vector<RenderView> views = FourViews();
+  const RadianceField field = RandomField(40, 56, 6.0f);
+  renderer.SetField(field);
+  std::vector<TargetImage> targets = TargetsOf(renderer, views);
+  for (TargetImage& target : targets) {
+    for (size_t i = 0; i < target.rgba8.size(); ++i) target.rgba8[i] = i % 2 ? ~0u : 0xFF000000u;
+  }
+  renderer.SetTargets(views, targets);
+  const std::vector<RayBlock> blocks = BlocksOf(views);
+  TrainingStep step{.blocks = blocks};
+  step.adam.color_rate = 0.3f;
+  for (step.adam_step = 1; step.adam_step <= 20; ++step.adam_step) renderer.Step(step);
+  float least = 1, most = 0;
+  for (const glm::vec4& row : renderer.ReadVertexState().parameters) {
+    for (int c = 0; c < 3; ++c) {
+      least = std::min(least, row[c]);
+      most = std::max(most, row[c]);
+    }
+  }
+  EXPECT_EQ(least, 0.0f);
+  EXPECT_EQ(most, 1.0f);
+}
+
+TEST_F(RendererTest, DensityDecayPullsSeenVerticesAloneTowardsEmpty) {
+  const RadianceField field = RandomField(40, 57, 3.0f);
+  // One view from above the box's middle: sees some vertices, not those at the box's edges.
+  const std::vector<RenderView> views = {LookAt({0.0, 0.35, 2.5}, {0.0, 0.35, 0.65}, 8, 8, 8.0)};
+  const std::vector<RayBlock> blocks = BlocksOf(views);
+  std::vector<std::vector<glm::vec4>> ends;
+  for (float decay : {0.0f, 0.5f}) {
+    TrainingRenderer& renderer = MakeRenderer();
+    renderer.SetField(ConstantField(field.mesh, 0.7f, glm::vec3(0.9f)));
+    const std::vector<TargetImage> targets = TargetsOf(renderer, views);
+    renderer.SetTargets(views, targets);
+    renderer.SetField(field);
+    TrainingStep step{.blocks = blocks};
+    step.adam.density_decay = decay;
+    step.adam.density_rate = 0.1f;
+    renderer.Step(step);
+    ends.push_back(renderer.ReadVertexState().parameters);
+  }
+  int seen = 0, unseen = 0;
+  for (size_t v = 0; v < ends[0].size(); ++v) {
+    const float pulled = ends[0][v].a - ends[1][v].a;
+    const bool moved = std::abs(ends[0][v].a - std::log(field.density[v])) > 1e-4f;
+    if (moved) {
+      EXPECT_NEAR(pulled, 0.05f, 1e-4f) << v;
+      ++seen;
+    } else if (pulled == 0.0f) {
+      ++unseen;
+    }
+  }
+  EXPECT_GT(seen, 4);
+  EXPECT_GT(unseen, 4);
 }
 
 TEST_F(RendererTest, ScoresShareOutTheSquaredResidualOfEveryRay) {
