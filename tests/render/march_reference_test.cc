@@ -140,7 +140,7 @@ RendererOptions WithIntegral(const std::string& words) {
 
 const char* const kIntegrals[] = {"exact", "mean", "split:1", "split:4", "split:16"};
 
-// Densities up to 40: a third of the segments of the smaller meshes are thick.
+// Densities up to 40 make thick segments too, which only the exact integral treats apart.
 TEST_F(RendererTest, EveryIntegralHasThePictureAndTheGradientsOfTheReference) {
   for (const char* words : kIntegrals) {
     for (const Scene& scene : {Scene{0, 2, 29, 21}, Scene{20, 3, 29, 21}, Scene{300, 4, 21, 15}}) {
