@@ -6,7 +6,7 @@ namespace {
 
 // Options that the command line gives as words.
 struct Words {
-  std::string loss = "l2", background = "random";
+  std::string loss = "l2", background = "random", integral = "exact";
 };
 
 void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options, Words& words) {
@@ -40,6 +40,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                  "behind pictures with alpha: random (another colour each step, which tells empty "
                  "from background-coloured) or scene (as imported)")
       ->check(CLI::IsMember({"random", "scene"}));
+  app.add_option(
+      "--integral", words.integral,
+      "colour of a ray inside a tet: exact (linear density), mean (mean density) or split:N "
+      "(N = 1 .. 64 equal parts of constant density); opacity is exact in all of them");
   app.add_option("--rounds", options.schedule.rounds, "refinements of the mesh")
       ->check(CLI::Range(0, 100));
   app.add_option("--last-round", options.schedule.last_round,
@@ -75,6 +79,7 @@ int main(int argc, char** argv) {
       [&] {
         options.loss = words.loss == "l1" ? tetrec::LossKind::kL1 : tetrec::LossKind::kL2;
         options.random_background = words.background == "random";
+        options.renderer.integral = tetrec::ParseIntegral(words.integral);
         options.Check();
       });
 }

@@ -3,6 +3,7 @@
 
 int main(int argc, char** argv) {
   tetrec::RenderViewsOptions options;
+  std::string integral = "exact";
   tetrec::StageCommand command("render", 1, "Renders views of a field that tetrec-optimize made.");
   command.InputStage("FIELD", "folder of tetrec-optimize", {"optimize"});
   CLI::App& app = command.app();
@@ -13,7 +14,13 @@ int main(int argc, char** argv) {
   app.add_option("--background", options.background,
                  "what stands behind pictures with alpha: scene (as imported), white, black")
       ->check(CLI::IsMember({"scene", "white", "black"}));
+  app.add_option(
+      "--integral", integral,
+      "colour of a ray inside a tet: exact (linear density), mean (mean density) or split:N "
+      "(N = 1 .. 64 equal parts of constant density); opacity is exact in all of them");
   command.DoesNotChangeResults(app.add_option("--device", options.renderer.device.device,
                                               "Vulkan device: auto, cpu, gpu or a number"));
-  return command.Run(argc, argv, [&](tetrec::Stage& stage) { RunRenderViews(options, stage); });
+  return command.Run(
+      argc, argv, [&](tetrec::Stage& stage) { RunRenderViews(options, stage); },
+      [&] { options.renderer.integral = tetrec::ParseIntegral(integral); });
 }

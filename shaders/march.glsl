@@ -20,7 +20,7 @@
 layout(push_constant) uniform Push { MarchPush push; };
 
 #include "rays.glsl"
-#include "shared/segment.glsl.h"
+#include "integral.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 

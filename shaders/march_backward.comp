@@ -114,9 +114,10 @@ void main() {
       segment.size = z1 - z0;
       segment.s0 = density0 * segment.size;
       segment.s1 = density1 * segment.size;
-      thick = !IsThinSegment(segment.s0, segment.s1);
+      thick = IsThickSegment(kIntegral, segment.s0, segment.s1);
       if (!thick) {
-        Deposit(walk, segment, IntegrateThinSegmentWithDerivatives(segment.s0, segment.s1));
+        Deposit(walk, segment,
+                IntegrateUnlessThickWithDerivatives(kIntegral, kSplits, segment.s0, segment.s1));
         segment.w_apex = 0.0;
       }
       z0 = z1;

@@ -58,9 +58,9 @@ void main() {
       vec3 color1 = AtHit(w, state, payload);
       s0 = density0 * (z1 - z0);
       s1 = density1 * (z1 - z0);
-      thick = !IsThinSegment(s0, s1);
+      thick = IsThickSegment(kIntegral, s0, s1);
       if (!thick) {
-        SegmentWeights segment = IntegrateThinSegment(s0, s1);
+        SegmentWeights segment = IntegrateUnlessThick(kIntegral, kSplits, s0, s1);
         color += exp(-depth) * (segment.w0 * color0 + segment.w1 * color1);
         depth += 0.5 * (s0 + s1);
       }

@@ -1,12 +1,14 @@
 // A compute kernel: pipeline, layout of its bindings, size of its push constants.
 #include "gpu/program.h"
 
+#include <cstddef>
 #include <utility>
 
 namespace tetrec {
 
 Program::Program(const Device& device, std::string name, std::span<const uint32_t> spirv,
-                 std::vector<BindingSpec> bindings, uint32_t push_bytes)
+                 std::vector<BindingSpec> bindings, uint32_t push_bytes,
+                 std::span<const SpecializationConstant> constants)
     : device_(&device),
       name_(std::move(name)),
       bindings_(std::move(bindings)),
@@ -39,12 +41,24 @@ Program::Program(const Device& device, std::string name, std::span<const uint32_
                                        .pCode = spirv.data()};
   VkShaderModule shader = VK_NULL_HANDLE;
   TETREC_VK(vkCreateShaderModule(device.handle, &module_info, nullptr, &shader));
+  std::vector<VkSpecializationMapEntry> entries;
+  for (size_t i = 0; i < constants.size(); ++i) {
+    entries.push_back({.constantID = constants[i].id,
+                       .offset = uint32_t(i * sizeof(SpecializationConstant) +
+                                          offsetof(SpecializationConstant, value)),
+                       .size = sizeof(int32_t)});
+  }
+  const VkSpecializationInfo specialization{.mapEntryCount = uint32_t(entries.size()),
+                                            .pMapEntries = entries.data(),
+                                            .dataSize = constants.size_bytes(),
+                                            .pData = constants.data()};
   VkComputePipelineCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
       .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                 .stage = VK_SHADER_STAGE_COMPUTE_BIT,
                 .module = shader,
-                .pName = "main"},
+                .pName = "main",
+                .pSpecializationInfo = &specialization},
       .layout = layout_};
   const VkResult result =
       vkCreateComputePipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);

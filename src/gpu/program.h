@@ -17,11 +17,18 @@ struct BindingSpec {
   Access access;
 };
 
+// A value for `layout(constant_id = id) const int`; the driver compiles the kernel for it.
+struct SpecializationConstant {
+  uint32_t id;
+  int32_t value;
+};
+
 class Program {
  public:
   Program() = default;
   Program(const Device& device, std::string name, std::span<const uint32_t> spirv,
-          std::vector<BindingSpec> bindings, uint32_t push_bytes);
+          std::vector<BindingSpec> bindings, uint32_t push_bytes,
+          std::span<const SpecializationConstant> constants = {});
   Program(Program&& other) noexcept { Swap(other); }
   Program& operator=(Program&& other) noexcept {
     Swap(other);

@@ -6,6 +6,9 @@
 #include "render/device_field.h"
 #include "render/ray_batch.h"
 #include "shared/gpu_types.glsl.h"
+#include "shared/integral.glsl.h"
+
+#include <array>
 
 namespace tetrec {
 
@@ -17,6 +20,11 @@ struct RayPass {
   const Buffer& counters;  // of kCounterCount
   gpu_types::MarchPush push;
 };
+
+// For programs whose kernels include shaders/integral.glsl.
+inline std::array<SpecializationConstant, 2> ConstantsOf(const IntegralOptions& integral) {
+  return {{{kConstantIntegral, int(integral.kind)}, {kConstantSplits, integral.splits}}};
+}
 
 class Integrator {
  public:

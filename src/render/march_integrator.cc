@@ -26,10 +26,12 @@ void Dispatch(CommandRecorder& recorder, const Program& program, const RayPass& 
 
 }  // namespace
 
-MarchIntegrator::MarchIntegrator(const Device& device) {
-  const auto make = [&device](const char* name, std::span<const uint32_t> spirv,
-                              std::vector<BindingSpec> more) {
-    return Program(device, name, spirv, WithMesh(std::move(more)), sizeof(gpu_types::MarchPush));
+MarchIntegrator::MarchIntegrator(const Device& device, const IntegralOptions& integral) {
+  const std::array<SpecializationConstant, 2> constants = ConstantsOf(integral);
+  const auto make = [&](const char* name, std::span<const uint32_t> spirv,
+                        std::vector<BindingSpec> more) {
+    return Program(device, name, spirv, WithMesh(std::move(more)), sizeof(gpu_types::MarchPush),
+                   constants);
   };
   const auto with_atomics = [&device](std::span<const uint32_t> native,
                                       std::span<const uint32_t> compare_and_swap) {

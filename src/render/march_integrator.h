@@ -8,7 +8,7 @@ namespace tetrec {
 
 class MarchIntegrator final : public Integrator {
  public:
-  explicit MarchIntegrator(const Device& device);
+  MarchIntegrator(const Device& device, const IntegralOptions& integral);
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;
   // As Forward; counts steps and hit rays too, which makes it a little slower.

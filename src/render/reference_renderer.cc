@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "shared/segment.glsl.h"
+#include "shared/integral.glsl.h"
 
 #include <fmt/format.h>
 
@@ -156,7 +156,8 @@ std::vector<Segment> CutMesh(const RadianceField& field, std::span<const Sphere>
 }
 
 void AddRayGradient(const RadianceField& field, std::span<const Segment> segments,
-                    const dvec4& pixel_gradient, ReferenceGradient& gradient) {
+                    const dvec4& pixel_gradient, const IntegralOptions& integral,
+                    ReferenceGradient& gradient) {
   const dvec3 g(pixel_gradient);
   std::vector<double> depth_before;
   double depth = 0.0;
@@ -172,7 +173,8 @@ void AddRayGradient(const RadianceField& field, std::span<const Segment> segment
     const Ends ends = EndsOf(field, segment);
     const double before = std::exp(-depth_before[i]), own = std::exp(-0.5 * (ends.s0 + ends.s1));
     const double length = segment.end - segment.begin;
-    const SegmentAdjoint<double> a = IntegrateSegmentWithDerivatives(ends.s0, ends.s1);
+    const SegmentAdjoint<double> a =
+        IntegrateSegmentByWithDerivatives(int(integral.kind), integral.splits, ends.s0, ends.s1);
     const double k0 = glm::dot(g, ends.c0), k1 = glm::dot(g, ends.c1);
     const double by_s0 = before * (a.dw0_ds0 * k0 + a.dw1_ds0 * k1 - 0.5 * own * behind);
     const double by_s1 = before * (a.dw0_ds1 * k0 + a.dw1_ds1 * k1 - 0.5 * own * behind);
@@ -194,7 +196,7 @@ double StopDepth(double stop_transmittance) {
 }  // namespace
 
 ReferenceImage RenderReference(const RadianceField& field, const RenderView& view,
-                               double stop_transmittance) {
+                               double stop_transmittance, const IntegralOptions& integral) {
   const std::vector<Sphere> spheres = BoundingSpheres(field.mesh);
   const int width = view.camera.width, height = view.camera.height;
   const size_t pixels = size_t(width) * size_t(height);
@@ -207,7 +209,8 @@ ReferenceImage RenderReference(const RadianceField& field, const RenderView& vie
       double depth = 0.0, length = 0.0;
       for (const Segment& segment : CutMesh(field, spheres, ray, StopDepth(stop_transmittance))) {
         const Ends ends = EndsOf(field, segment);
-        const SegmentWeights<double> weights = IntegrateSegment(ends.s0, ends.s1);
+        const SegmentWeights<double> weights =
+            IntegrateSegmentBy(int(integral.kind), integral.splits, ends.s0, ends.s1);
         color += std::exp(-depth) * (weights.w0 * ends.c0 + weights.w1 * ends.c1);
         depth += 0.5 * (ends.s0 + ends.s1);
         length += segment.end - segment.begin;
@@ -222,7 +225,8 @@ ReferenceImage RenderReference(const RadianceField& field, const RenderView& vie
 
 ReferenceGradient BackpropagateReference(const RadianceField& field, const RenderView& view,
                                          std::span<const glm::dvec4> pixel_gradient,
-                                         double stop_transmittance) {
+                                         double stop_transmittance,
+                                         const IntegralOptions& integral) {
   const std::vector<Sphere> spheres = BoundingSpheres(field.mesh);
   const int width = view.camera.width, height = view.camera.height;
   const size_t pixels = size_t(width) * size_t(height), vertices = field.density.size();
@@ -236,7 +240,7 @@ ReferenceGradient BackpropagateReference(const RadianceField& field, const Rende
       for (size_t pixel = part; pixel < pixels; pixel += kParts) {
         const Ray ray = PixelRay(view, int(pixel % width), int(pixel / width));
         AddRayGradient(field, CutMesh(field, spheres, ray, StopDepth(stop_transmittance)),
-                       pixel_gradient[pixel], parts[part]);
+                       pixel_gradient[pixel], integral, parts[part]);
       }
     }
   });

@@ -28,12 +28,13 @@ struct ReferenceGradient {
 // to `stop_transmittance`; 0 means never. Every ray is cut with every tet, so the mesh need not be
 // convex or connected, only free of overlap.
 ReferenceImage RenderReference(const RadianceField& field, const RenderView& view,
-                               double stop_transmittance);
+                               double stop_transmittance, const IntegralOptions& integral = {});
 
 // The gradient of a loss whose gradient by (rgb, transmittance) of each pixel is `pixel_gradient`,
 // (height x width).
 ReferenceGradient BackpropagateReference(const RadianceField& field, const RenderView& view,
                                          std::span<const glm::dvec4> pixel_gradient,
-                                         double stop_transmittance);
+                                         double stop_transmittance,
+                                         const IntegralOptions& integral = {});
 
 }  // namespace tetrec

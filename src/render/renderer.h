@@ -5,6 +5,7 @@
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
 #include "gpu/device_options.h"
+#include "render/integral.h"
 
 #include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
@@ -140,6 +141,7 @@ enum class RendererKind {
 struct RendererOptions {
   RendererKind kind = RendererKind::kMarch;
   DeviceOptions device;
+  IntegralOptions integral;
   // A ray ends behind the tet in which its transmittance falls to this; 0: never. The same rule
   // forward and backward.
   float stop_transmittance = 1e-3f;

@@ -68,7 +68,7 @@ class VulkanRenderer final : public TrainingRenderer {
         device_(CreateDevice(options.device)),
         loss_(LossProgram(*device_)),
         adam_(AdamProgram(*device_)),
-        march_(*device_),
+        march_(*device_, options.integral),
         other_(MakeOtherIntegrator(*device_, options)),
         integrator_(other_ ? other_.get() : &march_),
         recorders_{std::make_unique<CommandRecorder>(*device_),

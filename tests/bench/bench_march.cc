@@ -1,5 +1,7 @@
-// Speed of the march renderer on about 100,000 tets: rays a second of wall time and of CPU time,
-// and a long march that counts lost rays (--lost_rays=N rays, a million unless told).
+// Speed of the march renderer on about 100,000 tets: rays a second of wall time and of CPU time, by
+// each form of the segment integral (compare these with
+// --benchmark_enable_random_interleaving=true), and a long march that counts lost rays
+// (--lost_rays=N rays, a million unless told).
 #include "mesh/delaunay.h"
 #include "render/renderer.h"
 
@@ -10,6 +12,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <random>
@@ -100,26 +103,35 @@ class RayClock {
   Clock::time_point wall_;
 };
 
-// One renderer for all benchmarks: making it and its mesh is no part of what they measure.
-struct Stage {
-  RadianceField field = MakeField(kGrid);
-  std::vector<RenderView> views = ViewsFromOutside();
-  std::unique_ptr<TrainingRenderer> renderer = CreateRenderer({});
+const RadianceField& BenchField() {
+  static const RadianceField field = MakeField(kGrid);
+  return field;
+}
 
-  Stage() {
+// One renderer an integral for all benchmarks: making it and its mesh is no part of what they
+// measure.
+struct Stage {
+  const RadianceField& field = BenchField();
+  std::vector<RenderView> views = ViewsFromOutside();
+  std::unique_ptr<TrainingRenderer> renderer;
+
+  explicit Stage(const std::string& integral) {
+    RendererOptions options;
+    options.integral = ParseIntegral(integral);
+    renderer = CreateRenderer(options);
     renderer->SetField(field);
     const TargetImage grey{kPicture, kPicture,
                            std::vector<uint32_t>(kPicture * kPicture, 0xFF808080u)};
     renderer->SetTargets(views, std::vector<TargetImage>(views.size(), grey));
   }
-  static Stage& Get() {
-    static Stage stage;
-    return stage;
+  static Stage& Get(const std::string& integral = "exact") {
+    static std::map<std::string, Stage> stages;
+    return stages.try_emplace(integral, integral).first->second;
   }
 };
 
-void Forward(benchmark::State& state) {
-  Stage& stage = Stage::Get();
+void Forward(benchmark::State& state, const std::string& integral) {
+  Stage& stage = Stage::Get(integral);
   const std::vector<RayBlock> blocks = AllBlocks(0);
   size_t i = 0;
   const RayClock clock;
@@ -141,8 +153,8 @@ void ForwardBackward(benchmark::State& state) {
 }
 
 // Forward, loss, backward and Adam with rates of zero, so that every step does the same work.
-void RunSteps(benchmark::State& state, const std::vector<std::vector<RayBlock>>& batches) {
-  Stage& stage = Stage::Get();
+void RunSteps(benchmark::State& state, Stage& stage,
+              const std::vector<std::vector<RayBlock>>& batches) {
   TrainingStep step;
   step.background_srgb = {0.2f, 0.4f, 0.6f};
   step.adam.color_rate = step.adam.density_rate = 0.0f;
@@ -159,10 +171,10 @@ void RunSteps(benchmark::State& state, const std::vector<std::vector<RayBlock>>&
   clock.Report(state, rays);
 }
 
-void StepOnWholePictures(benchmark::State& state) {
+void StepOnWholePictures(benchmark::State& state, const std::string& integral) {
   std::vector<std::vector<RayBlock>> batches;
   for (uint32_t view = 0; view < kViews; ++view) batches.push_back(AllBlocks(view));
-  RunSteps(state, batches);
+  RunSteps(state, Stage::Get(integral), batches);
 }
 
 void StepOnRandomBlocks(benchmark::State& state) {
@@ -175,7 +187,7 @@ void StepOnRandomBlocks(benchmark::State& state) {
                        uint32_t(random() % (kPicture / kRayBlockHeight)) * kRayBlockHeight});
     }
   }
-  RunSteps(state, batches);
+  RunSteps(state, Stage::Get(), batches);
 }
 
 // Random views from inside and outside, without the early stop: every ray must come out of the
@@ -251,9 +263,12 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&count, rest.data());
   if (benchmark::ReportUnrecognizedArguments(count, rest.data())) return 2;
   PrintScene();
-  Median(benchmark::RegisterBenchmark("Forward", Forward));
+  for (const std::string integral : {"mean", "split:1", "split:4", "split:16", "exact"}) {
+    Median(benchmark::RegisterBenchmark(("Forward/" + integral).c_str(), Forward, integral));
+    Median(benchmark::RegisterBenchmark(("StepOnWholePictures/" + integral).c_str(),
+                                        StepOnWholePictures, integral));
+  }
   Median(benchmark::RegisterBenchmark("ForwardBackward", ForwardBackward));
-  Median(benchmark::RegisterBenchmark("StepOnWholePictures", StepOnWholePictures));
   Median(benchmark::RegisterBenchmark("StepOnRandomBlocks", StepOnRandomBlocks)
              ->Arg(1024)
              ->Arg(4096)

@@ -23,6 +23,15 @@ class StagesTest(StageCase):
                 self.assert_fails(result, 2, "--no-such")
                 self.assertFalse((self.folder / "out").exists())
 
+    def test_an_integral_that_does_not_exist_is_a_usage_error(self):
+        for stage in ("optimize", "render"):
+            for words in ("cubic", "split:0", "split:65", "split:4x"):
+                with self.subTest(stage=stage, words=words):
+                    result = self.run_stage(stage, self.folder, "-o", self.folder / "out",
+                                            "--integral", words)
+                    self.assert_fails(result, 2, "--integral", words)
+                    self.assertFalse((self.folder / "out").exists())
+
     def test_a_missing_input_folder_is_bad_data(self):
         for stage in STAGES:
             with self.subTest(stage):

@@ -94,9 +94,11 @@ double RelativeError(const std::vector<double>& values, const std::vector<double
   return difference / largest;
 }
 
-void ExpectSameGradient(const FieldGradient& gradient, const ReferenceGradient& truth) {
-  // Hundreds of rays are added in float, in any order; pictures agree to 1e-5 (above).
-  constexpr double kTolerance = 3e-5;
+// Hundreds of rays are added in float, in any order; pictures agree to 1e-5 (above).
+constexpr double kGradientTolerance = 3e-5;
+
+void ExpectSameGradient(const FieldGradient& gradient, const ReferenceGradient& truth,
+                        double tolerance = kGradientTolerance) {
   std::vector<double> color, true_color;
   for (size_t v = 0; v < truth.density.size(); ++v) {
     for (int i = 0; i < 3; ++i) {
@@ -104,9 +106,9 @@ void ExpectSameGradient(const FieldGradient& gradient, const ReferenceGradient& 
       true_color.push_back(truth.color_srgb[v][i]);
     }
   }
-  EXPECT_LE(RelativeError(color, true_color), kTolerance);
+  EXPECT_LE(RelativeError(color, true_color), tolerance);
   const std::vector<double> density(gradient.density.begin(), gradient.density.end());
-  EXPECT_LE(RelativeError(density, truth.density), kTolerance);
+  EXPECT_LE(RelativeError(density, truth.density), tolerance);
 }
 
 TEST_F(RendererTest, GradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
@@ -130,9 +132,72 @@ TEST_F(RendererTest, GradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
   }
 }
 
+RendererOptions WithIntegral(const std::string& words) {
+  RendererOptions options;
+  options.integral = ParseIntegral(words);
+  return options;
+}
+
+const char* const kIntegrals[] = {"exact", "mean", "split:1", "split:4", "split:16"};
+
+// Densities up to 40 make thick segments too, which only the exact integral treats apart.
+TEST_F(RendererTest, EveryIntegralHasThePictureAndTheGradientsOfTheReference) {
+  for (const char* words : kIntegrals) {
+    for (const Scene& scene : {Scene{0, 2, 29, 21}, Scene{20, 3, 29, 21}, Scene{300, 4, 21, 15}}) {
+      SCOPED_TRACE(::testing::Message() << words << ", " << scene.points << " points");
+      const RadianceField field = RandomField(scene.points, scene.seed, 40.0f);
+      const RendererOptions options = WithIntegral(words);
+      TrainingRenderer& renderer = MakeRenderer(options);
+      renderer.SetField(field);
+      for (const RenderView& view : ThreeViews(scene.width, scene.height)) {
+        const RenderedImage image = renderer.Render(view, 1);
+        const ReferenceImage truth =
+            RenderReference(field, view, options.stop_transmittance, options.integral);
+        for (size_t i = 0; i < truth.color_srgb.size(); ++i) {
+          // Four times the density of the fields above, four times their tolerance.
+          ASSERT_NEAR(glm::distance(glm::dvec3(image.color_srgb[i]), truth.color_srgb[i]), 0.0,
+                      4 * kPictureTolerance)
+              << "pixel " << i;
+        }
+        const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, scene.seed);
+        const std::vector<glm::vec4> g_float(g.begin(), g.end());
+        ExpectSameGradient(
+            renderer.Backpropagate(view, g_float),
+            BackpropagateReference(field, view, g, options.stop_transmittance, options.integral),
+            4 * kGradientTolerance);
+      }
+    }
+  }
+}
+
+// The mean of the density is not the density: an integral that were ignored would pass the test
+// above.
+TEST(ReferenceRenderer, MorePartsComeNearerToTheExactPicture) {
+  const RadianceField field = RandomField(20, 3, 40.0f);
+  const RenderView view = ThreeViews(29, 21)[0];
+  const ReferenceImage exact = RenderReference(field, view, 0.0);
+  const auto error = [&](const char* words) {
+    const ReferenceImage image = RenderReference(field, view, 0.0, ParseIntegral(words));
+    double worst = 0;
+    for (size_t i = 0; i < exact.color_srgb.size(); ++i) {
+      worst = std::max(worst, glm::distance(image.color_srgb[i], exact.color_srgb[i]));
+      // The opacity is exact in all of them.
+      EXPECT_EQ(image.optical_depth[i], exact.optical_depth[i]);
+    }
+    return worst;
+  };
+  EXPECT_EQ(error("mean"), error("split:1"));
+  EXPECT_GT(error("mean"), 1e-2);
+  // Each fourfold number of parts leaves a sixteenth, once parts are thin: half of that is asked.
+  EXPECT_LT(error("split:4"), error("mean") / 4);
+  EXPECT_LT(error("split:16"), error("split:4") / 8);
+  EXPECT_LT(error("split:64"), error("split:16") / 8);
+}
+
 // Sum over pixels of g.(rgb, transmittance).
-double Loss(const RadianceField& field, const RenderView& view, const std::vector<glm::dvec4>& g) {
-  const ReferenceImage image = RenderReference(field, view, 0.0);
+double Loss(const RadianceField& field, const RenderView& view, const std::vector<glm::dvec4>& g,
+            const IntegralOptions& integral) {
+  const ReferenceImage image = RenderReference(field, view, 0.0, integral);
   double loss = 0;
   for (size_t i = 0; i < g.size(); ++i) {
     loss += glm::dot(glm::dvec3(g[i]), image.color_srgb[i]) +
@@ -143,35 +208,37 @@ double Loss(const RadianceField& field, const RenderView& view, const std::vecto
 
 // (L(x + h) - L(x - h)) / 2h for the step that the float x can really take.
 double CentralDifference(RadianceField& field, float& value, float step, const RenderView& view,
-                         const std::vector<glm::dvec4>& g) {
+                         const std::vector<glm::dvec4>& g, const IntegralOptions& integral) {
   const float before = value, above = before + step, below = before - step;
   value = above;
-  const double loss_above = Loss(field, view, g);
+  const double loss_above = Loss(field, view, g, integral);
   value = below;
-  const double loss_below = Loss(field, view, g);
+  const double loss_below = Loss(field, view, g, integral);
   value = before;
   return (loss_above - loss_below) / (double(above) - double(below));
 }
 
 TEST(ReferenceRenderer, GradientsAreFiniteDifferencesOfTheLoss) {
-  for (uint32_t seed : {11u, 12u}) {
+  for (const auto& [seed, words] : {std::pair(11u, "exact"), std::pair(12u, "exact"),
+                                    std::pair(11u, "mean"), std::pair(12u, "split:3")}) {
+    const IntegralOptions integral = ParseIntegral(words);
     RadianceField field = RandomField(12, seed, 8.0f);
     for (float& density : field.density) density += 0.1f;  // room for a step down
     for (const RenderView& view : ThreeViews(12, 9)) {
       const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, seed);
-      const ReferenceGradient gradient = BackpropagateReference(field, view, g, 0.0);
+      const ReferenceGradient gradient = BackpropagateReference(field, view, g, 0.0, integral);
       double largest = 0;
       for (double d : gradient.density) largest = std::max(largest, std::abs(d));
       for (size_t v = 0; v < field.density.size(); ++v) {
         // Central differences err by h^2 / 6 L''' (h = 1e-2, L''' of order l^2 L'); the quadrature
         // of the derivatives by 3e-6.
-        EXPECT_NEAR(CentralDifference(field, field.density[v], 1e-2f, view, g), gradient.density[v],
-                    3e-5 * largest)
-            << "density of vertex " << v << ", seed " << seed;
+        EXPECT_NEAR(CentralDifference(field, field.density[v], 1e-2f, view, g, integral),
+                    gradient.density[v], 3e-5 * largest)
+            << "density of vertex " << v << ", seed " << seed << ", " << words;
         // The picture is linear in colour: no error but rounding and the quadratures' difference.
-        EXPECT_NEAR(CentralDifference(field, field.color_srgb[v].y, 0.25f, view, g),
+        EXPECT_NEAR(CentralDifference(field, field.color_srgb[v].y, 0.25f, view, g, integral),
                     gradient.color_srgb[v].y, 1e-5 * std::abs(gradient.color_srgb[v].y) + 1e-6)
-            << "green of vertex " << v << ", seed " << seed;
+            << "green of vertex " << v << ", seed " << seed << ", " << words;
       }
     }
   }

@@ -1,6 +1,7 @@
-// The segment integral on the device against the same text compiled for C++ in double precision.
+// The segment integrals on the device against the same text compiled for C++ in double precision.
 #include "gpu/commands.h"
-#include "shared/segment.glsl.h"
+#include "render/integrator.h"
+#include "shared/integral.glsl.h"
 #include "test_shaders.h"
 #include "vulkan_test.h"
 
@@ -34,9 +35,11 @@ struct KernelResults {
   glm::vec4 weights, derivatives, functions;
 };
 
-std::vector<KernelResults> RunKernel(const Device& device, const std::vector<glm::vec2>& ends) {
+std::vector<KernelResults> RunKernel(const Device& device, const std::vector<glm::vec2>& ends,
+                                     const IntegralOptions& integral = {}) {
   const uint32_t count = uint32_t(ends.size());
-  const Program program(device, "segment", kSegment, {{0, Access::kRead}, {1, Access::kWrite}}, 4);
+  const Program program(device, "segment", kSegment, {{0, Access::kRead}, {1, Access::kWrite}}, 4,
+                        ConstantsOf(integral));
   Buffer in = MakeBuffer(device, "ends", ends),
          out(device, "results", sizeof(KernelResults) * count);
   CommandRecorder recorder(device);
@@ -87,6 +90,36 @@ TEST_F(VulkanTest, SegmentDerivativesOfTheKernelAreThoseOfTheReference) {
     ASSERT_NEAR(r.derivatives.y, truth.dw0_ds1, tolerance) << ends[i].x << " " << ends[i].y;
     ASSERT_NEAR(r.derivatives.z, truth.dw1_ds0, tolerance) << ends[i].x << " " << ends[i].y;
     ASSERT_NEAR(r.derivatives.w, truth.dw1_ds1, tolerance) << ends[i].x << " " << ends[i].y;
+  }
+}
+
+const char* const kOtherIntegrals[] = {"mean", "split:1", "split:3", "split:4", "split:64"};
+
+// That the kernel got its specialization constants shows in split:3 and split:4, which differ by
+// more than these tolerances.
+TEST_F(VulkanTest, OtherIntegralsOfTheKernelAreThoseOfTheReference) {
+  const std::vector<glm::vec2> ends = SegmentEnds(5000);
+  for (const char* words : kOtherIntegrals) {
+    const IntegralOptions integral = ParseIntegral(words);
+    const auto results = RunKernel(device(), ends, integral);
+    // As on the host (segment_split.glsl.h), where n transmittances round; exp may be a little
+    // worse.
+    const double tolerance = 2e-6 + 2e-7 * integral.splits;
+    for (size_t i = 0; i < ends.size(); ++i) {
+      const auto truth = IntegrateSegmentByWithDerivatives(int(integral.kind), integral.splits,
+                                                           double(ends[i].x), double(ends[i].y));
+      SCOPED_TRACE(fmt::format("{}: {} {}", words, ends[i].x, ends[i].y));
+      const KernelResults& r = results[i];
+      const double opacity = truth.w0 + truth.w1;
+      ASSERT_NEAR(r.weights.x, truth.w0, tolerance * opacity);
+      ASSERT_NEAR(r.weights.y, truth.w1, tolerance * opacity);
+      ASSERT_NEAR(r.weights.z, truth.w0, tolerance * opacity);
+      ASSERT_NEAR(r.weights.w, truth.w1, tolerance * opacity);
+      ASSERT_NEAR(r.derivatives.x, truth.dw0_ds0, tolerance);
+      ASSERT_NEAR(r.derivatives.y, truth.dw0_ds1, tolerance);
+      ASSERT_NEAR(r.derivatives.z, truth.dw1_ds0, tolerance);
+      ASSERT_NEAR(r.derivatives.w, truth.dw1_ds1, tolerance);
+    }
   }
 }
 

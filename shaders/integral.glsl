@@ -1,0 +1,6 @@
+// The segment integral for which the host made the pipeline.
+
+#include "shared/integral.glsl.h"
+
+layout(constant_id = kConstantIntegral) const int kIntegral = kIntegralExact;
+layout(constant_id = kConstantSplits) const int kSplits = 1;

@@ -1,0 +1,28 @@
+// Which form of the segment integral a renderer computes (shaders/shared/integral.glsl.h).
+#pragma once
+
+#include <string>
+
+namespace tetrec {
+
+// In the order of kIntegralExact, kIntegralMean, kIntegralSplit of the shared header.
+enum class IntegralKind {
+  kExact,  // linear density, linear colour
+  kMean,   // exact opacity; colour by the segment's mean density
+  kSplit,  // as kMean in each of equal parts
+};
+
+constexpr int kMaxSplits = 64;
+
+struct IntegralOptions {
+  IntegralKind kind = IntegralKind::kExact;
+  int splits = 1;  // 1 .. kMaxSplits parts of a segment, for kSplit
+};
+
+// "exact", "mean", or "split:N". Throws UsageError.
+IntegralOptions ParseIntegral(const std::string& words);
+
+// The words of an integral.
+std::string Name(const IntegralOptions& integral);
+
+}  // namespace tetrec
