@@ -1,12 +1,14 @@
 // tetrec-optimize: fits the radiance field to the pictures, coarse to fine.
 #include "core/option_checks.h"
 #include "optimize/trainer.h"
+#include "render/renderer_words.h"
 
 namespace {
 
 // Options that the command line gives as words.
 struct Words {
   std::string loss = "l2", background = "random";
+  tetrec::RendererWords renderer;
 };
 
 void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options, Words& words) {
@@ -54,8 +56,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                                               options.checkpoint_interval_s,
                                               "seconds between checkpoints")
                                    ->check(tetrec::AtLeastZero()));
-  command.DoesNotChangeResults(app.add_option("--device", options.renderer.device.device,
-                                              "Vulkan device: auto, cpu, gpu or a number"));
+  AddRendererOptions(command, words.renderer, options.renderer);
 }
 
 }  // namespace
@@ -72,6 +73,7 @@ int main(int argc, char** argv) {
       [&] {
         options.loss = words.loss == "l1" ? tetrec::LossKind::kL1 : tetrec::LossKind::kL2;
         options.random_background = words.background == "random";
+        words.renderer.Apply(options.renderer);
         options.Check();
       });
 }

@@ -1,8 +1,10 @@
 // tetrec-render: pictures of a finished field, beside the ground truth.
 #include "render/render_views.h"
+#include "render/renderer_words.h"
 
 int main(int argc, char** argv) {
   tetrec::RenderViewsOptions options;
+  tetrec::RendererWords words;
   tetrec::StageCommand command("render", 1, "Renders views of a field that tetrec-optimize made.");
   command.InputStage("FIELD", "folder of tetrec-optimize", {"optimize"});
   CLI::App& app = command.app();
@@ -13,7 +15,8 @@ int main(int argc, char** argv) {
   app.add_option("--background", options.background,
                  "what stands behind pictures with alpha: scene (as imported), white, black")
       ->check(CLI::IsMember({"scene", "white", "black"}));
-  command.DoesNotChangeResults(app.add_option("--device", options.renderer.device.device,
-                                              "Vulkan device: auto, cpu, gpu or a number"));
-  return command.Run(argc, argv, [&](tetrec::Stage& stage) { RunRenderViews(options, stage); });
+  AddRendererOptions(command, words, options.renderer);
+  return command.Run(
+      argc, argv, [&](tetrec::Stage& stage) { RunRenderViews(options, stage); },
+      [&] { words.Apply(options.renderer); });
 }
