@@ -1,12 +1,14 @@
 // tetrec-optimize: fits the radiance field to the pictures, coarse to fine.
 #include "core/option_checks.h"
 #include "optimize/trainer.h"
+#include "render/renderer_words.h"
 
 namespace {
 
 // Options that the command line gives as words.
 struct Words {
-  std::string loss = "l2", background = "random", integral = "exact";
+  std::string loss = "l2", background = "random";
+  tetrec::RendererWords renderer;
 };
 
 void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options, Words& words) {
@@ -40,10 +42,6 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                  "behind pictures with alpha: random (another colour each step, which tells empty "
                  "from background-coloured) or scene (as imported)")
       ->check(CLI::IsMember({"random", "scene"}));
-  app.add_option(
-      "--integral", words.integral,
-      "colour of a ray inside a tet: exact (linear density), mean (mean density) or split:N "
-      "(N = 1 .. 64 equal parts of constant density); opacity is exact in all of them");
   app.add_option("--rounds", options.schedule.rounds, "refinements of the mesh")
       ->check(CLI::Range(0, 100));
   app.add_option("--last-round", options.schedule.last_round,
@@ -61,8 +59,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                                               options.checkpoint_interval_s,
                                               "seconds between checkpoints")
                                    ->check(tetrec::AtLeastZero()));
-  command.DoesNotChangeResults(app.add_option("--device", options.renderer.device.device,
-                                              "Vulkan device: auto, cpu, gpu or a number"));
+  AddRendererOptions(command, words.renderer, options.renderer);
 }
 
 }  // namespace
@@ -79,7 +76,7 @@ int main(int argc, char** argv) {
       [&] {
         options.loss = words.loss == "l1" ? tetrec::LossKind::kL1 : tetrec::LossKind::kL2;
         options.random_background = words.background == "random";
-        options.renderer.integral = tetrec::ParseIntegral(words.integral);
+        words.renderer.Apply(options.renderer);
         options.Check();
       });
 }

@@ -68,6 +68,45 @@ struct AdamPush {
   float density_decay;  // of the log density of a seen vertex, a step
 };
 
+// Runs of values that one thread counts, adds or moves in prefix sums and sorts.
+#define kScanRun 64
+#define kSortRun 256
+#define kSortDigits 256  // 8 bits a pass
+
+struct ScanPush {
+  uint count;     // of values
+  uint has_sums;  // apply: runs begin at the sums of those before; else at 0
+};
+
+struct SortPush {
+  uint count;
+  uint shift;  // of the digit
+  uint runs;
+};
+
+// Tiles of projected tets: 2 x 2 blocks, 8 x 4 pixels.
+#define kTileColumns 2
+#define kTileRows 2
+#define kTileRays (kTileColumns * kTileRows * kBlockRays)
+#define kItemRun 16  // list items of one thread
+
+// A rectangle of one view and a stretch of its tets, sorted front to back.
+struct ProjectionPush {
+  uint ray_count;  // of the rectangle
+  uint view;
+  uint first_x, first_y;           // [px]
+  uint block_columns, block_rows;  // of the rectangle
+  uint first, count;               // tets, or items of the tiles' lists
+  uint is_first;                   // of the stretches
+  uint jitter_seed;
+  float jitter_px;
+  float stop_depth;
+  float start;         // rays are cut at their camera, but measured from this distance on
+  uint offsets_first;  // tet that the items' offsets begin with
+  uint padding_a, padding_b;
+  vec4 eye_high, eye_low;  // camera centre in the frame of the tets' spheres, as two floats each
+};
+
 // Counters of the march kernels.
 #define kCounterLostRays 0
 #define kCounterSteps 1
@@ -90,10 +129,27 @@ struct AdamPush {
 #define kBindPartialLosses 12
 #define kBindParameters 13
 #define kBindMoments 14
+#define kBindSums 15    // prefix sums: totals of runs
+#define kBindValues 16  // prefix sums: values
+#define kBindKeys 17    // sort
+#define kBindItems 18
+#define kBindSortedKeys 19
+#define kBindSortedItems 20
+#define kBindDigitCounts 21
+#define kBindTable 22       // gather: values by item
+#define kBindRectangles 23  // uvec2 a tet: tiles of its projection, first and last column, row
+#define kBindVisible 24     // uint a tet: places before it among the visible
+#define kBindSpheres \
+  25  // texels vec4, two a tet: centre | power of the origin, high parts, low parts
+#define kBindHighKeys 26    // uint a tet
+#define kBindOffsets 27     // uint a visible tet: items before its own
+#define kBindTileRanges 28  // uvec2 a tile: its stretch of the items
+#define kBindRayStates 29   // vec2 a ray: optical depth, part of the loss behind
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 80 && sizeof(GpuBlock) == 16);
 static_assert(sizeof(MarchPush) <= 128 && sizeof(LossPush) <= 128 && sizeof(AdamPush) <= 128);
+static_assert(sizeof(ProjectionPush) <= 128);
 }  // namespace tetrec::gpu_types
 #endif
 

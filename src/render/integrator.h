@@ -9,6 +9,7 @@
 #include "shared/integral.glsl.h"
 
 #include <array>
+#include <span>
 
 namespace tetrec {
 
@@ -16,8 +17,10 @@ namespace tetrec {
 struct RayPass {
   DeviceField& field;
   RayBatch& rays;
-  const Buffer& views;     // GpuView; the batch's blocks name them
-  const Buffer& counters;  // of kCounterCount
+  const Buffer& views;               // GpuView; the batch's blocks name them
+  std::span<const RayBlock> blocks;  // the host's copies of the batch's blocks
+  const gpu_types::GpuView& view;    // and of the first one's view
+  const Buffer& counters;            // of kCounterCount
   gpu_types::MarchPush push;
 };
 
@@ -29,6 +32,8 @@ inline std::array<SpecializationConstant, 2> ConstantsOf(const IntegralOptions& 
 class Integrator {
  public:
   virtual ~Integrator() = default;
+  // A new mesh is on the device, which is idle. The field stays where it is until the next call.
+  virtual void SetField(const DeviceField&) {}
   // Records what fills rays.colors. May submit what was recorded so far, wait, and begin again.
   virtual void Forward(CommandRecorder& recorder, const RayPass& pass) = 0;
   // Records what adds to field.gradients, after Forward of the same batch.

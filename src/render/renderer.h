@@ -138,8 +138,15 @@ enum class RendererKind {
   kProjection,  // projected tets in sorted order
 };
 
+// In which order projected tets are composited.
+enum class VisibilityOrder {
+  kExact,     // by the power of the camera where the mesh is Delaunay, else by what covers what
+  kCentroid,  // by the depth of the tets' centroids: approximate, needs no neighbours
+};
+
 struct RendererOptions {
   RendererKind kind = RendererKind::kMarch;
+  VisibilityOrder order = VisibilityOrder::kExact;  // of projection
   DeviceOptions device;
   IntegralOptions integral;
   // A ray ends behind the tet in which its transmittance falls to this; 0: never. The same rule
@@ -147,7 +154,8 @@ struct RendererOptions {
   float stop_transmittance = 1e-3f;
   uint32_t max_steps = 1u << 16;  // tets on one ray
   bool count_steps = false;       // fill RenderCounts::steps and hit_rays; a little slower
-  // What lists of fragments may take on the device [bytes]; pictures are tiled to fit.
+  // What lists of fragments may take on the device [bytes]; pictures are tiled, or composited a
+  // stretch of tets at a time, to fit.
   uint64_t fragment_memory = 512ull << 20;
 };
 

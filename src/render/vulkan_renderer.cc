@@ -3,6 +3,7 @@
 #include "embedded_shaders.h"
 #include "mesh/locate.h"
 #include "render/march_integrator.h"
+#include "render/projection_integrator.h"
 
 #include <fmt/format.h>
 
@@ -56,7 +57,12 @@ Program AdamProgram(const Device& device) {
 }
 
 // Null for the march.
-std::unique_ptr<Integrator> MakeOtherIntegrator(const Device&, const RendererOptions& options) {
+std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
+                                                const RendererOptions& options) {
+  if (options.kind == RendererKind::kProjection) {
+    return std::make_unique<ProjectionIntegrator>(device, options.order, options.integral,
+                                                  options.fragment_memory);
+  }
   TETREC_CHECK(options.kind == RendererKind::kMarch, "no such renderer yet");
   return nullptr;
 }
@@ -90,6 +96,7 @@ class VulkanRenderer final : public TrainingRenderer {
     WaitAll();
     field_ = {};  // frees the old mesh before the new one takes memory
     field_ = UploadField(*device_, mesh, state);
+    integrator_->SetField(field_);
     UploadViews();
   }
 
@@ -182,7 +189,7 @@ class VulkanRenderer final : public TrainingRenderer {
       }
       rays_[0].gradients.Upload(gradients);
       render_recorder_.Begin();
-      integrator_->Backward(render_recorder_, PassOver(rays_[0], render_view_, {}));
+      integrator_->Backward(render_recorder_, RenderPass(blocks));
       render_recorder_.EndAndSubmit();
       render_recorder_.Wait();
     });
@@ -235,7 +242,8 @@ class VulkanRenderer final : public TrainingRenderer {
     const StepResult before = Collect(current_);
     RayBatch& rays = rays_[current_];
     PutBlocks(rays, step.blocks);
-    const RayPass pass = PassOver(rays, training_views_, step);
+    const RayPass pass =
+        PassOver(rays, training_views_, step.blocks, gpu_views_[step.blocks[0].view], step);
     CommandRecorder& recorder = *recorders_[current_];
     recorder.Begin();
     integrator.Forward(recorder, pass);
@@ -263,20 +271,20 @@ class VulkanRenderer final : public TrainingRenderer {
   }
 
   void UploadViews() {
-    std::vector<GpuView> views;
+    gpu_views_.clear();
     uint32_t tet = 0;
     for (size_t i = 0; i < views_.size(); ++i) {
       tet = FindTet(field_.mesh, views_[i].cam_from_world.Inverse().translation,
                     tet == kNoTet ? 0 : tet);
-      views.push_back(MakeGpuView(views_[i], 1, first_pixels_[i], tet));
+      gpu_views_.push_back(MakeGpuView(views_[i], 1, first_pixels_[i], tet));
     }
-    training_views_ = MakeBuffer(*device_, "views", views);
+    training_views_ = MakeBuffer(*device_, "views", gpu_views_);
   }
 
   void UploadRenderView(const RenderView& view, int samples) {
     const uint32_t tet = FindTet(field_.mesh, view.cam_from_world.Inverse().translation);
-    const GpuView gpu_view = MakeGpuView(view, samples, 0, tet);
-    render_view_.Upload(&gpu_view, sizeof(gpu_view));
+    gpu_render_view_ = MakeGpuView(view, samples, 0, tet);
+    render_view_.Upload(&gpu_render_view_, sizeof(gpu_render_view_));
   }
 
   void PutBlocks(RayBatch& rays, std::span<const RayBlock> blocks) {
@@ -299,7 +307,7 @@ class VulkanRenderer final : public TrainingRenderer {
   std::vector<glm::vec4> MarchBatch(std::span<const RayBlock> blocks) {
     RayBatch& rays = rays_[0];
     PutBlocks(rays, blocks);
-    const RayPass pass = PassOver(rays, render_view_, {});
+    const RayPass pass = RenderPass(blocks);
     render_recorder_.Begin();
     if (options_.count_steps && integrator_ == &march_) {
       march_.ForwardCounting(render_recorder_, pass);
@@ -314,8 +322,18 @@ class VulkanRenderer final : public TrainingRenderer {
     return rays.colors.DownloadAs<glm::vec4>(rays.count);
   }
 
-  RayPass PassOver(RayBatch& rays, const Buffer& views, const TrainingStep& step) {
-    return {field_, rays, views, counters_,
+  RayPass RenderPass(std::span<const RayBlock> blocks) {
+    return PassOver(rays_[0], render_view_, blocks, gpu_render_view_, {});
+  }
+
+  RayPass PassOver(RayBatch& rays, const Buffer& views, std::span<const RayBlock> blocks,
+                   const GpuView& view, const TrainingStep& step) {
+    return {field_,
+            rays,
+            views,
+            blocks,
+            view,
+            counters_,
             MarchPush{.ray_count = rays.count,
                       .hull_faces = field_.hull_faces,
                       .max_steps = options_.max_steps,
@@ -366,6 +384,8 @@ class VulkanRenderer final : public TrainingRenderer {
   DeviceField field_;
   Buffer targets_, training_views_;
   std::vector<RenderView> views_;
+  std::vector<GpuView> gpu_views_;  // as in training_views_
+  GpuView gpu_render_view_;         // as in render_view_
   std::vector<uint32_t> first_pixels_;
   std::array<RayBatch, 2> rays_;
   std::array<uint32_t, 2> in_flight_rays_{};

@@ -1,0 +1,15 @@
+// Lists the tets that are seen, in their order.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "projection.glsl"
+
+layout(std430, binding = kBindVisible) readonly buffer Visible { uint before[]; };
+layout(std430, binding = kBindItems) writeonly buffer Items { uint items[]; };
+
+void main() {
+  uint tet = gl_GlobalInvocationID.x;
+  if (tet < push.count) {
+    uint place = before[tet];
+    if (before[tet + 1u] != place) items[place] = tet;
+  }
+}

@@ -1,0 +1,40 @@
+// Composites a stretch of sorted tets, front to back: colour before the background and optical depth
+// of every ray.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "projection_rays.glsl"
+
+layout(std430, binding = kBindRayColors) buffer RayColors { vec4 ray_colors[]; };
+
+void main() {
+  TileRay tile_ray = FindTileRay(gl_GlobalInvocationID.x);
+  Ray ray = MakeMovedRay(tile_ray.index);
+  vec4 result = vec4(0.0);
+  if (push.is_first == 0u) result = ray_colors[tile_ray.index];
+  vec3 color = result.rgb;
+  float depth = result.a;  // optical
+  uint i = tile_ray.range.x;
+  bool go = tile_ray.exists && ray.valid && i < tile_ray.range.y && depth < push.stop_depth;
+  while (go) {
+    TetCut cut = CutTet(ray, tet_of_item[i]);
+    TETREC_RARELY(cut.hit) {
+      vec3 k0 = texelFetch(vertices, int(2u * cut.ids.x + 1u)).rgb;
+      vec3 k1 = texelFetch(vertices, int(2u * cut.ids.y + 1u)).rgb;
+      vec3 k2 = texelFetch(vertices, int(2u * cut.ids.z + 1u)).rgb;
+      vec3 k3 = texelFetch(vertices, int(2u * cut.ids.w + 1u)).rgb;
+      vec3 color0 = cut.w0.x * k0 + cut.w0.y * k1 + cut.w0.z * k2 + cut.w0.w * k3;
+      vec3 color1 = cut.w1.x * k0 + cut.w1.y * k1 + cut.w1.z * k2 + cut.w1.w * k3;
+      float size = cut.z1 - cut.z0;
+      float s0 = dot(cut.w0, cut.density) * size, s1 = dot(cut.w1, cut.density) * size;
+      SegmentWeights segment = SegmentWeights(0.0, 0.0);
+      bool thick = IsThickSegment(kIntegral, s0, s1);
+      if (!thick) segment = IntegrateUnlessThick(kIntegral, kSplits, s0, s1);
+      TETREC_RARELY(thick) segment = IntegrateThickSegment(s0, s1);
+      color += exp(-depth) * (segment.w0 * color0 + segment.w1 * color1);
+      depth += 0.5 * (s0 + s1);
+    }
+    i += 1u;
+    go = i < tile_ray.range.y && depth < push.stop_depth;
+  }
+  if (tile_ray.exists) ray_colors[tile_ray.index] = vec4(color, depth);
+}

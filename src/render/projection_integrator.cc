@@ -1,0 +1,369 @@
+// Projects tets onto the picture, sorts them by visibility and composites them front to back.
+#include "render/projection_integrator.h"
+
+#include "core/error.h"
+#include "core/log.h"
+#include "embedded_shaders.h"
+#include "geometry/bounds3.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <utility>
+
+namespace tetrec {
+namespace {
+
+using gpu_types::ProjectionPush;
+using gpu_types::ScanPush;
+
+// An item in a list: tile and tet, twice for the sort, and its share of the digit counters.
+constexpr uint64_t kBytesPerItem = 20;
+
+uint32_t CeilDivide(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
+
+uint32_t TileCount(const ProjectionPush& push) {
+  return CeilDivide(push.block_columns, kTileColumns) * CeilDivide(push.block_rows, kTileRows);
+}
+
+// The rectangle that the blocks fill.
+ProjectionPush PushOf(const RayPass& pass) {
+  const auto& blocks = pass.blocks;
+  const auto same_row = [&](const RayBlock& block) { return block.y == blocks[0].y; };
+  ProjectionPush push{};
+  push.ray_count = pass.push.ray_count;
+  push.view = blocks[0].view;
+  push.first_x = blocks[0].x;
+  push.first_y = blocks[0].y;
+  push.block_columns =
+      uint32_t(std::find_if_not(blocks.begin(), blocks.end(), same_row) - blocks.begin());
+  push.block_rows = uint32_t(blocks.size()) / push.block_columns;
+  push.jitter_seed = pass.push.jitter_seed;
+  push.jitter_px = pass.push.jitter_px;
+  push.stop_depth = pass.push.stop_depth;
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    const uint32_t column = uint32_t(i) % push.block_columns,
+                   row = uint32_t(i) / push.block_columns;
+    TETREC_CHECK(blocks[i].view == push.view &&
+                     blocks[i].x == push.first_x + column * kRayBlockWidth &&
+                     blocks[i].y == push.first_y + row * kRayBlockHeight && row < push.block_rows,
+                 "projected tets want a rectangle of one view, row of blocks by row");
+  }
+  return push;
+}
+
+// High and low parts of spheres, two rows each.
+std::vector<glm::vec4> SplitIntoPairs(std::span<const glm::dvec4> spheres) {
+  std::vector<glm::vec4> rows;
+  for (const glm::dvec4& sphere : spheres) {
+    const glm::vec4 high(sphere);
+    rows.push_back(high);
+    rows.emplace_back(sphere - glm::dvec4(high));
+  }
+  return rows;
+}
+
+void Grow(const Device& device, Buffer& buffer, const char* name, uint64_t bytes) {
+  if (buffer.bytes() >= std::max<uint64_t>(bytes, 1)) return;
+  buffer = {};
+  buffer = Buffer(device, name, bytes);
+}
+
+// Until the device is idle; recording goes on.
+void Flush(CommandRecorder& recorder) {
+  recorder.EndAndSubmit();
+  recorder.Begin();
+}
+
+uint32_t ReadWord(const Buffer& buffer, uint64_t index) {
+  uint32_t word = 0;
+  buffer.Download(&word, sizeof(word), index * sizeof(word));
+  return word;
+}
+
+}  // namespace
+
+ProjectionIntegrator::ProjectionIntegrator(const Device& device, VisibilityOrder order,
+                                           const IntegralOptions& integral,
+                                           uint64_t fragment_memory)
+    : device_(device),
+      keys_(Keys::kCentroid),
+      order_(order),
+      fragment_memory_(fragment_memory),
+      prefix_sum_(device),
+      sort_(device),
+      zero_(device) {
+  const auto make = [&device](const char* name, std::span<const uint32_t> spirv,
+                              std::vector<BindingSpec> bindings,
+                              std::span<const SpecializationConstant> constants = {}) {
+    return Program(device, name, spirv, std::move(bindings), sizeof(ProjectionPush), constants);
+  };
+  const std::array<SpecializationConstant, 2> constants = ConstantsOf(integral);
+  cull_ = make("projection_cull", kProjectionCull,
+               {{kBindViews, Access::kRead},
+                {kBindTets, Access::kTexelRead},
+                {kBindVertices, Access::kTexelRead},
+                {kBindRectangles, Access::kWrite},
+                {kBindVisible, Access::kWrite}});
+  compact_ = make("projection_compact", kProjectionCompact,
+                  {{kBindVisible, Access::kRead}, {kBindItems, Access::kWrite}});
+  centroid_keys_ = make("projection_keys (centroid)", kProjectionKeysCentroid,
+                        {{kBindItems, Access::kRead},
+                         {kBindKeys, Access::kWrite},
+                         {kBindViews, Access::kRead},
+                         {kBindTets, Access::kTexelRead},
+                         {kBindVertices, Access::kTexelRead}});
+  power_keys_ = make("projection_keys (power)", kProjectionKeysPower,
+                     {{kBindItems, Access::kRead},
+                      {kBindKeys, Access::kWrite},
+                      {kBindSpheres, Access::kTexelRead},
+                      {kBindHighKeys, Access::kWrite}});
+  gather_ = Program(
+      device, "gather", kGather,
+      {{kBindTable, Access::kRead}, {kBindItems, Access::kRead}, {kBindKeys, Access::kWrite}},
+      sizeof(ScanPush));
+  count_ = make("projection_count", kProjectionCount,
+                {{kBindItems, Access::kRead},
+                 {kBindRectangles, Access::kRead},
+                 {kBindOffsets, Access::kWrite}});
+  emit_ = make("projection_emit", kProjectionEmit,
+               {{kBindItems, Access::kRead},
+                {kBindRectangles, Access::kRead},
+                {kBindOffsets, Access::kRead},
+                {kBindSortedKeys, Access::kWrite},
+                {kBindSortedItems, Access::kWrite}});
+  ranges_ = make("projection_ranges", kProjectionRanges,
+                 {{kBindKeys, Access::kRead}, {kBindTileRanges, Access::kWrite}});
+  std::vector<BindingSpec> walk = {
+      {kBindViews, Access::kRead},     {kBindBlocks, Access::kRead},
+      {kBindTets, Access::kTexelRead}, {kBindVertices, Access::kTexelRead},
+      {kBindItems, Access::kRead},     {kBindTileRanges, Access::kRead}};
+  std::vector<BindingSpec> forward = walk, backward = walk;
+  forward.push_back({kBindRayColors, Access::kReadWrite});
+  backward.insert(backward.end(), {{kBindRayColors, Access::kRead},
+                                   {kBindRayGradients, Access::kRead},
+                                   {kBindRayStates, Access::kReadWrite},
+                                   {kBindVertexGradients, Access::kReadWrite}});
+  forward_ = make("projection_forward", kProjectionForward, forward, constants);
+  backward_ = device.has_float_atomics
+                  ? make("projection_backward", kProjectionBackward, backward, constants)
+                  : make("projection_backward", kProjectionBackwardCas, backward, constants);
+}
+
+void ProjectionIntegrator::SetField(const DeviceField& field) {
+  field_ = &field;
+  has_ranks_ = has_warned_ = false;
+  Bounds3 bounds;
+  for (const glm::vec3& p : field.mesh.positions) bounds.Add(glm::dvec3(p));
+  center_ = bounds.Center();
+  radius_ = 0.5 * bounds.Diagonal();
+  rectangles_ = Buffer(device_, "tet rectangles", 8ull * field.tet_count);
+  visible_ = Buffer(device_, "visible tets", 4ull * (field.tet_count + 1ull));
+  ranks_ = Buffer(device_, "tet ranks", 4ull * field.tet_count);
+  high_keys_ = Buffer(device_, "high keys", 4ull * field.tet_count);
+  prefix_sum_.Reserve(field.tet_count + 1ull);
+  keys_ = Keys::kCentroid;
+  if (order_ == VisibilityOrder::kCentroid) return;
+  power_ = MeasurePowerOrder(field.mesh);
+  keys_ = power_.bad_faces == 0 ? Keys::kPower : Keys::kRanks;
+  if (keys_ == Keys::kPower) {
+    spheres_ = MakeBuffer(device_, "circumspheres", SplitIntoPairs(power_.spheres),
+                          VK_FORMAT_R32G32B32A32_SFLOAT);
+    LogInfo(
+        "projection: the mesh is Delaunay, its {} tets are sorted by power; {} faces join tets "
+        "on one sphere",
+        field.tet_count, power_.tied_faces.size());
+  } else {
+    LogInfo("projection: {} inner faces are not Delaunay, tets are sorted by what covers what",
+            power_.bad_faces);
+  }
+  power_.spheres = {};
+}
+
+void ProjectionIntegrator::Forward(CommandRecorder& recorder, const RayPass& pass) {
+  TETREC_CHECK(field_ == &pass.field, "projection: no field");
+  push_ = PushOf(pass);
+  const glm::dvec3 eye(glm::vec3(pass.view.center_in_world_cy));
+  const glm::dvec3 from_origin = eye - power_.origin;
+  push_.eye_high = glm::vec4(glm::vec3(from_origin), 0.0f);
+  push_.eye_low = glm::vec4(glm::vec3(from_origin - glm::dvec3(glm::vec3(from_origin))), 0.0f);
+  // A hundredth less than the way to the mesh: rays are not cut there.
+  push_.start = float(0.99 * std::max(0.0, glm::distance(eye, center_) - radius_));
+  SortVisible(recorder, pass);
+  ForEachStretch(recorder, [&](const Push& push) { RecordForward(recorder, pass, push); });
+}
+
+void ProjectionIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
+  // A batch before this one may still be using the buffer that is too small.
+  if (ray_states_.bytes() < 8ull * pass.rays.capacity) {
+    Flush(recorder);
+    Grow(device_, ray_states_, "ray states", 8ull * pass.rays.capacity);
+  }
+  if (lists_are_whole_) {
+    RecordBackward(recorder, pass, whole_);
+  } else {
+    ForEachStretch(recorder, [&](const Push& push) { RecordBackward(recorder, pass, push); });
+  }
+}
+
+void ProjectionIntegrator::SortVisible(CommandRecorder& recorder, const RayPass& pass) {
+  Push push = push_;
+  push.count = field_->tet_count;
+  const Buffer* culled[] = {&pass.views, &field_->tets, &field_->vertices, &rectangles_, &visible_};
+  recorder.Dispatch(cull_, culled, push, field_->tet_count + 1ull, kWorkgroupSize);
+  prefix_sum_.Record(recorder, visible_, field_->tet_count + 1u);
+  Flush(recorder);
+  visible_count_ = ReadWord(visible_, field_->tet_count);
+  sorted_.Reserve(device_, visible_count_);
+  sort_.Reserve(visible_count_);
+  Grow(device_, offsets_, "item offsets", 4ull * (visible_count_ + 1ull));
+  Grow(device_, tile_ranges_, "tile ranges", 8ull * TileCount(push));
+  if (visible_count_ == 0) return;
+  const Buffer* listed[] = {&visible_, &sorted_.items};
+  recorder.Dispatch(compact_, listed, push, field_->tet_count, kWorkgroupSize);
+  push.count = visible_count_;
+  RecordKeys(recorder, pass, push);
+}
+
+// The device is idle.
+void ProjectionIntegrator::RecordKeys(CommandRecorder& recorder, const RayPass& pass,
+                                      const Push& push) {
+  if (keys_ == Keys::kCentroid) {
+    const Buffer* buffers[] = {&sorted_.items, &sorted_.keys, &pass.views, &field_->tets,
+                               &field_->vertices};
+    recorder.Dispatch(centroid_keys_, buffers, push, push.count, kWorkgroupSize);
+    sort_.Record(recorder, sorted_, push.count, 32);
+    return;
+  }
+  // The last sort decides first: ties within powers within their higher words.
+  UploadRanks(glm::vec3(pass.view.center_in_world_cy));
+  RecordSortBy(recorder, ranks_, push.count, rank_bits_);
+  if (keys_ == Keys::kRanks) return;
+  const Buffer* buffers[] = {&sorted_.items, &sorted_.keys, &spheres_, &high_keys_};
+  recorder.Dispatch(power_keys_, buffers, push, push.count, kWorkgroupSize);
+  sort_.Record(recorder, sorted_, push.count, 32);
+  RecordSortBy(recorder, high_keys_, push.count, 32);
+}
+
+void ProjectionIntegrator::RecordSortBy(CommandRecorder& recorder, const Buffer& keys_of_tets,
+                                        uint32_t count, int bits) {
+  if (bits == 0) return;
+  const Buffer* buffers[] = {&keys_of_tets, &sorted_.items, &sorted_.keys};
+  recorder.Dispatch(gather_, buffers, ScanPush{.count = count}, count, kWorkgroupSize);
+  sort_.Record(recorder, sorted_, count, bits);
+}
+
+// Ranks of all tets, or of those that tie. The device is idle.
+void ProjectionIntegrator::UploadRanks(const glm::vec3& eye) {
+  if (has_ranks_ && eye == ranked_eye_) return;
+  has_ranks_ = true;
+  ranked_eye_ = eye;
+  uint64_t tets_in_cycles = 0;
+  std::vector<uint32_t> ranks;
+  if (keys_ == Keys::kPower) {
+    ranks = RankTies(field_->mesh, power_, eye);
+    if (ranks.empty()) tets_in_cycles = power_.tied_faces.size();
+  } else {
+    VisibilityRanks all = RankByVisibility(field_->mesh, eye);
+    ranks = std::move(all.ranks);
+    tets_in_cycles = all.tets_in_cycles;
+  }
+  rank_bits_ =
+      ranks.empty() ? 0 : int(std::bit_width(*std::max_element(ranks.begin(), ranks.end())));
+  if (rank_bits_ > 0) ranks_.Upload(ranks);
+  if (tets_in_cycles > 0 && !has_warned_) {
+    LogWarning(
+        "projection: {} of {} tets cover one another in cycles as seen from a camera; their "
+        "order is approximate (told once a mesh)",
+        tets_in_cycles, field_->tet_count);
+    has_warned_ = true;
+  }
+}
+
+void ProjectionIntegrator::ForEachStretch(CommandRecorder& recorder,
+                                          const std::function<void(const Push&)>& composite) {
+  const uint32_t tiles = TileCount(push_);
+  const uint64_t most = device_.properties.limits.maxStorageBufferRange / sizeof(uint32_t);
+  const uint32_t capacity =
+      uint32_t(std::max<uint64_t>(tiles, std::min(most, fragment_memory_ / kBytesPerItem)));
+  // So many tets at a time cannot make more items than 32 bits count.
+  const uint32_t slice = std::numeric_limits<uint32_t>::max() / tiles;
+  uint32_t stretches = 0, done = 0;
+  Push push = push_;
+  do {
+    push.offsets_first = push.first = done;
+    push.count = std::min(slice, visible_count_ - done);
+    done += push.count;
+    const Buffer* counted[] = {&sorted_.items, &rectangles_, &offsets_};
+    recorder.Dispatch(count_, counted, push, push.count + 1ull, kWorkgroupSize);
+    prefix_sum_.Record(recorder, offsets_, push.count + 1u);
+    Flush(recorder);
+    const std::vector<Stretch> cut = CutIntoStretches(push.count, capacity);
+    for (const Stretch& stretch : cut) {
+      items_.Reserve(device_, stretch.items);
+      sort_.Reserve(stretch.items);
+    }
+    for (const Stretch& stretch : cut) {
+      push.first = push.offsets_first + stretch.begin;
+      push.count = stretch.end - stretch.begin;
+      push.is_first = stretches == 0;
+      RecordLists(recorder, push, stretch.items);
+      composite(push);
+      ++stretches;
+    }
+  } while (done < visible_count_);
+  lists_are_whole_ = stretches == 1;
+  whole_ = push;
+}
+
+// One at least. The device is idle.
+std::vector<ProjectionIntegrator::Stretch> ProjectionIntegrator::CutIntoStretches(
+    uint32_t tets, uint32_t capacity) const {
+  const uint32_t total = ReadWord(offsets_, tets);
+  if (total <= capacity) return {{0, tets, total}};
+  const auto offsets = offsets_.DownloadAs<uint32_t>(tets + 1ull);
+  std::vector<Stretch> stretches;
+  uint32_t begin = 0;
+  while (begin < tets) {
+    // The last tet whose items still fit; one tet always does.
+    const auto past = std::upper_bound(offsets.begin() + begin, offsets.end(),
+                                       uint64_t(offsets[begin]) + capacity);
+    const uint32_t end = uint32_t(past - offsets.begin()) - 1;
+    stretches.push_back({begin, end, offsets[end] - offsets[begin]});
+    begin = end;
+  }
+  return stretches;
+}
+
+void ProjectionIntegrator::RecordLists(CommandRecorder& recorder, Push push, uint32_t items) {
+  const uint32_t tiles = TileCount(push);
+  zero_.Record(recorder, tile_ranges_, 2ull * tiles);
+  if (items == 0) return;
+  const Buffer* emitted[] = {&sorted_.items, &rectangles_, &offsets_, &items_.keys, &items_.items};
+  recorder.Dispatch(emit_, emitted, push, push.count, kWorkgroupSize);
+  sort_.Record(recorder, items_, items, int(std::bit_width(tiles - 1)));
+  push.count = items;
+  const Buffer* ranged[] = {&items_.keys, &tile_ranges_};
+  recorder.Dispatch(ranges_, ranged, push, CeilDivide(items, kItemRun), kWorkgroupSize);
+}
+
+void ProjectionIntegrator::RecordForward(CommandRecorder& recorder, const RayPass& pass,
+                                         const Push& push) {
+  const Buffer* buffers[] = {&pass.views,   &pass.rays.blocks, &field_->tets,    &field_->vertices,
+                             &items_.items, &tile_ranges_,     &pass.rays.colors};
+  recorder.Dispatch(forward_, buffers, push, uint64_t(TileCount(push)) * kTileRays, kWorkgroupSize);
+}
+
+void ProjectionIntegrator::RecordBackward(CommandRecorder& recorder, const RayPass& pass,
+                                          const Push& push) {
+  const Buffer* buffers[] = {&pass.views,          &pass.rays.blocks,    &field_->tets,
+                             &field_->vertices,    &items_.items,        &tile_ranges_,
+                             &pass.rays.colors,    &pass.rays.gradients, &ray_states_,
+                             &pass.field.gradients};
+  recorder.Dispatch(backward_, buffers, push, uint64_t(TileCount(push)) * kTileRays,
+                    kWorkgroupSize);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,120 @@
+// Prefix sums and a stable radix sort on the device.
+//
+// Every thread owns a run of values. That keeps the sort stable without shared memory or barriers,
+// which lavapipe runs slowly; a counter a digit and run is one word a key.
+#include "render/radix_sort.h"
+
+#include "core/error.h"
+#include "embedded_shaders.h"
+#include "shared/gpu_types.glsl.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tetrec {
+namespace {
+
+using gpu_types::ScanPush;
+using gpu_types::SortPush;
+
+uint64_t Runs(uint64_t count, uint64_t run) { return (count + run - 1) / run; }
+
+void Grow(const Device& device, Buffer& buffer, const char* name, uint64_t words) {
+  if (buffer.bytes() < std::max<uint64_t>(4 * words, 1)) {
+    buffer = {};
+    buffer = Buffer(device, name, 4 * words);
+  }
+}
+
+}  // namespace
+
+PrefixSum::PrefixSum(const Device& device)
+    : device_(device),
+      sums_(device, "scan_sums", kScanSums,
+            {{kBindValues, Access::kRead}, {kBindSums, Access::kWrite}}, sizeof(ScanPush)),
+      apply_(device, "scan_apply", kScanApply,
+             {{kBindValues, Access::kReadWrite}, {kBindSums, Access::kRead}}, sizeof(ScanPush)) {}
+
+void PrefixSum::Reserve(uint64_t count) {
+  size_t level = 0;
+  do {
+    count = Runs(count, kScanRun);
+    if (levels_.size() == level) levels_.emplace_back();
+    Grow(device_, levels_[level++], "prefix sums", count);
+  } while (count > 1);
+}
+
+void PrefixSum::Record(CommandRecorder& recorder, const Buffer& values, uint32_t count) {
+  // Up: totals of runs until one run holds all; down: every run begins at the total before it.
+  std::vector<std::pair<const Buffer*, uint32_t>> levels = {{&values, count}};
+  while (levels.back().second > kScanRun) {
+    const auto [below, size] = levels.back();
+    const uint32_t runs = uint32_t(Runs(size, kScanRun));
+    const Buffer& above = levels_.at(levels.size() - 1);
+    TETREC_CHECK(above.bytes() >= 4ull * runs, "prefix sums: too little reserved");
+    const Buffer* buffers[] = {below, &above};
+    recorder.Dispatch(sums_, buffers, ScanPush{.count = size}, runs, kWorkgroupSize);
+    levels.emplace_back(&above, runs);
+  }
+  for (size_t i = levels.size(); i-- > 0;) {
+    const auto [buffer, size] = levels[i];
+    const bool has_sums = i + 1 < levels.size();
+    // Where there are none, any other buffer stands in: it is not read.
+    const Buffer* buffers[] = {buffer, has_sums ? levels[i + 1].first : &levels_.at(i)};
+    recorder.Dispatch(apply_, buffers, ScanPush{.count = size, .has_sums = has_sums},
+                      Runs(size, kScanRun), kWorkgroupSize);
+  }
+}
+
+void SortList::Reserve(const Device& device, uint64_t count) {
+  Grow(device, keys, "sort keys", count);
+  Grow(device, items, "sort items", count);
+  Grow(device, other_keys, "other sort keys", count);
+  Grow(device, other_items, "other sort items", count);
+}
+
+RadixSort::RadixSort(const Device& device)
+    : device_(device),
+      count_(device, "sort_count", kSortCount,
+             {{kBindKeys, Access::kRead}, {kBindDigitCounts, Access::kReadWrite}},
+             sizeof(SortPush)),
+      scatter_(device, "sort_scatter", kSortScatter,
+               {{kBindKeys, Access::kRead},
+                {kBindItems, Access::kRead},
+                {kBindSortedKeys, Access::kWrite},
+                {kBindSortedItems, Access::kWrite},
+                {kBindDigitCounts, Access::kReadWrite}},
+               sizeof(SortPush)),
+      prefix_sum_(device) {}
+
+void RadixSort::Reserve(uint64_t count) {
+  const uint64_t counters = Runs(count, kSortRun) * kSortDigits;
+  Grow(device_, digit_counts_, "digit counts", counters);
+  prefix_sum_.Reserve(counters);
+}
+
+void RadixSort::Record(CommandRecorder& recorder, SortList& list, uint32_t count, int bits) {
+  const uint32_t runs = uint32_t(Runs(count, kSortRun));
+  TETREC_CHECK(digit_counts_.bytes() >= 4ull * runs * kSortDigits, "sort: too little reserved");
+  for (int shift = 0; shift < bits; shift += 8) {
+    const SortPush push{.count = count, .shift = uint32_t(shift), .runs = runs};
+    const Buffer* counted[] = {&list.keys, &digit_counts_};
+    recorder.Dispatch(count_, counted, push, runs, kWorkgroupSize);
+    prefix_sum_.Record(recorder, digit_counts_, runs * kSortDigits);
+    const Buffer* moved[] = {&list.keys, &list.items, &list.other_keys, &list.other_items,
+                             &digit_counts_};
+    recorder.Dispatch(scatter_, moved, push, runs, kWorkgroupSize);
+    std::swap(list.keys, list.other_keys);
+    std::swap(list.items, list.other_items);
+  }
+}
+
+ZeroFill::ZeroFill(const Device& device)
+    : program_(device, "zero", kZero, {{kBindValues, Access::kWrite}}, sizeof(ScanPush)) {}
+
+void ZeroFill::Record(CommandRecorder& recorder, const Buffer& values, uint64_t count) {
+  const Buffer* buffers[] = {&values};
+  recorder.Dispatch(program_, buffers, ScanPush{.count = uint32_t(count)}, count, kWorkgroupSize);
+}
+
+}  // namespace tetrec

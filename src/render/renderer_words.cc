@@ -1,0 +1,52 @@
+// Renderers and their options as the command line names them.
+#include "render/renderer_words.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+namespace tetrec {
+namespace {
+
+const std::map<std::string, RendererKind> kRenderers = {{"march", RendererKind::kMarch},
+                                                        {"projection", RendererKind::kProjection}};
+const std::map<std::string, VisibilityOrder> kOrders = {{"exact", VisibilityOrder::kExact},
+                                                        {"centroid", VisibilityOrder::kCentroid}};
+
+}  // namespace
+
+void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOptions& options) {
+  CLI::App& app = command.app();
+  app.add_option("--renderer", words.renderer,
+                 "march (from tet to tet, fastest) or projection (projected tets, sorted); the "
+                 "pictures are the same")
+      ->check(CLI::IsMember(&kRenderers));
+  app.add_option("--order", words.order,
+                 "of projected tets: exact, or centroid (by the depth of their centroids, "
+                 "approximate)")
+      ->check(CLI::IsMember(&kOrders));
+  app.add_option(
+      "--integral", words.integral,
+      "colour of a ray inside a tet: exact (linear density), mean (mean density) or split:N "
+      "(N = 1 .. 64 equal parts of constant density); opacity is exact in all of them");
+  command.DoesNotChangeResults(
+      app.add_option("--fragment-memory", options.fragment_memory,
+                     "bytes on the device for lists of projected tets; what does not fit is "
+                     "composited a part at a time"));
+  command.DoesNotChangeResults(app.add_option("--device", options.device.device,
+                                              "Vulkan device: auto, cpu, gpu or a number"));
+}
+
+void RendererWords::Apply(RendererOptions& options) const {
+  options.kind = kRenderers.at(renderer);
+  options.order = kOrders.at(order);
+  options.integral = ParseIntegral(integral);
+  if (options.order != VisibilityOrder::kExact && options.kind != RendererKind::kProjection) {
+    throw UsageError(
+        fmt::format("--order {}: only --renderer projection sorts tets; leave it out", order));
+  }
+}
+
+}  // namespace tetrec

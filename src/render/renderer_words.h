@@ -1,0 +1,23 @@
+// Renderers and their options as the command line names them.
+#pragma once
+
+#include "core/stage.h"
+#include "render/renderer.h"
+
+#include <string>
+
+namespace tetrec {
+
+// What the command line gives as words.
+struct RendererWords {
+  std::string renderer = "march", order = "exact", integral = "exact";
+
+  // Throws UsageError where the words do not go together.
+  void Apply(RendererOptions& options) const;
+};
+
+// The options that every stage that renders has: --renderer, --order,
+// --integral, --fragment-memory, --device.
+void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOptions& options);
+
+}  // namespace tetrec

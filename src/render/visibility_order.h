@@ -1,0 +1,45 @@
+// In which order the tets of a mesh are seen from a point: keys for a sort, or ranks.
+#pragma once
+
+#include "mesh/tet_mesh.h"
+
+#include <glm/glm.hpp>
+
+#include <vector>
+
+namespace tetrec {
+
+struct InnerFace {
+  uint32_t tet;
+  int face;  // of the tet
+  uint32_t neighbor;
+};
+
+// Circumspheres in a frame around the mesh's middle. From an eye e in that frame the tets of a
+// Delaunay mesh are seen in the order of power - 2 center.e, tets on one sphere in that of
+// RankTies.
+struct PowerOrder {
+  glm::dvec3 origin{0.0};           // of the frame [world]
+  std::vector<glm::dvec4> spheres;  // (T) centre | power of the origin: |c|^2 - r^2
+  // Whose tets are on one sphere up to rounding: they share the sphere of one of them.
+  std::vector<InnerFace> tied_faces;
+  uint64_t bad_faces = 0;  // not Delaunay by more than rounding: then the order is none
+};
+
+PowerOrder MeasurePowerOrder(const TetMesh& mesh);
+
+// (T) among tets on one sphere the smaller is in front; 0 for all others. Empty where they cover
+// each other in a cycle.
+std::vector<uint32_t> RankTies(const TetMesh& mesh, const PowerOrder& order, const glm::vec3& eye);
+
+struct VisibilityRanks {
+  std::vector<uint32_t> ranks;  // (T) 0 is in front
+  uint64_t tets_in_cycles = 0;  // ranked although a tet that covers them is not, nearest first
+};
+
+// Topological order of the relation "in front across a shared face" (Williams 1992, "Visibility
+// ordering meshed polyhedra"); right for every convex mesh where the relation has no cycle. The eye
+// is that of the renderer, in floats.
+VisibilityRanks RankByVisibility(const TetMesh& mesh, const glm::vec3& eye);
+
+}  // namespace tetrec
