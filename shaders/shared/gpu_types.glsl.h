@@ -89,6 +89,7 @@ struct AdamPush {
 #define kBindPartialLosses 12
 #define kBindParameters 13
 #define kBindMoments 14
+#define kBindPositionGradients 15  // vec4 a vertex: dL/dposition | absolute sum
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 80 && sizeof(GpuBlock) == 16);

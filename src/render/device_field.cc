@@ -79,6 +79,13 @@ DeviceField UploadField(const Device& device, const TetMesh& mesh, const VertexS
   return field;
 }
 
+void AllocatePositionGradients(const Device& device, DeviceField& field) {
+  if (field.position_gradients.handle() != VK_NULL_HANDLE) return;
+  field.position_gradients =
+      Buffer(device, "position gradients", uint64_t(field.vertex_count) * 16);
+  field.position_gradients.FillZero();
+}
+
 VertexState DownloadState(const DeviceField& field) {
   VertexState state;
   state.parameters = field.parameters.DownloadAs<glm::vec4>(field.vertex_count);

@@ -16,6 +16,7 @@ struct RayPass {
   const Buffer& views;     // GpuView; the batch's blocks name them
   const Buffer& counters;  // of kCounterCount
   gpu_types::MarchPush push;
+  GradientParts parts = GradientParts::kColorDensity;  // of Backward
 };
 
 class Integrator {
@@ -23,7 +24,8 @@ class Integrator {
   virtual ~Integrator() = default;
   // Records what fills rays.colors. May submit what was recorded so far, wait, and begin again.
   virtual void Forward(CommandRecorder& recorder, const RayPass& pass) = 0;
-  // Records what adds to field.gradients, after Forward of the same batch.
+  // Records what adds to field.gradients, and field.position_gradients where pass.parts has them;
+  // after Forward of the same batch.
   virtual void Backward(CommandRecorder& recorder, const RayPass& pass) = 0;
 };
 

@@ -39,11 +39,15 @@ MarchIntegrator::MarchIntegrator(const Device& device) {
                                             {kBindRayEntries, Access::kWrite}};
   forward_ = make("march_forward", kMarchForward, results);
   forward_counting_ = make("march_forward (counting)", kMarchForwardCounting, results);
-  backward_ = make("march_backward", with_atomics(kMarchBackward, kMarchBackwardCas),
-                   {{kBindRayColors, Access::kRead},
-                    {kBindRayEntries, Access::kRead},
-                    {kBindRayGradients, Access::kRead},
-                    {kBindVertexGradients, Access::kReadWrite}});
+  std::vector<BindingSpec> backward = {{kBindRayColors, Access::kRead},
+                                       {kBindRayEntries, Access::kRead},
+                                       {kBindRayGradients, Access::kRead},
+                                       {kBindVertexGradients, Access::kReadWrite}};
+  backward_ = make("march_backward", with_atomics(kMarchBackward, kMarchBackwardCas), backward);
+  backward.push_back({kBindPositionGradients, Access::kReadWrite});
+  backward_positions_ =
+      make("march_backward (positions)",
+           with_atomics(kMarchBackwardPositions, kMarchBackwardPositionsCas), backward);
   score_ = make("march_score", with_atomics(kMarchScore, kMarchScoreCas),
                 {{kBindRayEntries, Access::kRead},
                  {kBindRayGradients, Access::kRead},
@@ -59,8 +63,14 @@ void MarchIntegrator::ForwardCounting(CommandRecorder& recorder, const RayPass& 
 }
 
 void MarchIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
-  Dispatch(recorder, backward_, pass,
-           {&pass.rays.colors, &pass.rays.entries, &pass.rays.gradients, &pass.field.gradients});
+  if (pass.parts == GradientParts::kColorDensityPosition) {
+    Dispatch(recorder, backward_positions_, pass,
+             {&pass.rays.colors, &pass.rays.entries, &pass.rays.gradients, &pass.field.gradients,
+              &pass.field.position_gradients});
+  } else {
+    Dispatch(recorder, backward_, pass,
+             {&pass.rays.colors, &pass.rays.entries, &pass.rays.gradients, &pass.field.gradients});
+  }
 }
 
 void MarchIntegrator::Score(CommandRecorder& recorder, const RayPass& pass) {

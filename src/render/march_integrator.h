@@ -17,7 +17,7 @@ class MarchIntegrator final : public Integrator {
   void Score(CommandRecorder& recorder, const RayPass& pass);
 
  private:
-  Program forward_, forward_counting_, backward_, score_;
+  Program forward_, forward_counting_, backward_, backward_positions_, score_;
 };
 
 }  // namespace tetrec

@@ -48,11 +48,22 @@ class Renderer {
   virtual nlohmann::json DescribeDevice() const = 0;
 };
 
-// dL/d(colour, density) of every vertex.
+// dL/d(colour, density, position) of every vertex.
 struct FieldGradient {
   std::vector<glm::vec3> color_srgb;
   std::vector<float> density;
+  // Where positions are asked for, else empty. World frame. A face that a ray meets edge-on, its
+  // angle lost in rounding, gives nothing there: the true gradient grows without bound.
+  std::vector<glm::vec3> position;
+  // As AbsGS (Ye et al. 2024): the sum, over the rays' passages of the tets around the vertex, of
+  // the length of the passage's own dL/dposition across the ray. Across, because that is what a
+  // move changes in the picture, and because gradients along the rays grow with how flat the faces
+  // lie to them. Opposite wishes of different rays add up here and cancel in `position`.
+  std::vector<float> absolute_position;
 };
+
+// Which gradients to compute; those by positions make the backward pass slower.
+enum class GradientParts { kColorDensity, kColorDensityPosition };
 
 // A pixel of a picture in [0, 1], colour premultiplied by alpha.
 struct TargetImage {
@@ -119,7 +130,8 @@ class TrainingRenderer : public Renderer {
   virtual std::vector<float> ReadScores() = 0;
   // dL/dfield for dL/d(rgb, transmittance) of each pixel of a view rendered with one ray a pixel.
   virtual FieldGradient Backpropagate(const RenderView& view,
-                                      std::span<const glm::vec4> pixel_gradient) = 0;
+                                      std::span<const glm::vec4> pixel_gradient,
+                                      GradientParts parts = GradientParts::kColorDensity) = 0;
   // Colour before the background and optical depth of every ray of `blocks`, all of `view` (their
   // `view` is 0), one ray a pixel; zero outside the picture.
   virtual std::vector<glm::vec4> MarchBlocks(const RenderView& view,

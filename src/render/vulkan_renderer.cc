@@ -164,13 +164,15 @@ class VulkanRenderer final : public TrainingRenderer {
     return image;
   }
 
-  FieldGradient Backpropagate(const RenderView& view,
-                              std::span<const glm::vec4> pixel_gradient) override {
+  FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient,
+                              GradientParts parts) override {
+    const bool with_positions = parts == GradientParts::kColorDensityPosition;
     WaitAll();
     const int width = view.camera.width, height = view.camera.height;
     TETREC_CHECK(pixel_gradient.size() == size_t(width) * height, "one gradient a pixel");
     UploadRenderView(view, 1);
     field_.gradients.FillZero();
+    if (with_positions) AllocatePositionGradients(*device_, field_);
     ForEachBatch(width, height, [&](std::span<const RayBlock> blocks) {
       MarchBatch(blocks);
       std::vector<glm::vec4> gradients(blocks.size() * kRaysPerBlock, glm::vec4(0.0f));
@@ -182,7 +184,9 @@ class VulkanRenderer final : public TrainingRenderer {
       }
       rays_[0].gradients.Upload(gradients);
       render_recorder_.Begin();
-      integrator_->Backward(render_recorder_, PassOver(rays_[0], render_view_, {}));
+      RayPass pass = PassOver(rays_[0], render_view_, {});
+      pass.parts = parts;
+      integrator_->Backward(render_recorder_, pass);
       render_recorder_.EndAndSubmit();
       render_recorder_.Wait();
     });
@@ -192,6 +196,13 @@ class VulkanRenderer final : public TrainingRenderer {
       result.density.push_back(g.a);
     }
     field_.gradients.FillZero();
+    if (!with_positions) return result;
+    for (const glm::vec4& g :
+         field_.position_gradients.DownloadAs<glm::vec4>(field_.vertex_count)) {
+      result.position.emplace_back(g);
+      result.absolute_position.push_back(g.a);
+    }
+    field_.position_gradients.FillZero();
     return result;
   }
 
