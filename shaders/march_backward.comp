@@ -12,7 +12,7 @@
 // begin at a camera stays there: dz = 0, dq/dp_j = -w_j grad q.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "float_atomic.glsl"
+#include "atomic_sum.glsl"
 
 vec3 g_color;
 
@@ -23,22 +23,22 @@ vec3 g_color;
 layout(std430, binding = kBindRayColors) readonly buffer RayColors { vec4 ray_colors[]; };
 layout(std430, binding = kBindRayEntries) readonly buffer RayEntries { Entry ray_entries[]; };
 layout(std430, binding = kBindRayGradients) readonly buffer RayGradients { vec4 ray_gradients[]; };
-layout(std430, binding = kBindVertexGradients) buffer VertexGradients { AtomicFloat vertex_gradients[]; };
+layout(std430, binding = kBindVertexGradients) buffer VertexGradients { Sum vertex_gradients[]; };
 
 // Gradient of one vertex of the triangle, kept until the vertex leaves it: x the sum of colour
 // weights (dL/dcolour is g times it), y dL/ddensity.
 void Flush(uint id, vec2 gradient) {
   if (gradient.x != 0.0 || gradient.y != 0.0) {
-    AddFloat(vertex_gradients[4u * id], g_color.r * gradient.x);
-    AddFloat(vertex_gradients[4u * id + 1u], g_color.g * gradient.x);
-    AddFloat(vertex_gradients[4u * id + 2u], g_color.b * gradient.x);
-    AddFloat(vertex_gradients[4u * id + 3u], gradient.y);
+    AddTo(vertex_gradients[4u * id], g_color.r * gradient.x, push.color_quanta);
+    AddTo(vertex_gradients[4u * id + 1u], g_color.g * gradient.x, push.color_quanta);
+    AddTo(vertex_gradients[4u * id + 2u], g_color.b * gradient.x, push.color_quanta);
+    AddTo(vertex_gradients[4u * id + 3u], gradient.y, push.density_quanta);
   }
 }
 
 #ifdef TETREC_POSITIONS
 layout(std430, binding = kBindPositionGradients) buffer PositionGradients {
-  AtomicFloat position_gradients[];
+  Sum position_gradients[];
 };
 
 mat3 world_from_ray;
@@ -94,10 +94,10 @@ vec3 MoveOf(Slopes slopes, vec3 end) {
 void FlushMove(uint id, vec3 move) {
   if (move != vec3(0.0)) {
     vec3 in_world = world_from_ray * move;
-    AddFloat(position_gradients[4u * id], in_world.x);
-    AddFloat(position_gradients[4u * id + 1u], in_world.y);
-    AddFloat(position_gradients[4u * id + 2u], in_world.z);
-    AddFloat(position_gradients[4u * id + 3u], length(move.xy));
+    AddTo(position_gradients[4u * id], in_world.x, push.position_quanta);
+    AddTo(position_gradients[4u * id + 1u], in_world.y, push.position_quanta);
+    AddTo(position_gradients[4u * id + 2u], in_world.z, push.position_quanta);
+    AddTo(position_gradients[4u * id + 3u], length(move.xy), push.position_quanta);
   }
 }
 #endif

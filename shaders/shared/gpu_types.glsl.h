@@ -47,6 +47,8 @@ struct MarchPush {
   uint jitter_seed;
   float jitter_px;   // rays are moved inside their pixel by up to half of this
   float stop_depth;  // rays stop at this optical depth (-log of transmittance)
+  // Of fixed-point sums: quanta a unit of gradient, and the largest addend.
+  float color_quanta, density_quanta, position_quanta, largest_quanta;
 };
 
 struct LossPush {
@@ -65,12 +67,24 @@ struct AdamPush {
   float color_rate, density_rate;  // after bias correction of the first moment
   float second_moment_correction;  // 1 / (1 - beta2^t)
   float max_log_density;
+  float color_quantum, density_quantum;  // of fixed-point gradients
 };
+
+struct SpreadPush {
+  uint vertex_count;
+};
+
+// Of fixed-point tet scores: a ray adds its squared residual times at most 1, and no more than
+// kLargestScore; kMostScoredRays of them stay below 2^62 quanta.
+#define kScoreQuanta 4294967296.0
+#define kLargestScore 64.0
+#define kMostScoredRays 16777216
 
 // Counters of the march kernels.
 #define kCounterLostRays 0
 #define kCounterSteps 1
 #define kCounterHitRays 2
+#define kCounterClamped 3  // addends of fixed-point sums
 #define kCounterCount 4
 
 // Bindings.

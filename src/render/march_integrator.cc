@@ -26,13 +26,15 @@ void Dispatch(CommandRecorder& recorder, const Program& program, const RayPass& 
 
 }  // namespace
 
-MarchIntegrator::MarchIntegrator(const Device& device) {
+MarchIntegrator::MarchIntegrator(const Device& device, bool fixed_point) {
   const auto make = [&device](const char* name, std::span<const uint32_t> spirv,
                               std::vector<BindingSpec> more) {
     return Program(device, name, spirv, WithMesh(std::move(more)), sizeof(gpu_types::MarchPush));
   };
-  const auto with_atomics = [&device](std::span<const uint32_t> native,
-                                      std::span<const uint32_t> compare_and_swap) {
+  const auto with_atomics = [&](std::span<const uint32_t> native,
+                                std::span<const uint32_t> compare_and_swap,
+                                std::span<const uint32_t> fixed) {
+    if (fixed_point) return fixed;
     return device.has_float_atomics ? native : compare_and_swap;
   };
   const std::vector<BindingSpec> results = {{kBindRayColors, Access::kWrite},
@@ -43,12 +45,14 @@ MarchIntegrator::MarchIntegrator(const Device& device) {
                                        {kBindRayEntries, Access::kRead},
                                        {kBindRayGradients, Access::kRead},
                                        {kBindVertexGradients, Access::kReadWrite}};
-  backward_ = make("march_backward", with_atomics(kMarchBackward, kMarchBackwardCas), backward);
+  backward_ = make("march_backward",
+                   with_atomics(kMarchBackward, kMarchBackwardCas, kMarchBackwardFixed), backward);
   backward.push_back({kBindPositionGradients, Access::kReadWrite});
-  backward_positions_ =
-      make("march_backward (positions)",
-           with_atomics(kMarchBackwardPositions, kMarchBackwardPositionsCas), backward);
-  score_ = make("march_score", with_atomics(kMarchScore, kMarchScoreCas),
+  backward_positions_ = make("march_backward (positions)",
+                             with_atomics(kMarchBackwardPositions, kMarchBackwardPositionsCas,
+                                          kMarchBackwardPositionsFixed),
+                             backward);
+  score_ = make("march_score", with_atomics(kMarchScore, kMarchScoreCas, kMarchScoreFixed),
                 {{kBindRayEntries, Access::kRead},
                  {kBindRayGradients, Access::kRead},
                  {kBindTetScores, Access::kReadWrite}});

@@ -33,6 +33,8 @@ struct RenderedImage {
 struct RenderCounts {
   uint64_t rays = 0;       // marched
   uint64_t lost_rays = 0;  // ended neither at the stop depth nor where the hull ends; 0 or a bug
+  // Of RendererOptions::deterministic: addends too large for the fixed-point sums, clamped there.
+  uint64_t clamped_addends = 0;
   // Of Render and MarchBlocks where RendererOptions::count_steps is set, else 0.
   uint64_t hit_rays = 0;
   uint64_t steps = 0;  // tets
@@ -155,6 +157,9 @@ struct RendererOptions {
   float stop_transmittance = 1e-3f;
   uint32_t max_steps = 1u << 16;  // tets on one ray
   bool count_steps = false;       // fill RenderCounts::steps and hit_rays; a little slower
+  // Gradients and scores are summed in 64-bit fixed point: the same bits whatever the number of
+  // threads and the order of the rays. Needs a device with 64-bit integer atomics.
+  bool deterministic = false;
   // What lists of fragments may take on the device [bytes]; pictures are tiled to fit.
   uint64_t fragment_memory = 512ull << 20;
 };
