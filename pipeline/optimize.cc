@@ -55,6 +55,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   app.add_option("--watched-views", options.watched_views,
                  "held-out views whose PSNR goes into metrics.csv")
       ->check(CLI::Range(0, 1000));
+  app.add_flag("--deterministic", options.renderer.deterministic,
+               "the same bytes for any number of threads and after a resume, a little slower; with "
+               "--iterations and --time-limit 0");
   command.DoesNotChangeResults(app.add_option("--checkpoint-interval",
                                               options.checkpoint_interval_s,
                                               "seconds between checkpoints")

@@ -4,20 +4,45 @@
 // Clears the gradient for the next step.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#ifdef TETREC_FIXED_POINT
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#endif
 #include "shared/gpu_types.glsl.h"
 
 layout(local_size_x = kWorkgroupSize) in;
+#ifdef TETREC_FIXED_POINT
+layout(std430, binding = kBindVertexGradients) buffer VertexGradients { int64_t vertex_gradients[]; };
+#else
 layout(std430, binding = kBindVertexGradients) buffer VertexGradients { vec4 vertex_gradients[]; };
+#endif
 layout(std430, binding = kBindParameters) buffer Parameters { vec4 parameters[]; };
 layout(std430, binding = kBindMoments) buffer MomentsBuffer { Moments moments[]; };
 layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
 layout(push_constant) uniform Push { AdamPush push; };
 
+// Reads the gradient of a vertex and clears it.
+vec4 TakeGradient(uint v) {
+#ifdef TETREC_FIXED_POINT
+  vec4 gradient;
+  uint i = 0u;
+  while (i < 4u) {
+    gradient[i] = float(vertex_gradients[4u * v + i]);
+    vertex_gradients[4u * v + i] = 0;
+    i += 1u;
+  }
+  return gradient * vec4(vec3(push.color_quantum), push.density_quantum);
+#else
+  vec4 gradient = vertex_gradients[v];
+  vertex_gradients[v] = vec4(0.0);
+  return gradient;
+#endif
+}
+
 void main() {
   uint v = gl_GlobalInvocationID.x;
   if (v < push.vertex_count) {
     vec4 parameter = parameters[v];
-    vec4 gradient = vertex_gradients[v];
+    vec4 gradient = TakeGradient(v);
     gradient.a *= vertices[2u * v].w;
     Moments m = moments[v];
     m.first = push.beta1 * m.first + (1.0 - push.beta1) * gradient;
@@ -32,6 +57,5 @@ void main() {
     parameters[v] = parameter;
     vertices[2u * v].w = exp(parameter.a);
     vertices[2u * v + 1u].rgb = parameter.rgb;
-    vertex_gradients[v] = vec4(0.0);
   }
 }

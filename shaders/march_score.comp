@@ -3,7 +3,7 @@
 // scale is 1/2.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "float_atomic.glsl"
+#include "atomic_sum.glsl"
 
 #define Payload float
 #define MakePayload(color) 0.0
@@ -11,7 +11,7 @@
 
 layout(std430, binding = kBindRayEntries) readonly buffer RayEntries { Entry ray_entries[]; };
 layout(std430, binding = kBindRayGradients) readonly buffer RayGradients { vec4 ray_gradients[]; };
-layout(std430, binding = kBindTetScores) buffer TetScores { AtomicFloat tet_scores[]; };
+layout(std430, binding = kBindTetScores) buffer TetScores { Sum tet_scores[]; };
 
 // Additions are what this pass costs; shares below this decide no split.
 const float kLeastShare = 1e-3;
@@ -45,7 +45,7 @@ void main() {
     float tau = 0.5 * (density0 + density1) * (z1 - z0);
     float t = exp(-depth);
     float share = t * (1.0 - exp(-tau));
-    if (share > kLeastShare) AddFloat(tet_scores[tet], error * share);
+    if (share > kLeastShare) AddTo(tet_scores[tet], error * share, kScoreQuanta);
     depth += tau;
     z0 = z1;
     density0 = density1;

@@ -2,21 +2,21 @@
 // part of the loss behind a segment is kept).
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "float_atomic.glsl"
+#include "atomic_sum.glsl"
 #include "projection_rays.glsl"
 
 layout(std430, binding = kBindRayColors) readonly buffer RayColors { vec4 ray_colors[]; };
 layout(std430, binding = kBindRayGradients) readonly buffer RayGradients { vec4 ray_gradients[]; };
 layout(std430, binding = kBindRayStates) buffer RayStates { vec2 ray_states[]; };
-layout(std430, binding = kBindVertexGradients) buffer VertexGradients { AtomicFloat vertex_gradients[]; };
+layout(std430, binding = kBindVertexGradients) buffer VertexGradients { Sum vertex_gradients[]; };
 
 // x: the sum of colour weights, y: dL/ddensity.
 void Deposit(uint id, vec3 g_color, vec2 gradient) {
   if (gradient.x != 0.0 || gradient.y != 0.0) {
-    AddFloat(vertex_gradients[4u * id], g_color.r * gradient.x);
-    AddFloat(vertex_gradients[4u * id + 1u], g_color.g * gradient.x);
-    AddFloat(vertex_gradients[4u * id + 2u], g_color.b * gradient.x);
-    AddFloat(vertex_gradients[4u * id + 3u], gradient.y);
+    AddTo(vertex_gradients[4u * id], g_color.r * gradient.x, 1.0);
+    AddTo(vertex_gradients[4u * id + 1u], g_color.g * gradient.x, 1.0);
+    AddTo(vertex_gradients[4u * id + 2u], g_color.b * gradient.x, 1.0);
+    AddTo(vertex_gradients[4u * id + 3u], gradient.y, 1.0);
   }
 }
 

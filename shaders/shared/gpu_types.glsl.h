@@ -47,6 +47,8 @@ struct MarchPush {
   uint jitter_seed;
   float jitter_px;   // rays are moved inside their pixel by up to half of this
   float stop_depth;  // rays stop at this optical depth (-log of transmittance)
+  // Of fixed-point sums: quanta a unit of gradient, and the largest addend.
+  float color_quanta, density_quanta, position_quanta, largest_quanta;
 };
 
 struct LossPush {
@@ -66,6 +68,7 @@ struct AdamPush {
   float second_moment_correction;  // 1 / (1 - beta2^t)
   float max_log_density;
   float density_decay;  // of the log density of a seen vertex, a step
+  float color_quantum, density_quantum;  // of fixed-point gradients
 };
 
 // Runs of values that one thread counts, adds or moves in prefix sums and sorts.
@@ -107,10 +110,21 @@ struct ProjectionPush {
   vec4 eye_high, eye_low;  // camera centre in the frame of the tets' spheres, as two floats each
 };
 
+struct SpreadPush {
+  uint vertex_count;
+};
+
+// Of fixed-point tet scores: a ray adds its squared residual times at most 1, and no more than
+// kLargestScore; kMostScoredRays of them stay below 2^62 quanta.
+#define kScoreQuanta 4294967296.0
+#define kLargestScore 64.0
+#define kMostScoredRays 16777216
+
 // Counters of the march kernels.
 #define kCounterLostRays 0
 #define kCounterSteps 1
 #define kCounterHitRays 2
+#define kCounterClamped 3  // addends of fixed-point sums
 #define kCounterCount 4
 
 // Bindings.
@@ -145,6 +159,7 @@ struct ProjectionPush {
 #define kBindOffsets 27     // uint a visible tet: items before its own
 #define kBindTileRanges 28  // uvec2 a tile: its stretch of the items
 #define kBindRayStates 29   // vec2 a ray: optical depth, part of the loss behind
+#define kBindPositionGradients 30  // vec4 a vertex: dL/dposition | absolute sum
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 80 && sizeof(GpuBlock) == 16);

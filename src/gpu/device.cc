@@ -199,6 +199,15 @@ bool AddsFloatsAtomically(VkPhysicalDevice device) {
   return atomics.shaderBufferFloat32AtomicAdd == VK_TRUE;
 }
 
+bool AddsInt64Atomically(VkPhysicalDevice device) {
+  VkPhysicalDeviceVulkan12Features features12{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                     .pNext = &features12};
+  vkGetPhysicalDeviceFeatures2(device, &features);
+  return features.features.shaderInt64 == VK_TRUE && features12.shaderBufferInt64Atomics == VK_TRUE;
+}
+
 void CreateLogicalDevice(Device& device) {
   if (device.properties.apiVersion < VK_API_VERSION_1_3) {
     throw EnvironmentError(fmt::format("Vulkan device '{}' has API {}.{}, 1.3 is needed",
@@ -222,17 +231,23 @@ void CreateLogicalDevice(Device& device) {
     extensions.push_back(VK_EXT_SHADER_ATOMIC_FLOAT_EXTENSION_NAME);
     features13.pNext = &atomics;
   }
+  VkPhysicalDeviceVulkan12Features features12{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+      .pNext = &features13,
+      .shaderBufferInt64Atomics = device.has_int64_atomics};
+  const VkPhysicalDeviceFeatures features{.shaderInt64 = device.has_int64_atomics};
   const float priority = 1.0f;
   VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                 .queueFamilyIndex = device.queue_family,
                                 .queueCount = 1,
                                 .pQueuePriorities = &priority};
   VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                          .pNext = &features13,
+                          .pNext = &features12,
                           .queueCreateInfoCount = 1,
                           .pQueueCreateInfos = &queue,
                           .enabledExtensionCount = uint32_t(extensions.size()),
-                          .ppEnabledExtensionNames = extensions.data()};
+                          .ppEnabledExtensionNames = extensions.data(),
+                          .pEnabledFeatures = &features};
   TETREC_VK(vkCreateDevice(device.physical, &info, nullptr, &device.handle));
   vkGetDeviceQueue(device.handle, device.queue_family, 0, &device.queue);
   device.push_descriptor_set = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
@@ -279,6 +294,15 @@ std::unique_ptr<Device> CreateDevice(const DeviceOptions& options) {
   vkGetPhysicalDeviceMemoryProperties(device->physical, &device->memory);
   device->queue_family = ComputeQueueFamily(device->physical);
   device->has_float_atomics = options.float_atomics && AddsFloatsAtomically(device->physical);
+  if (options.int64_atomics) {
+    device->has_int64_atomics = AddsInt64Atomically(device->physical);
+    if (!device->has_int64_atomics) {
+      throw EnvironmentError(fmt::format(
+          "--deterministic: Vulkan device '{}' lacks 64-bit integer atomics (shaderInt64, "
+          "shaderBufferInt64Atomics): choose another with --device, or leave the option out",
+          device->properties.deviceName));
+    }
+  }
   CreateLogicalDevice(*device);
   VkCommandPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,

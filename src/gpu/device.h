@@ -25,6 +25,7 @@ struct Device {
   VkPhysicalDeviceMemoryProperties memory{};
   std::string driver;
   bool has_float_atomics = false;
+  bool has_int64_atomics = false;  // on storage buffers
   PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
   std::vector<std::string> validation_messages;  // empty means clean
 

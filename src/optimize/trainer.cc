@@ -303,11 +303,16 @@ class Trainer {
     stage_.Count("rounds", state_.rounds);
     stage_.Count("rays", counts.rays);
     stage_.Count("lost_rays", counts.lost_rays);
+    if (options_.renderer.deterministic) stage_.Count("clamped_addends", counts.clamped_addends);
     stage_.Seconds("optimize", state_.seconds);
     if (!watched_.empty()) stage_.Count("watched_psnr", psnr);
     if (counts.lost_rays > 0) {
       LogWarning("{} of {} rays were lost on their way through the mesh", counts.lost_rays,
                  WithThousands(counts.rays));
+    }
+    if (counts.clamped_addends > 0) {
+      LogWarning("{} addends were too large for the fixed-point sums of gradients and scores",
+                 WithThousands(counts.clamped_addends));
     }
     LogInfo("{} iterations, {} rays in {:.1f} s; {} vertices, {} tets{}",
             WithThousands(state_.iteration), WithThousands(state_.rays), state_.seconds,
@@ -376,6 +381,11 @@ void OptimizeOptions::Check() const {
   if (!(time_limit_s >= 0)) fail("--time-limit", time_limit_s, "at least 0 s");
   if (time_limit_s == 0 && iterations == 0) {
     throw UsageError("--time-limit and --iterations are both 0: give one");
+  }
+  if (renderer.deterministic && (time_limit_s > 0 || iterations == 0)) {
+    throw UsageError(
+        "--deterministic: a run by time ends where the machine's speed takes it; give --iterations "
+        "and --time-limit 0");
   }
   if (rays_per_step < kRaysPerBlock || rays_per_step > 1 << 22) {
     fail("--rays", rays_per_step, "8 to 4194304");

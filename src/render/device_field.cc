@@ -2,10 +2,11 @@
 #include "render/device_field.h"
 
 #include "core/error.h"
+#include "render/fixed_point.h"
 #include "shared/gpu_types.glsl.h"
 
+#include <array>
 #include <bit>
-#include <cmath>
 
 namespace tetrec {
 namespace {
@@ -22,15 +23,17 @@ std::vector<glm::uvec4> TetRows(const TetMesh& mesh) {
   return rows;
 }
 
-// Position with density, and colour, two rows a vertex.
-std::vector<glm::vec4> VertexRows(const TetMesh& mesh, std::span<const glm::vec4> parameters) {
-  std::vector<glm::vec4> rows(2 * mesh.positions.size());
+// Position with density, and colour, two rows a vertex; density and colour are 0 here.
+std::vector<glm::vec4> VertexRows(const TetMesh& mesh) {
+  std::vector<glm::vec4> rows(2 * mesh.positions.size(), glm::vec4(0.0f));
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    rows[2 * v] = glm::vec4(mesh.positions[v], std::exp(parameters[v].a));
-    rows[2 * v + 1] = glm::vec4(glm::vec3(parameters[v]), 0.0f);
+    rows[2 * v] = glm::vec4(mesh.positions[v], 0.0f);
   }
   return rows;
 }
+
+// Of a sum.
+uint64_t SumBytes(const DeviceField& field) { return field.fixed_point ? 8 : 4; }
 
 // Plane (outward normal, offset) and (a, b, c, tet) as bits, two rows a boundary face.
 std::vector<glm::vec4> HullRows(const TetMesh& mesh) {
@@ -54,17 +57,20 @@ std::vector<glm::vec4> HullRows(const TetMesh& mesh) {
 
 }  // namespace
 
-DeviceField UploadField(const Device& device, const TetMesh& mesh, const VertexState& state) {
+DeviceField UploadField(const Device& device, const TetMesh& mesh, const VertexState& state,
+                        bool fixed_point) {
   TETREC_CHECK(state.parameters.size() == mesh.positions.size(), "one parameter row a vertex");
   DeviceField field;
   field.mesh = mesh;
+  field.fixed_point = fixed_point;
+  field.most_tets_at_vertex = MostTetsAtVertex(mesh);
+  field.diagonal = Diagonal(mesh);
   field.vertex_count = uint32_t(mesh.positions.size());
   field.tet_count = uint32_t(mesh.tets.size());
   const std::vector<glm::vec4> hull = HullRows(mesh);
   field.hull_faces = uint32_t(hull.size() / 2);
   field.tets = MakeBuffer(device, "tets", TetRows(mesh), VK_FORMAT_R32G32B32A32_UINT);
-  field.vertices = MakeBuffer(device, "vertices", VertexRows(mesh, state.parameters),
-                              VK_FORMAT_R32G32B32A32_SFLOAT);
+  field.vertices = MakeBuffer(device, "vertices", VertexRows(mesh), VK_FORMAT_R32G32B32A32_SFLOAT);
   field.hull = MakeBuffer(device, "hull", hull, VK_FORMAT_R32G32B32A32_SFLOAT);
   field.parameters = MakeBuffer(device, "parameters", state.parameters);
   std::vector<Moments> moments(field.vertex_count);
@@ -72,11 +78,38 @@ DeviceField UploadField(const Device& device, const TetMesh& mesh, const VertexS
     moments[v] = {state.first_moment[v], state.second_moment[v]};
   }
   field.moments = MakeBuffer(device, "moments", moments);
-  field.gradients = Buffer(device, "vertex gradients", uint64_t(field.vertex_count) * 16);
+  field.gradients = Buffer(device, "vertex gradients", 4 * field.vertex_count * SumBytes(field));
   field.gradients.FillZero();
-  field.tet_scores = Buffer(device, "tet scores", uint64_t(field.tet_count) * 4);
+  field.tet_scores = Buffer(device, "tet scores", field.tet_count * SumBytes(field));
   field.tet_scores.FillZero();
   return field;
+}
+
+void AllocatePositionGradients(const Device& device, DeviceField& field) {
+  if (field.position_gradients.handle() != VK_NULL_HANDLE) return;
+  field.position_gradients =
+      Buffer(device, "position gradients", 4 * field.vertex_count * SumBytes(field));
+  field.position_gradients.FillZero();
+}
+
+std::vector<glm::vec4> DownloadVertexSums(const DeviceField& field, const Buffer& sums,
+                                          glm::dvec2 quanta) {
+  if (!field.fixed_point) return sums.DownloadAs<glm::vec4>(field.vertex_count);
+  std::vector<glm::vec4> values;
+  for (const auto& row : sums.DownloadAs<std::array<int64_t, 4>>(field.vertex_count)) {
+    values.emplace_back(double(row[0]) / quanta.x, double(row[1]) / quanta.x,
+                        double(row[2]) / quanta.x, double(row[3]) / quanta.y);
+  }
+  return values;
+}
+
+std::vector<float> DownloadScores(const DeviceField& field) {
+  if (!field.fixed_point) return field.tet_scores.DownloadAs<float>(field.tet_count);
+  std::vector<float> scores;
+  for (int64_t score : field.tet_scores.DownloadAs<int64_t>(field.tet_count)) {
+    scores.push_back(float(double(score) / kScoreQuanta));
+  }
+  return scores;
 }
 
 VertexState DownloadState(const DeviceField& field) {

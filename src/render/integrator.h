@@ -22,6 +22,7 @@ struct RayPass {
   const gpu_types::GpuView& view;    // and of the first one's view
   const Buffer& counters;            // of kCounterCount
   gpu_types::MarchPush push;
+  GradientParts parts = GradientParts::kColorDensity;  // of Backward
 };
 
 // For programs whose kernels include shaders/integral.glsl.
@@ -36,7 +37,8 @@ class Integrator {
   virtual void SetField(const DeviceField&) {}
   // Records what fills rays.colors. May submit what was recorded so far, wait, and begin again.
   virtual void Forward(CommandRecorder& recorder, const RayPass& pass) = 0;
-  // Records what adds to field.gradients, after Forward of the same batch.
+  // Records what adds to field.gradients, and field.position_gradients where pass.parts has them;
+  // after Forward of the same batch.
   virtual void Backward(CommandRecorder& recorder, const RayPass& pass) = 0;
 };
 

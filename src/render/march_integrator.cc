@@ -26,27 +26,36 @@ void Dispatch(CommandRecorder& recorder, const Program& program, const RayPass& 
 
 }  // namespace
 
-MarchIntegrator::MarchIntegrator(const Device& device, const IntegralOptions& integral) {
+MarchIntegrator::MarchIntegrator(const Device& device, const IntegralOptions& integral,
+                                 bool fixed_point) {
   const std::array<SpecializationConstant, 2> constants = ConstantsOf(integral);
   const auto make = [&](const char* name, std::span<const uint32_t> spirv,
                         std::vector<BindingSpec> more) {
     return Program(device, name, spirv, WithMesh(std::move(more)), sizeof(gpu_types::MarchPush),
                    constants);
   };
-  const auto with_atomics = [&device](std::span<const uint32_t> native,
-                                      std::span<const uint32_t> compare_and_swap) {
+  const auto with_atomics = [&](std::span<const uint32_t> native,
+                                std::span<const uint32_t> compare_and_swap,
+                                std::span<const uint32_t> fixed) {
+    if (fixed_point) return fixed;
     return device.has_float_atomics ? native : compare_and_swap;
   };
   const std::vector<BindingSpec> results = {{kBindRayColors, Access::kWrite},
                                             {kBindRayEntries, Access::kWrite}};
   forward_ = make("march_forward", kMarchForward, results);
   forward_counting_ = make("march_forward (counting)", kMarchForwardCounting, results);
-  backward_ = make("march_backward", with_atomics(kMarchBackward, kMarchBackwardCas),
-                   {{kBindRayColors, Access::kRead},
-                    {kBindRayEntries, Access::kRead},
-                    {kBindRayGradients, Access::kRead},
-                    {kBindVertexGradients, Access::kReadWrite}});
-  score_ = make("march_score", with_atomics(kMarchScore, kMarchScoreCas),
+  std::vector<BindingSpec> backward = {{kBindRayColors, Access::kRead},
+                                       {kBindRayEntries, Access::kRead},
+                                       {kBindRayGradients, Access::kRead},
+                                       {kBindVertexGradients, Access::kReadWrite}};
+  backward_ = make("march_backward",
+                   with_atomics(kMarchBackward, kMarchBackwardCas, kMarchBackwardFixed), backward);
+  backward.push_back({kBindPositionGradients, Access::kReadWrite});
+  backward_positions_ = make("march_backward (positions)",
+                             with_atomics(kMarchBackwardPositions, kMarchBackwardPositionsCas,
+                                          kMarchBackwardPositionsFixed),
+                             backward);
+  score_ = make("march_score", with_atomics(kMarchScore, kMarchScoreCas, kMarchScoreFixed),
                 {{kBindRayEntries, Access::kRead},
                  {kBindRayGradients, Access::kRead},
                  {kBindTetScores, Access::kReadWrite}});
@@ -61,8 +70,14 @@ void MarchIntegrator::ForwardCounting(CommandRecorder& recorder, const RayPass& 
 }
 
 void MarchIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
-  Dispatch(recorder, backward_, pass,
-           {&pass.rays.colors, &pass.rays.entries, &pass.rays.gradients, &pass.field.gradients});
+  if (pass.parts == GradientParts::kColorDensityPosition) {
+    Dispatch(recorder, backward_positions_, pass,
+             {&pass.rays.colors, &pass.rays.entries, &pass.rays.gradients, &pass.field.gradients,
+              &pass.field.position_gradients});
+  } else {
+    Dispatch(recorder, backward_, pass,
+             {&pass.rays.colors, &pass.rays.entries, &pass.rays.gradients, &pass.field.gradients});
+  }
 }
 
 void MarchIntegrator::Score(CommandRecorder& recorder, const RayPass& pass) {

@@ -8,7 +8,8 @@ namespace tetrec {
 
 class MarchIntegrator final : public Integrator {
  public:
-  MarchIntegrator(const Device& device, const IntegralOptions& integral);
+  // `fixed_point`: sums as in DeviceField::fixed_point.
+  MarchIntegrator(const Device& device, const IntegralOptions& integral, bool fixed_point);
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;
   // As Forward; counts steps and hit rays too, which makes it a little slower.
@@ -17,7 +18,7 @@ class MarchIntegrator final : public Integrator {
   void Score(CommandRecorder& recorder, const RayPass& pass);
 
  private:
-  Program forward_, forward_counting_, backward_, score_;
+  Program forward_, forward_counting_, backward_, backward_positions_, score_;
 };
 
 }  // namespace tetrec

@@ -22,11 +22,14 @@ struct Ray {
   dvec3 origin, direction;  // world, direction of length 1
 };
 
+constexpr int kNoFace = -1;
+
 // The part of a ray inside one tet, with the barycentric weights of its ends.
 struct Segment {
   double begin, end;  // along the ray [world units]
   uint32_t tet;
   dvec4 begin_weights, end_weights;
+  int begin_face = kNoFace, end_face = kNoFace;  // kNoFace: at the ray's origin
 };
 
 struct Sphere {
@@ -89,9 +92,15 @@ Segment CutTet(const TetMesh& mesh, uint32_t t, const Ray& ray) {
     weight_at_origin[i] = at_origin / at_vertex;
     weight_slope[i] = slope / at_vertex;
     if (weight_slope[i] > 0.0) {
-      segment.begin = std::max(segment.begin, -at_origin / slope);
+      if (-at_origin / slope > segment.begin) {
+        segment.begin = -at_origin / slope;
+        segment.begin_face = i;
+      }
     } else if (weight_slope[i] < 0.0) {
-      segment.end = std::min(segment.end, -at_origin / slope);
+      if (-at_origin / slope < segment.end) {
+        segment.end = -at_origin / slope;
+        segment.end_face = i;
+      }
     } else {
       // Parallel. A ray inside the face's plane belongs to the side that a fixed direction points
       // to.
@@ -155,10 +164,92 @@ std::vector<Segment> CutMesh(const RadianceField& field, std::span<const Sphere>
   return segments;
 }
 
+// Gradient in space of a quantity that is linear in a tet, from its values at the vertices.
+dvec3 GradientInTet(const TetMesh& mesh, uint32_t tet, const dvec4& values) {
+  const glm::uvec4& ids = mesh.tets[tet];
+  const dvec3 origin(mesh.positions[ids[0]]);
+  const dvec3 a = dvec3(mesh.positions[ids[1]]) - origin,
+              b = dvec3(mesh.positions[ids[2]]) - origin,
+              c = dvec3(mesh.positions[ids[3]]) - origin;
+  const dvec3 sum = (values[1] - values[0]) * glm::cross(b, c) +
+                    (values[2] - values[0]) * glm::cross(c, a) +
+                    (values[3] - values[0]) * glm::cross(a, b);
+  return sum / glm::dot(a, glm::cross(b, c));
+}
+
+// dL/d(distance, density, g . colour) of one end of a segment.
+struct EndGradient {
+  double by_distance, by_density, by_payload;
+};
+
+// What an end of a segment in `tet`, on `face`, gives to a vertex of weight 1. A vertex that moves
+// by m takes the quantity q at a fixed place along by -w grad(q).m; the end slides along the ray d
+// by w n.m / n.d, n the face's normal. An end at the ray's origin does not slide.
+dvec3 MoveGradient(const RadianceField& field, uint32_t tet, int face, const dvec3& direction,
+                   const dvec3& g, const EndGradient& end) {
+  dvec4 density, payload;
+  for (int i = 0; i < 4; ++i) {
+    const uint32_t id = field.mesh.tets[tet][i];
+    density[i] = field.density[id];
+    payload[i] = glm::dot(g, dvec3(field.color_srgb[id]));
+  }
+  const dvec3 slope = end.by_density * GradientInTet(field.mesh, tet, density) +
+                      end.by_payload * GradientInTet(field.mesh, tet, payload);
+  if (face == kNoFace) return -slope;
+  const dvec3 normal = FacePlane(field.mesh, field.mesh.tets[tet], face).normal;
+  const double by_slide = end.by_distance + glm::dot(slope, direction);
+  return by_slide / glm::dot(normal, direction) * normal - slope;
+}
+
+// Sums of the position gradients of one ray, for the vertices of the tet that it is in.
+class Passages {
+ public:
+  Passages(const dvec3& direction, ReferenceGradient& gradient)
+      : direction_(direction), gradient_(gradient) {}
+
+  // Lets the vertices go that `tet` lacks.
+  void Enter(const glm::uvec4& tet) {
+    std::array<Passage, 4> now;
+    for (int i = 0; i < 4; ++i) now[i] = {tet[i], dvec3(0.0)};
+    for (const Passage& before : held_) {
+      const auto same =
+          std::find_if(now.begin(), now.end(), [&](const Passage& p) { return p.id == before.id; });
+      if (same != now.end()) {
+        same->sum = before.sum;
+      } else {
+        LetGo(before);
+      }
+    }
+    held_.assign(now.begin(), now.end());
+  }
+  void Add(int corner, const dvec3& value) { held_[corner].sum += value; }
+  void Leave() {
+    for (const Passage& passage : held_) LetGo(passage);
+    held_.clear();
+  }
+
+ private:
+  struct Passage {
+    uint32_t id;
+    dvec3 sum;
+  };
+
+  void LetGo(const Passage& passage) {
+    gradient_.position[passage.id] += passage.sum;
+    const dvec3 across = passage.sum - glm::dot(passage.sum, direction_) * direction_;
+    gradient_.absolute_position[passage.id] += glm::length(across);
+  }
+
+  dvec3 direction_;
+  ReferenceGradient& gradient_;
+  std::vector<Passage> held_;
+};
+
 void AddRayGradient(const RadianceField& field, std::span<const Segment> segments,
-                    const dvec4& pixel_gradient, const IntegralOptions& integral,
-                    ReferenceGradient& gradient) {
+                    const dvec3& direction, const dvec4& pixel_gradient,
+                    const IntegralOptions& integral, ReferenceGradient& gradient) {
   const dvec3 g(pixel_gradient);
+  Passages passages(direction, gradient);
   std::vector<double> depth_before;
   double depth = 0.0;
   for (const Segment& segment : segments) {
@@ -178,14 +269,22 @@ void AddRayGradient(const RadianceField& field, std::span<const Segment> segment
     const double k0 = glm::dot(g, ends.c0), k1 = glm::dot(g, ends.c1);
     const double by_s0 = before * (a.dw0_ds0 * k0 + a.dw1_ds0 * k1 - 0.5 * own * behind);
     const double by_s1 = before * (a.dw0_ds1 * k0 + a.dw1_ds1 * k1 - 0.5 * own * behind);
+    const double by_length = (ends.s0 * by_s0 + ends.s1 * by_s1) / length;
+    const dvec3 begin_move = MoveGradient(field, segment.tet, segment.begin_face, direction, g,
+                                          {-by_length, length * by_s0, before * a.w0});
+    const dvec3 end_move = MoveGradient(field, segment.tet, segment.end_face, direction, g,
+                                        {by_length, length * by_s1, before * a.w1});
+    passages.Enter(field.mesh.tets[segment.tet]);
     for (int j = 0; j < 4; ++j) {
       const uint32_t id = field.mesh.tets[segment.tet][j];
       const double near = segment.begin_weights[j], far = segment.end_weights[j];
       gradient.color_srgb[id] += before * (a.w0 * near + a.w1 * far) * g;
       gradient.density[id] += length * (by_s0 * near + by_s1 * far);
+      passages.Add(j, near * begin_move + far * end_move);
     }
     behind = a.w0 * k0 + a.w1 * k1 + own * behind;
   }
+  passages.Leave();
 }
 
 double StopDepth(double stop_transmittance) {
@@ -233,14 +332,13 @@ ReferenceGradient BackpropagateReference(const RadianceField& field, const Rende
   TETREC_CHECK(pixel_gradient.size() == pixels, fmt::format("{} gradients", pixel_gradient.size()));
   // A fixed number of partial sums: the result does not depend on the number of threads.
   constexpr size_t kParts = 8;
-  std::vector<ReferenceGradient> parts(
-      kParts, {std::vector<dvec3>(vertices, dvec3(0.0)), std::vector<double>(vertices, 0.0)});
+  std::vector<ReferenceGradient> parts(kParts, ReferenceGradient(vertices));
   ParallelFor(kParts, 1, [&](size_t first, size_t last) {
     for (size_t part = first; part < last; ++part) {
       for (size_t pixel = part; pixel < pixels; pixel += kParts) {
         const Ray ray = PixelRay(view, int(pixel % width), int(pixel / width));
         AddRayGradient(field, CutMesh(field, spheres, ray, StopDepth(stop_transmittance)),
-                       pixel_gradient[pixel], integral, parts[part]);
+                       ray.direction, pixel_gradient[pixel], integral, parts[part]);
       }
     }
   });
@@ -248,6 +346,8 @@ ReferenceGradient BackpropagateReference(const RadianceField& field, const Rende
     for (size_t v = 0; v < vertices; ++v) {
       parts[0].color_srgb[v] += parts[part].color_srgb[v];
       parts[0].density[v] += parts[part].density[v];
+      parts[0].position[v] += parts[part].position[v];
+      parts[0].absolute_position[v] += parts[part].absolute_position[v];
     }
   }
   return parts[0];

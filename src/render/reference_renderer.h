@@ -18,10 +18,18 @@ struct ReferenceImage {
   std::vector<double> length;          // (height x width) of the ray inside the mesh [world units]
 };
 
-// dL/d(colour, density) of every vertex.
+// As FieldGradient, in double; positions always.
 struct ReferenceGradient {
   std::vector<glm::dvec3> color_srgb;
   std::vector<double> density;
+  std::vector<glm::dvec3> position;
+  std::vector<double> absolute_position;
+
+  explicit ReferenceGradient(size_t vertices)
+      : color_srgb(vertices, glm::dvec3(0.0)),
+        density(vertices, 0.0),
+        position(vertices, glm::dvec3(0.0)),
+        absolute_position(vertices, 0.0) {}
 };
 
 // One ray through every pixel's centre. A ray ends after the tet in which its transmittance falls

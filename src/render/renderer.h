@@ -34,6 +34,8 @@ struct RenderedImage {
 struct RenderCounts {
   uint64_t rays = 0;       // marched
   uint64_t lost_rays = 0;  // ended neither at the stop depth nor where the hull ends; 0 or a bug
+  // Of RendererOptions::deterministic: addends too large for the fixed-point sums, clamped there.
+  uint64_t clamped_addends = 0;
   // Of Render and MarchBlocks where RendererOptions::count_steps is set, else 0.
   uint64_t hit_rays = 0;
   uint64_t steps = 0;  // tets
@@ -49,11 +51,22 @@ class Renderer {
   virtual nlohmann::json DescribeDevice() const = 0;
 };
 
-// dL/d(colour, density) of every vertex.
+// dL/d(colour, density, position) of every vertex.
 struct FieldGradient {
   std::vector<glm::vec3> color_srgb;
   std::vector<float> density;
+  // Where positions are asked for, else empty. World frame. A face that a ray meets edge-on, its
+  // angle lost in rounding, gives nothing there: the true gradient grows without bound.
+  std::vector<glm::vec3> position;
+  // As AbsGS (Ye et al. 2024): the sum, over the rays' passages of the tets around the vertex, of
+  // the length of the passage's own dL/dposition across the ray. Across, because that is what a
+  // move changes in the picture, and because gradients along the rays grow with how flat the faces
+  // lie to them. Opposite wishes of different rays add up here and cancel in `position`.
+  std::vector<float> absolute_position;
 };
+
+// Which gradients to compute; those by positions make the backward pass slower.
+enum class GradientParts { kColorDensity, kColorDensityPosition };
 
 // A pixel of a picture in [0, 1], colour premultiplied by alpha.
 struct TargetImage {
@@ -122,7 +135,8 @@ class TrainingRenderer : public Renderer {
   virtual std::vector<float> ReadScores() = 0;
   // dL/dfield for dL/d(rgb, transmittance) of each pixel of a view rendered with one ray a pixel.
   virtual FieldGradient Backpropagate(const RenderView& view,
-                                      std::span<const glm::vec4> pixel_gradient) = 0;
+                                      std::span<const glm::vec4> pixel_gradient,
+                                      GradientParts parts = GradientParts::kColorDensity) = 0;
   // Colour before the background and optical depth of every ray of `blocks`, all of `view` (their
   // `view` is 0), one ray a pixel; zero outside the picture.
   virtual std::vector<glm::vec4> MarchBlocks(const RenderView& view,
@@ -134,7 +148,6 @@ class TrainingRenderer : public Renderer {
 // How a renderer finds the tets that a ray passes.
 enum class RendererKind {
   kMarch,       // from tet to tet through neighbour links
-  kPpll,        // rasterised faces in per-pixel linked lists, sorted
   kProjection,  // projected tets in sorted order
 };
 
@@ -154,6 +167,9 @@ struct RendererOptions {
   float stop_transmittance = 1e-3f;
   uint32_t max_steps = 1u << 16;  // tets on one ray
   bool count_steps = false;       // fill RenderCounts::steps and hit_rays; a little slower
+  // Gradients and scores are summed in 64-bit fixed point: the same bits whatever the number of
+  // threads and the order of the rays. Needs a device with 64-bit integer atomics.
+  bool deterministic = false;
   // What lists of fragments may take on the device [bytes]; pictures are tiled, or composited a
   // stretch of tets at a time, to fit.
   uint64_t fragment_memory = 512ull << 20;

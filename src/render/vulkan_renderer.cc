@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "embedded_shaders.h"
 #include "mesh/locate.h"
+#include "render/fixed_point.h"
 #include "render/march_integrator.h"
 #include "render/projection_integrator.h"
 
@@ -18,6 +19,7 @@ using gpu_types::AdamPush;
 using gpu_types::GpuView;
 using gpu_types::LossPush;
 using gpu_types::MarchPush;
+using gpu_types::SpreadPush;
 
 // Rays of one submit while rendering pictures; bounds the ray buffers.
 constexpr uint32_t kRaysPerSubmit = 1u << 17;
@@ -47,8 +49,9 @@ Program LossProgram(const Device& device) {
                  sizeof(LossPush));
 }
 
-Program AdamProgram(const Device& device) {
-  return Program(device, "adam", kAdam,
+Program AdamProgram(const Device& device, bool fixed_point) {
+  const std::span<const uint32_t> fixed = kAdamFixed, floats = kAdam;
+  return Program(device, "adam", fixed_point ? fixed : floats,
                  {{kBindVertexGradients, Access::kReadWrite},
                   {kBindParameters, Access::kReadWrite},
                   {kBindMoments, Access::kReadWrite},
@@ -56,14 +59,38 @@ Program AdamProgram(const Device& device) {
                  sizeof(AdamPush));
 }
 
+Program SpreadProgram(const Device& device) {
+  return Program(device, "spread", kSpread,
+                 {{kBindParameters, Access::kRead}, {kBindVertices, Access::kReadWrite}},
+                 sizeof(SpreadPush));
+}
+
+double LargestValue(std::span<const glm::vec4> values) {
+  float largest = 0.0f;
+  for (const glm::vec4& value : values) {
+    for (int i = 0; i < 4; ++i) largest = std::max(largest, std::abs(value[i]));
+  }
+  return largest;
+}
+
+DeviceOptions DeviceOptionsOf(const RendererOptions& options) {
+  DeviceOptions device = options.device;
+  device.int64_atomics |= options.deterministic;
+  return device;
+}
+
 // Null for the march.
 std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
                                                 const RendererOptions& options) {
+  if (options.deterministic && options.kind != RendererKind::kMarch) {
+    throw UsageError(
+        "--deterministic: only the march renderer sums in fixed point; leave it or "
+        "--renderer out");
+  }
   if (options.kind == RendererKind::kProjection) {
     return std::make_unique<ProjectionIntegrator>(device, options.order, options.integral,
                                                   options.fragment_memory);
   }
-  TETREC_CHECK(options.kind == RendererKind::kMarch, "no such renderer yet");
   return nullptr;
 }
 
@@ -71,10 +98,11 @@ class VulkanRenderer final : public TrainingRenderer {
  public:
   explicit VulkanRenderer(const RendererOptions& options)
       : options_(options),
-        device_(CreateDevice(options.device)),
+        device_(CreateDevice(DeviceOptionsOf(options))),
         loss_(LossProgram(*device_)),
-        adam_(AdamProgram(*device_)),
-        march_(*device_, options.integral),
+        adam_(AdamProgram(*device_, options.deterministic)),
+        spread_(SpreadProgram(*device_)),
+        march_(*device_, options.integral, options.deterministic),
         other_(MakeOtherIntegrator(*device_, options)),
         integrator_(other_ ? other_.get() : &march_),
         recorders_{std::make_unique<CommandRecorder>(*device_),
@@ -95,7 +123,13 @@ class VulkanRenderer final : public TrainingRenderer {
   void SetVertexState(const TetMesh& mesh, const VertexState& state) override {
     WaitAll();
     field_ = {};  // frees the old mesh before the new one takes memory
-    field_ = UploadField(*device_, mesh, state);
+    field_ = UploadField(*device_, mesh, state, options_.deterministic);
+    render_recorder_.Begin();
+    const Buffer* buffers[] = {&field_.parameters, &field_.vertices};
+    render_recorder_.Dispatch(spread_, buffers, SpreadPush{field_.vertex_count},
+                              field_.vertex_count, kWorkgroupSize);
+    render_recorder_.EndAndSubmit();
+    render_recorder_.Wait();
     integrator_->SetField(field_);
     UploadViews();
   }
@@ -125,10 +159,13 @@ class VulkanRenderer final : public TrainingRenderer {
 
   // Two steps are in flight: while the device works on one, the host prepares the next.
   StepResult Step(const TrainingStep& step) override {
-    return InFlightBatch(*integrator_, step, 1.0f / float(3 * step.blocks.size() * kRaysPerBlock),
+    const uint64_t rays = step.blocks.size() * kRaysPerBlock;
+    const float gradient_scale = 1.0f / float(3 * rays);
+    const FixedPoint fixed = FixedPointOf(gradient_scale, rays);
+    return InFlightBatch(*integrator_, step, gradient_scale, fixed,
                          [&](CommandRecorder& recorder, const RayPass& pass) {
                            integrator_->Backward(recorder, pass);
-                           RecordAdam(recorder, step);
+                           RecordAdam(recorder, step, fixed);
                          });
   }
 
@@ -137,18 +174,25 @@ class VulkanRenderer final : public TrainingRenderer {
   void ClearScores() override {
     WaitAll();
     field_.tet_scores.FillZero();
+    scored_rays_ = 0;
   }
 
   // A gradient scale of 1/2 leaves the residuals themselves in the rays' gradients.
   StepResult AddScores(const TrainingStep& step) override {
-    return InFlightBatch(march_, step, 0.5f, [&](CommandRecorder& recorder, const RayPass& pass) {
-      march_.Score(recorder, pass);
-    });
+    scored_rays_ += step.blocks.size() * kRaysPerBlock;
+    TETREC_CHECK(!options_.deterministic || scored_rays_ <= kMostScoredRays,
+                 fmt::format("scores of {} rays: their fixed-point sums hold {}", scored_rays_,
+                             kMostScoredRays));
+    FixedPoint fixed;
+    fixed.largest_quanta = float(kLargestScore * kScoreQuanta);
+    return InFlightBatch(
+        march_, step, 0.5f, fixed,
+        [&](CommandRecorder& recorder, const RayPass& pass) { march_.Score(recorder, pass); });
   }
 
   std::vector<float> ReadScores() override {
     WaitAll();
-    return field_.tet_scores.DownloadAs<float>(field_.tet_count);
+    return DownloadScores(field_);
   }
 
   RenderedImage Render(const RenderView& view, int samples) override {
@@ -171,13 +215,18 @@ class VulkanRenderer final : public TrainingRenderer {
     return image;
   }
 
-  FieldGradient Backpropagate(const RenderView& view,
-                              std::span<const glm::vec4> pixel_gradient) override {
+  FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient,
+                              GradientParts parts) override {
+    const bool with_positions = parts == GradientParts::kColorDensityPosition;
+    TETREC_CHECK(!with_positions || integrator_ == &march_,
+                 "only the march renderer gives gradients by positions");
     WaitAll();
     const int width = view.camera.width, height = view.camera.height;
     TETREC_CHECK(pixel_gradient.size() == size_t(width) * height, "one gradient a pixel");
     UploadRenderView(view, 1);
+    const FixedPoint fixed = FixedPointOf(LargestValue(pixel_gradient), pixel_gradient.size());
     field_.gradients.FillZero();
+    if (with_positions) AllocatePositionGradients(*device_, field_);
     ForEachBatch(width, height, [&](std::span<const RayBlock> blocks) {
       MarchBatch(blocks);
       std::vector<glm::vec4> gradients(blocks.size() * kRaysPerBlock, glm::vec4(0.0f));
@@ -189,16 +238,26 @@ class VulkanRenderer final : public TrainingRenderer {
       }
       rays_[0].gradients.Upload(gradients);
       render_recorder_.Begin();
-      integrator_->Backward(render_recorder_, RenderPass(blocks));
+      RayPass pass = RenderPass(blocks, fixed);
+      pass.parts = parts;
+      integrator_->Backward(render_recorder_, pass);
       render_recorder_.EndAndSubmit();
       render_recorder_.Wait();
     });
     FieldGradient result;
-    for (const glm::vec4& g : field_.gradients.DownloadAs<glm::vec4>(field_.vertex_count)) {
+    for (const glm::vec4& g :
+         DownloadVertexSums(field_, field_.gradients, {fixed.color_quanta, fixed.density_quanta})) {
       result.color_srgb.emplace_back(g);
       result.density.push_back(g.a);
     }
     field_.gradients.FillZero();
+    if (!with_positions) return result;
+    for (const glm::vec4& g :
+         DownloadVertexSums(field_, field_.position_gradients, glm::dvec2(fixed.position_quanta))) {
+      result.position.emplace_back(g);
+      result.absolute_position.push_back(g.a);
+    }
+    field_.position_gradients.FillZero();
     return result;
   }
 
@@ -230,6 +289,7 @@ class VulkanRenderer final : public TrainingRenderer {
   void AddCounters(RenderCounts& counts) const {
     const auto counters = counters_.DownloadAs<uint32_t>(kCounterCount);
     counts.lost_rays += counters[kCounterLostRays];
+    counts.clamped_addends += counters[kCounterClamped];
     counts.hit_rays += counters[kCounterHitRays];
     counts.steps += counters[kCounterSteps];
   }
@@ -237,13 +297,13 @@ class VulkanRenderer final : public TrainingRenderer {
   // Forward and loss of a batch, then what `then` records; the losses of the batch before last.
   template <class Then>
   StepResult InFlightBatch(Integrator& integrator, const TrainingStep& step, float gradient_scale,
-                           const Then& then) {
+                           const FixedPoint& fixed, const Then& then) {
     current_ ^= 1;
     const StepResult before = Collect(current_);
     RayBatch& rays = rays_[current_];
     PutBlocks(rays, step.blocks);
     const RayPass pass =
-        PassOver(rays, training_views_, step.blocks, gpu_views_[step.blocks[0].view], step);
+        PassOver(rays, training_views_, step.blocks, gpu_views_[step.blocks[0].view], step, fixed);
     CommandRecorder& recorder = *recorders_[current_];
     recorder.Begin();
     integrator.Forward(recorder, pass);
@@ -307,7 +367,7 @@ class VulkanRenderer final : public TrainingRenderer {
   std::vector<glm::vec4> MarchBatch(std::span<const RayBlock> blocks) {
     RayBatch& rays = rays_[0];
     PutBlocks(rays, blocks);
-    const RayPass pass = RenderPass(blocks);
+    const RayPass pass = RenderPass(blocks, {});
     render_recorder_.Begin();
     if (options_.count_steps && integrator_ == &march_) {
       march_.ForwardCounting(render_recorder_, pass);
@@ -322,12 +382,17 @@ class VulkanRenderer final : public TrainingRenderer {
     return rays.colors.DownloadAs<glm::vec4>(rays.count);
   }
 
-  RayPass RenderPass(std::span<const RayBlock> blocks) {
-    return PassOver(rays_[0], render_view_, blocks, gpu_render_view_, {});
+  FixedPoint FixedPointOf(double gradient_scale, uint64_t rays) const {
+    if (!options_.deterministic) return {};
+    return ChooseFixedPoint(gradient_scale, rays, field_.most_tets_at_vertex, field_.diagonal);
+  }
+
+  RayPass RenderPass(std::span<const RayBlock> blocks, const FixedPoint& fixed) {
+    return PassOver(rays_[0], render_view_, blocks, gpu_render_view_, {}, fixed);
   }
 
   RayPass PassOver(RayBatch& rays, const Buffer& views, std::span<const RayBlock> blocks,
-                   const GpuView& view, const TrainingStep& step) {
+                   const GpuView& view, const TrainingStep& step, const FixedPoint& fixed) {
     return {field_,
             rays,
             views,
@@ -339,7 +404,11 @@ class VulkanRenderer final : public TrainingRenderer {
                       .max_steps = options_.max_steps,
                       .jitter_seed = step.seed,
                       .jitter_px = step.jitter_px,
-                      .stop_depth = -std::log(options_.stop_transmittance)}};
+                      .stop_depth = -std::log(options_.stop_transmittance),
+                      .color_quanta = fixed.color_quanta,
+                      .density_quanta = fixed.density_quanta,
+                      .position_quanta = fixed.position_quanta,
+                      .largest_quanta = fixed.largest_quanta}};
   }
 
   void RecordLoss(CommandRecorder& recorder, const RayBatch& rays, const TrainingStep& step,
@@ -353,7 +422,7 @@ class VulkanRenderer final : public TrainingRenderer {
     recorder.Dispatch(loss_, buffers, push, rays.count, kWorkgroupSize);
   }
 
-  void RecordAdam(CommandRecorder& recorder, const TrainingStep& step) {
+  void RecordAdam(CommandRecorder& recorder, const TrainingStep& step, const FixedPoint& fixed) {
     const AdamOptions& adam = step.adam;
     const double t = step.adam_step;
     const float first_correction = float(1.0 / (1.0 - std::pow(double(adam.beta1), t)));
@@ -366,7 +435,9 @@ class VulkanRenderer final : public TrainingRenderer {
         .density_rate = adam.density_rate * first_correction,
         .second_moment_correction = float(1.0 / (1.0 - std::pow(double(adam.beta2), t))),
         .max_log_density = std::log(adam.max_density),
-        .density_decay = adam.density_decay * adam.density_rate};
+        .density_decay = adam.density_decay * adam.density_rate,
+        .color_quantum = 1.0f / fixed.color_quanta,
+        .density_quantum = 1.0f / fixed.density_quanta};
     const Buffer* buffers[] = {&field_.gradients, &field_.parameters, &field_.moments,
                                &field_.vertices};
     recorder.Dispatch(adam_, buffers, push, field_.vertex_count, kWorkgroupSize);
@@ -374,7 +445,7 @@ class VulkanRenderer final : public TrainingRenderer {
 
   RendererOptions options_;
   std::unique_ptr<Device> device_;
-  Program loss_, adam_;
+  Program loss_, adam_, spread_;
   MarchIntegrator march_;              // scores, whatever renders
   std::unique_ptr<Integrator> other_;  // where the march does not render
   Integrator* integrator_;
@@ -390,7 +461,8 @@ class VulkanRenderer final : public TrainingRenderer {
   std::array<RayBatch, 2> rays_;
   std::array<uint32_t, 2> in_flight_rays_{};
   int current_ = 0;
-  RenderCounts counts_;  // without what is still in counters_
+  uint64_t scored_rays_ = 0;  // since ClearScores
+  RenderCounts counts_;       // without what is still in counters_
 };
 
 }  // namespace

@@ -118,11 +118,16 @@ struct Stage {
   explicit Stage(const std::string& integral) {
     RendererOptions options;
     options.integral = ParseIntegral(integral);
-    renderer = CreateRenderer(options);
-    renderer->SetField(field);
+    renderer = Make(options);
+  }
+
+  std::unique_ptr<TrainingRenderer> Make(const RendererOptions& options) const {
+    auto made = CreateRenderer(options);
+    made->SetField(field);
     const TargetImage grey{kPicture, kPicture,
                            std::vector<uint32_t>(kPicture * kPicture, 0xFF808080u)};
-    renderer->SetTargets(views, std::vector<TargetImage>(views.size(), grey));
+    made->SetTargets(views, std::vector<TargetImage>(views.size(), grey));
+    return made;
   }
   static Stage& Get(const std::string& integral = "exact") {
     static std::map<std::string, Stage> stages;
@@ -152,12 +157,18 @@ void ForwardBackward(benchmark::State& state) {
   clock.Report(state, double(state.iterations()) * kPicture * kPicture);
 }
 
-// Forward, loss, backward and Adam with rates of zero, so that every step does the same work.
-void RunSteps(benchmark::State& state, Stage& stage,
-              const std::vector<std::vector<RayBlock>>& batches) {
+// Rates of zero, so that every step does the same work.
+TrainingStep StandingStep() {
   TrainingStep step;
   step.background_srgb = {0.2f, 0.4f, 0.6f};
   step.adam.color_rate = step.adam.density_rate = 0.0f;
+  return step;
+}
+
+// Forward, loss, backward and Adam.
+void RunSteps(benchmark::State& state, Stage& stage,
+              const std::vector<std::vector<RayBlock>>& batches) {
+  TrainingStep step = StandingStep();
   size_t i = 0;
   double rays = 0;
   const RayClock clock;
@@ -188,6 +199,84 @@ void StepOnRandomBlocks(benchmark::State& state) {
     }
   }
   RunSteps(state, Stage::Get(), batches);
+}
+
+struct Seconds {
+  double wall, cpu;
+};
+
+template <class Body>
+Seconds Measure(const Body& body) {
+  const double cpu = ProcessCpuSeconds();
+  const auto wall = std::chrono::steady_clock::now();
+  body();
+  return {std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(),
+          ProcessCpuSeconds() - cpu};
+}
+
+double Median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+// Tets that the rays of each view pass, with the early stop.
+std::vector<double> StepsOfViews(const Stage& stage) {
+  RendererOptions options;
+  options.count_steps = true;
+  const auto renderer = stage.Make(options);
+  std::vector<double> steps;
+  for (const RenderView& view : stage.views) {
+    const uint64_t before = renderer->counts().steps;
+    renderer->MarchBlocks(view, AllBlocks(0));
+    steps.push_back(double(renderer->counts().steps - before));
+  }
+  return steps;
+}
+
+// What is compared takes turns on the same views, so that all of it meets the same load: medians of
+// tet-steps a second (backward: what Backpropagate takes longer than MarchBlocks), and of ratios.
+void Compare(benchmark::State& state) {
+  constexpr int kTurns = 33;
+  Stage& stage = Stage::Get();
+  RendererOptions options;
+  options.deterministic = true;
+  const auto deterministic = stage.Make(options);
+  const std::vector<double> steps = StepsOfViews(stage);
+  const std::vector<glm::vec4> gradient(kPicture * kPicture, glm::vec4(1.0f, -1.0f, 0.5f, 0.1f));
+  std::map<std::string, std::vector<double>> values;
+  for (auto _ : state) {
+    for (int turn = -1; turn < kTurns; ++turn) {  // the first warms up
+      const uint32_t view = uint32_t(turn + 1) % kViews;
+      const auto backpropagate = [&](TrainingRenderer& renderer, GradientParts parts) {
+        return Measure([&] { renderer.Backpropagate(stage.views[view], gradient, parts); });
+      };
+      const std::vector<RayBlock> blocks = AllBlocks(view);
+      const auto train = [&](TrainingRenderer& renderer) {
+        TrainingStep step = StandingStep();
+        step.blocks = blocks;
+        return Measure([&] {
+          renderer.Step(step);
+          renderer.counts();  // waits
+        });
+      };
+      const Seconds forward =
+          Measure([&] { stage.renderer->MarchBlocks(stage.views[view], AllBlocks(0)); });
+      const Seconds both = backpropagate(*stage.renderer, GradientParts::kColorDensity);
+      const Seconds moved = backpropagate(*stage.renderer, GradientParts::kColorDensityPosition);
+      const Seconds step = train(*stage.renderer), fixed = train(*deterministic);
+      if (turn < 0) continue;
+      const auto add_speed = [&](const std::string& name, double wall, double cpu) {
+        values[name + "_Msteps/s_wall"].push_back(1e-6 * steps[view] / wall);
+        values[name + "_Msteps/s_cpu"].push_back(1e-6 * steps[view] / cpu);
+      };
+      add_speed("forward", forward.wall, forward.cpu);
+      add_speed("backward", both.wall - forward.wall, both.cpu - forward.cpu);
+      add_speed("positions", moved.wall - forward.wall, moved.cpu - forward.cpu);
+      values["deterministic_price_wall"].push_back(fixed.wall / step.wall);
+      values["deterministic_price_cpu"].push_back(fixed.cpu / step.cpu);
+    }
+  }
+  for (const auto& [name, all] : values) state.counters[name] = Median(all);
 }
 
 // Random views from inside and outside, without the early stop: every ray must come out of the
@@ -234,7 +323,7 @@ void PrintScene() {
              double(counts.steps) / double(counts.hit_rays), counts.lost_rays);
 }
 
-benchmark::internal::Benchmark* Median(benchmark::internal::Benchmark* benchmark) {
+benchmark::internal::Benchmark* InMedians(benchmark::internal::Benchmark* benchmark) {
   return benchmark->Unit(benchmark::kMillisecond)
       ->MeasureProcessCPUTime()
       ->UseRealTime()
@@ -264,15 +353,16 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(count, rest.data())) return 2;
   PrintScene();
   for (const std::string integral : {"mean", "split:1", "split:4", "split:16", "exact"}) {
-    Median(benchmark::RegisterBenchmark(("Forward/" + integral).c_str(), Forward, integral));
-    Median(benchmark::RegisterBenchmark(("StepOnWholePictures/" + integral).c_str(),
-                                        StepOnWholePictures, integral));
+    InMedians(benchmark::RegisterBenchmark(("Forward/" + integral).c_str(), Forward, integral));
+    InMedians(benchmark::RegisterBenchmark(("StepOnWholePictures/" + integral).c_str(),
+                                           StepOnWholePictures, integral));
   }
-  Median(benchmark::RegisterBenchmark("ForwardBackward", ForwardBackward));
-  Median(benchmark::RegisterBenchmark("StepOnRandomBlocks", StepOnRandomBlocks)
-             ->Arg(1024)
-             ->Arg(4096)
-             ->Arg(16384));
+  InMedians(benchmark::RegisterBenchmark("ForwardBackward", ForwardBackward));
+  InMedians(benchmark::RegisterBenchmark("StepOnRandomBlocks", StepOnRandomBlocks)
+                ->Arg(1024)
+                ->Arg(4096)
+                ->Arg(16384));
+  benchmark::RegisterBenchmark("Compare", Compare)->Unit(benchmark::kSecond)->Iterations(1);
   benchmark::RegisterBenchmark("LostRays", LostRays, lost_rays)
       ->Unit(benchmark::kSecond)
       ->Iterations(1);

@@ -75,6 +75,13 @@ class BadInputTest(StageCase):
                                 "--max-vertices", 10)
         self.assert_fails(result, 2, "--max-vertices is 10, but the mesh starts with")
 
+    def test_a_deterministic_optimize_refuses_a_limit_of_time(self):
+        tetrahedra = self.folder / "never read"
+        for arguments in ((), ("--iterations", 100), ("--time-limit", 10)):
+            result = self.run_stage("optimize", tetrahedra, "-o", self.folder / "run" / "3_field",
+                                    "--deterministic", *arguments)
+            self.assert_fails(result, 2, "--deterministic", "--iterations", "--time-limit 0")
+
     def test_optimize_without_a_vulkan_device(self):
         nowhere = str(self.folder / "no-driver.json")
         result = self.run_stage("optimize", self.tiny_tetrahedra(), "-o", self.folder / "run" / "3_field",

@@ -1,5 +1,5 @@
 // The march renderer against the reference renderer: pictures and gradients of random fields.
-#include "render/reference_renderer.h"
+#include "reference_loss.h"
 #include "scenes.h"
 
 #include <gtest/gtest.h>
@@ -9,13 +9,6 @@
 
 namespace tetrec::test {
 namespace {
-
-// Outside at a corner, inside, and outside in front of one face; odd sizes leave blocks cut.
-std::vector<RenderView> ThreeViews(int width, int height) {
-  return {LookAt({1.7, -1.1, -1.0}, {0.0, 0.3, 0.6}, width, height),
-          LookAt({0.1, 0.4, 0.5}, {0.3, 0.6, 0.9}, width, height),
-          LookAt({0.1, 0.4, 2.5}, {0.0, 0.4, 0.9}, width, height)};
-}
 
 struct Scene {
   int points;
@@ -74,16 +67,6 @@ TEST_F(RendererTest, SeveralRaysAPixelAreAveraged) {
   }
 }
 
-std::vector<glm::dvec4> RandomPixelGradient(const Camera& camera, uint32_t seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<float> normal;  // floats: the device must get the same values
-  std::vector<glm::dvec4> gradient(size_t(camera.width) * camera.height);
-  for (glm::dvec4& g : gradient) {
-    for (int i = 0; i < 4; ++i) g[i] = normal(random);
-  }
-  return gradient;
-}
-
 // Largest difference over largest value.
 double RelativeError(const std::vector<double>& values, const std::vector<double>& truth) {
   double difference = 0, largest = 0;
@@ -135,6 +118,8 @@ TEST_F(RendererTest, GradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
 RendererOptions WithIntegral(const std::string& words) {
   RendererOptions options;
   options.integral = ParseIntegral(words);
+  // In dense fields a rounding decides which tet is a ray's last: no early stop.
+  options.stop_transmittance = 0.0f;
   return options;
 }
 
@@ -164,7 +149,7 @@ TEST_F(RendererTest, EveryIntegralHasThePictureAndTheGradientsOfTheReference) {
         ExpectSameGradient(
             renderer.Backpropagate(view, g_float),
             BackpropagateReference(field, view, g, options.stop_transmittance, options.integral),
-            4 * kGradientTolerance);
+            8 * kGradientTolerance);  // the device's exp makes densities of their logarithms
       }
     }
   }
@@ -192,30 +177,6 @@ TEST(ReferenceRenderer, MorePartsComeNearerToTheExactPicture) {
   EXPECT_LT(error("split:4"), error("mean") / 4);
   EXPECT_LT(error("split:16"), error("split:4") / 8);
   EXPECT_LT(error("split:64"), error("split:16") / 8);
-}
-
-// Sum over pixels of g.(rgb, transmittance).
-double Loss(const RadianceField& field, const RenderView& view, const std::vector<glm::dvec4>& g,
-            const IntegralOptions& integral) {
-  const ReferenceImage image = RenderReference(field, view, 0.0, integral);
-  double loss = 0;
-  for (size_t i = 0; i < g.size(); ++i) {
-    loss += glm::dot(glm::dvec3(g[i]), image.color_srgb[i]) +
-            g[i].a * std::exp(-image.optical_depth[i]);
-  }
-  return loss;
-}
-
-// (L(x + h) - L(x - h)) / 2h for the step that the float x can really take.
-double CentralDifference(RadianceField& field, float& value, float step, const RenderView& view,
-                         const std::vector<glm::dvec4>& g, const IntegralOptions& integral) {
-  const float before = value, above = before + step, below = before - step;
-  value = above;
-  const double loss_above = Loss(field, view, g, integral);
-  value = below;
-  const double loss_below = Loss(field, view, g, integral);
-  value = before;
-  return (loss_above - loss_below) / (double(above) - double(below));
 }
 
 TEST(ReferenceRenderer, GradientsAreFiniteDifferencesOfTheLoss) {

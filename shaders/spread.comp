@@ -1,0 +1,19 @@
+// Fills density and colour of the field that the renderers read from its parameters, by the very
+// arithmetic of adam.comp: a field read back and set again is the same to the bit.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shared/gpu_types.glsl.h"
+
+layout(local_size_x = kWorkgroupSize) in;
+layout(std430, binding = kBindParameters) readonly buffer Parameters { vec4 parameters[]; };
+layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
+layout(push_constant) uniform Push { SpreadPush push; };
+
+void main() {
+  uint v = gl_GlobalInvocationID.x;
+  if (v < push.vertex_count) {
+    vec4 parameter = parameters[v];
+    vertices[2u * v].w = exp(parameter.a);
+    vertices[2u * v + 1u].rgb = parameter.rgb;
+  }
+}

@@ -1,0 +1,221 @@
+// The deterministic mode: sums in fixed point are the same bits in any order, and right.
+#include "reference_loss.h"
+#include "render/fixed_point.h"
+#include "scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+
+namespace tetrec::test {
+namespace {
+
+// Sets an environment variable, and restores it at the end.
+class WithEnvironment {
+ public:
+  WithEnvironment(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    setenv(name, value, 1);
+  }
+  ~WithEnvironment() {
+    if (before_) {
+      setenv(name_, before_->c_str(), 1);
+    } else {
+      unsetenv(name_);
+    }
+  }
+  WithEnvironment(const WithEnvironment&) = delete;
+  WithEnvironment& operator=(const WithEnvironment&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+// The renderer of such a test, or a skip where the device cannot add 64-bit integers.
+class DeterministicTest : public RendererTest {
+ protected:
+  void SetUp() override {
+    RendererTest::SetUp();
+    if (IsSkipped()) return;
+    try {
+      CreateRenderer({.deterministic = true});
+    } catch (const EnvironmentError& error) {
+      GTEST_SKIP() << error.what();
+    }
+  }
+};
+
+template <class T>
+bool SameBits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+void ExpectSameBits(const VertexState& a, const VertexState& b) {
+  EXPECT_TRUE(SameBits(a.parameters, b.parameters));
+  EXPECT_TRUE(SameBits(a.first_moment, b.first_moment));
+  EXPECT_TRUE(SameBits(a.second_moment, b.second_moment));
+}
+
+constexpr int kWidth = 40, kHeight = 30;
+
+std::vector<RayBlock> BlocksOfThreeViews() {
+  std::vector<RayBlock> blocks;
+  for (uint32_t view = 0; view < 3; ++view) {
+    const auto more = AllBlocks(ThreeViews(kWidth, kHeight)[view].camera, view);
+    blocks.insert(blocks.end(), more.begin(), more.end());
+  }
+  return blocks;
+}
+
+void SetGreyTargets(TrainingRenderer& renderer) {
+  const TargetImage grey{kWidth, kHeight, std::vector<uint32_t>(kWidth * kHeight, 0xFF808080u)};
+  renderer.SetTargets(ThreeViews(kWidth, kHeight), std::vector<TargetImage>(3, grey));
+}
+
+struct Learned {
+  VertexState state;
+  std::vector<float> scores;
+};
+
+// What a few steps make of a field, with the blocks of every step in another order for another
+// `order`. At `read_back_at` the state is read and set again.
+Learned Learn(TrainingRenderer& renderer, uint32_t order, uint32_t read_back_at = 0) {
+  const RadianceField start = RandomField(300, 71, 6.0f);
+  renderer.SetField(start);
+  SetGreyTargets(renderer);
+  std::vector<RayBlock> blocks = BlocksOfThreeViews();
+  for (uint32_t i = 1; i <= 8; ++i) {
+    std::mt19937 random(order + i);
+    if (order > 0) std::shuffle(blocks.begin(), blocks.end(), random);
+    renderer.Step({.blocks = blocks, .background_srgb = glm::vec3(0.3f), .adam_step = i});
+    if (i == read_back_at) renderer.SetVertexState(start.mesh, renderer.ReadVertexState());
+  }
+  renderer.ClearScores();
+  renderer.AddScores({.blocks = blocks});
+  const std::vector<float> scores = renderer.ReadScores();
+  return {renderer.ReadVertexState(), scores};
+}
+
+TEST_F(DeterministicTest, OrderOfTheRaysDoesNotChangeABit) {
+  TrainingRenderer& renderer = MakeRenderer({.deterministic = true});
+  const Learned natural = Learn(renderer, 0);
+  for (uint32_t order : {100u, 200u}) {
+    const Learned shuffled = Learn(renderer, order);
+    ExpectSameBits(natural.state, shuffled.state);
+    EXPECT_TRUE(SameBits(natural.scores, shuffled.scores));
+  }
+  EXPECT_EQ(renderer.counts().clamped_addends, 0u);
+}
+
+// Else the test above would show nothing.
+TEST_F(DeterministicTest, OrderOfTheRaysChangesBitsOfFloatSums) {
+  TrainingRenderer& renderer = MakeRenderer();
+  EXPECT_FALSE(
+      SameBits(Learn(renderer, 0).state.parameters, Learn(renderer, 100).state.parameters));
+}
+
+// lavapipe's number of threads; other devices do not read it.
+TEST_F(DeterministicTest, NumberOfThreadsDoesNotChangeABit) {
+  std::vector<Learned> learned;
+  for (const char* threads : {"1", "2", "4"}) {
+    const WithEnvironment environment("LP_NUM_THREADS", threads);
+    learned.push_back(Learn(MakeRenderer({.deterministic = true}), 0));
+  }
+  for (const Learned& other : learned) {
+    ExpectSameBits(learned[0].state, other.state);
+    EXPECT_TRUE(SameBits(learned[0].scores, other.scores));
+  }
+}
+
+TEST_F(DeterministicTest, StateReadAndSetAgainDoesNotChangeABit) {
+  TrainingRenderer& renderer = MakeRenderer({.deterministic = true});
+  const Learned through = Learn(renderer, 0), resumed = Learn(renderer, 0, 3);
+  ExpectSameBits(through.state, resumed.state);
+  EXPECT_TRUE(SameBits(through.scores, resumed.scores));
+}
+
+double RelativeError(const std::vector<glm::dvec4>& values, const std::vector<glm::dvec4>& truth) {
+  double error = 0, norm = 0;
+  for (size_t i = 0; i < truth.size(); ++i) {
+    error += glm::dot(values[i] - truth[i], values[i] - truth[i]);
+    norm += glm::dot(truth[i], truth[i]);
+  }
+  return std::sqrt(error / norm);
+}
+
+// Loss gradients as small as those of a mean over many rays, and large ones.
+TEST_F(DeterministicTest, GradientsAreThoseOfTheReferenceAtEveryScale) {
+  const RadianceField field = RandomField(100, 72, 8.0f);
+  TrainingRenderer& renderer = MakeRenderer({.stop_transmittance = 0.0f, .deterministic = true});
+  renderer.SetField(field);
+  for (float scale : {1e-7f, 1.0f, 1e5f}) {
+    for (const RenderView& view : ThreeViews(37, 27)) {
+      std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, 73);
+      for (glm::dvec4& value : g) value = glm::dvec4(glm::vec4(value) * scale);
+      const FieldGradient gradient = renderer.Backpropagate(
+          view, std::vector<glm::vec4>(g.begin(), g.end()), GradientParts::kColorDensityPosition);
+      const ReferenceGradient truth = BackpropagateReference(field, view, g, 0.0);
+      std::vector<glm::dvec4> values, positions, true_values, true_positions;
+      for (size_t v = 0; v < truth.density.size(); ++v) {
+        values.emplace_back(glm::dvec3(gradient.color_srgb[v]), gradient.density[v]);
+        positions.emplace_back(glm::dvec3(gradient.position[v]), gradient.absolute_position[v]);
+        true_values.emplace_back(truth.color_srgb[v], truth.density[v]);
+        true_positions.emplace_back(truth.position[v], truth.absolute_position[v]);
+      }
+      // Of float sums: the quanta are finer than float's own steps.
+      EXPECT_LE(RelativeError(values, true_values), 3e-5) << "scale " << scale;
+      EXPECT_LE(RelativeError(positions, true_positions), 1e-4) << "scale " << scale;
+    }
+  }
+  EXPECT_EQ(renderer.counts().clamped_addends, 0u);
+}
+
+TEST_F(DeterministicTest, AddendsTooLargeAreCounted) {
+  RadianceField field = RandomField(20, 74, 6.0f);
+  for (glm::vec3& color : field.color_srgb) color *= 1e6f;
+  TrainingRenderer& renderer = MakeRenderer({.deterministic = true});
+  renderer.SetField(field);
+  SetGreyTargets(renderer);
+  renderer.Step({.blocks = BlocksOfThreeViews()});
+  const VertexState state = renderer.ReadVertexState();
+  EXPECT_GT(renderer.counts().clamped_addends, 0u);
+  for (const glm::vec4& row : state.parameters) {
+    EXPECT_FALSE(glm::any(glm::isnan(row)) || glm::any(glm::isinf(row)));
+  }
+}
+
+TEST(FixedPoint, SumsOfTheLargestAddendsStayBelowTheLargestInteger) {
+  for (uint64_t rays : {8ull, 4096ull, 8'294'400ull}) {
+    for (uint32_t tets : {1u, 24u, 5000u}) {
+      const FixedPoint fixed = ChooseFixedPoint(1.0 / (3.0 * double(rays)), rays, tets, 2.5);
+      EXPECT_LE(double(fixed.largest_quanta) * double(rays) * tets, 0x1p62);
+      EXPECT_GT(double(fixed.largest_quanta) * double(rays) * tets, 0x1p61);
+      // An addend as large as a ray's own gradient fits 64-fold.
+      EXPECT_LE(fixed.color_quanta * 64.0 / (3.0 * double(rays)), fixed.largest_quanta);
+    }
+  }
+}
+
+// A mesh in other units of length gives the same counts.
+TEST(FixedPoint, QuantaScaleWithTheWorld) {
+  const FixedPoint metres = ChooseFixedPoint(1e-4, 4096, 32, 2.0),
+                   other = ChooseFixedPoint(1e-4, 4096, 32, 2048.0);
+  EXPECT_EQ(other.color_quanta, metres.color_quanta);
+  EXPECT_EQ(other.density_quanta * 1024.0f, metres.density_quanta);
+  EXPECT_EQ(other.position_quanta, metres.position_quanta * 1024.0f);
+}
+
+TEST(FixedPoint, MostTetsAtAVertexIsTheLargestStar) {
+  TetMesh mesh;
+  mesh.positions.resize(6);
+  mesh.tets = {{0, 1, 2, 3}, {0, 1, 2, 4}, {1, 2, 4, 5}};
+  EXPECT_EQ(MostTetsAtVertex(mesh), 3u);
+}
+
+}  // namespace
+}  // namespace tetrec::test
