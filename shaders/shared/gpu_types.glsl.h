@@ -67,7 +67,7 @@ struct AdamPush {
   float color_rate, density_rate;  // after bias correction of the first moment
   float second_moment_correction;  // 1 / (1 - beta2^t)
   float max_log_density;
-  float density_decay;  // of the log density of a seen vertex, a step
+  float density_decay;                   // of the log density of a seen vertex, a step
   float color_quantum, density_quantum;  // of fixed-point gradients
 };
 
@@ -155,10 +155,10 @@ struct SpreadPush {
 #define kBindVisible 24     // uint a tet: places before it among the visible
 #define kBindSpheres \
   25  // texels vec4, two a tet: centre | power of the origin, high parts, low parts
-#define kBindHighKeys 26    // uint a tet
-#define kBindOffsets 27     // uint a visible tet: items before its own
-#define kBindTileRanges 28  // uvec2 a tile: its stretch of the items
-#define kBindRayStates 29   // vec2 a ray: optical depth, part of the loss behind
+#define kBindHighKeys 26           // uint a tet
+#define kBindOffsets 27            // uint a visible tet: items before its own
+#define kBindTileRanges 28         // uvec2 a tile: its stretch of the items
+#define kBindRayStates 29          // vec2 a ray: optical depth, part of the loss behind
 #define kBindPositionGradients 30  // vec4 a vertex: dL/dposition | absolute sum
 
 #ifdef __cplusplus
