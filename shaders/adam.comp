@@ -52,7 +52,8 @@ void main() {
     // Seen vertices tend to empty: what the pictures do not ask for again and again goes.
     if (gradient != vec4(0.0)) parameter.a -= push.density_decay;
     parameter.rgb = clamp(parameter.rgb, 0.0, 1.0);
-    parameter.a = min(parameter.a, push.max_log_density);
+    // As ParametersOf: below, density and its gradient would be 0 for ever.
+    parameter.a = clamp(parameter.a, -80.0, push.max_log_density);
     moments[v] = m;
     parameters[v] = parameter;
     vertices[2u * v].w = exp(parameter.a);

@@ -39,10 +39,11 @@ bool BreakTie(Edge edge, vec3 a, vec3 b) {
   return edge.tied ? left : edge.left;
 }
 
-// Weights of the point where the ray meets a face, from the edges opposite its vertices.
-vec4 FaceWeights(vec4 e) {
+// Weights of the point where the ray meets a face, from the edges opposite its vertices; `opposite`
+// is 1 for the vertex that is not on the face.
+vec4 FaceWeights(vec4 e, vec4 opposite) {
   float sum = e.x + e.y + e.z + e.w;
-  return sum > 0.0 ? e * (1.0 / sum) : vec4(0.25);
+  return sum > 0.0 ? e * (1.0 / sum) : (vec4(1.0) - opposite) * (1.0 / 3.0);
 }
 
 vec3 InRayFrame(Ray ray, vec3 position) {
@@ -83,8 +84,10 @@ TetCut CutTet(Ray ray, uint tet) {
   TETREC_RARELY(cut.hit) {
     vec4 face_a = vec4(0.0, cd.e, bd.e, bc.e), face_b = vec4(cd.e, 0.0, ad.e, ac.e);
     vec4 face_c = vec4(bd.e, ad.e, 0.0, ab.e), face_d = vec4(bc.e, ac.e, ab.e, 0.0);
-    cut.w0 = FaceWeights(in_a ? face_a : in_b ? face_b : in_c ? face_c : face_d);
-    cut.w1 = FaceWeights(out_a ? face_a : out_b ? face_b : out_c ? face_c : face_d);
+    cut.w0 = FaceWeights(in_a ? face_a : in_b ? face_b : in_c ? face_c : face_d,
+                         vec4(in_a, in_b, in_c, in_d));
+    cut.w1 = FaceWeights(out_a ? face_a : out_b ? face_b : out_c ? face_c : face_d,
+                         vec4(out_a, out_b, out_c, out_d));
     vec4 z = vec4(a.z, b.z, c.z, d.z);
     cut.z0 = dot(cut.w0, z);
     cut.z1 = max(cut.z0, dot(cut.w1, z));

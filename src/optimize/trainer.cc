@@ -11,6 +11,7 @@
 #include "optimize/training_set.h"
 #include "render/picture.h"
 #include "scene/image.h"
+#include "shared/gpu_types.glsl.h"
 
 #include <fmt/format.h>
 
@@ -173,10 +174,10 @@ class Trainer {
 
   void Begin(const RadianceField& start) {
     if (options_.max_vertices > 0 && options_.max_vertices < start.mesh.positions.size()) {
-      throw UsageError(fmt::format(
-          "--max-vertices is {}, but the mesh starts with {}: allow more, or start coarser "
-          "(tetrec-tetrahedralize --help)",
-          options_.max_vertices, start.mesh.positions.size()));
+      LogWarning(
+          "--max-vertices is {}, but the mesh starts with {}: it is not refined; allow more, or "
+          "start coarser (tetrec-tetrahedralize --help)",
+          options_.max_vertices, start.mesh.positions.size());
     }
     VertexState state;
     if (stage_.resume() && fs::exists(checkpoint_path_)) {
@@ -261,9 +262,14 @@ class Trainer {
   std::vector<float> LookAtErrors() {
     std::vector<RayBlock> blocks = set_.blocks;
     Random random(options_.seed ^ 0x5C0ull, state_.iteration);
-    const size_t wanted =
+    size_t wanted =
         std::min(blocks.size(),
                  size_t(options_.score_rays_per_tet * double(mesh_.tets.size())) / kRaysPerBlock);
+    if (options_.renderer.deterministic && wanted > kMostScoredRays / kRaysPerBlock) {
+      LogInfo("looks at {} of {} wanted rays: fixed-point scores hold no more",
+              WithThousands(kMostScoredRays), WithThousands(wanted * kRaysPerBlock));
+      wanted = kMostScoredRays / kRaysPerBlock;
+    }
     for (size_t i = 0; i < wanted; ++i) {
       std::swap(blocks[i], blocks[i + random.Below(uint32_t(blocks.size() - i))]);
     }
@@ -393,6 +399,7 @@ void OptimizeOptions::Check() const {
   if (!(checkpoint_interval_s >= 0)) {
     fail("--checkpoint-interval", checkpoint_interval_s, "at least 0 s");
   }
+  renderer.Check();
   if (!(max_density > 0 && max_density <= 1e30)) fail("--max-density", max_density, "above 0");
 }
 

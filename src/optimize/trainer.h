@@ -21,6 +21,8 @@ struct OptimizeOptions {
   double color_rate = 0.02;   // Adam's first step on colour [display sRGB]
   double density_rate = 0.2;  // on the logarithm of density
   double max_density = 1e5;   // [1 / world unit]
+  // Pull of seen vertices towards empty, as a share of Adam's largest step: without it, photos of
+  // different exposure are explained by fog before their cameras.
   double density_decay = 0.05;
   double jitter_px = 0.5;         // rays are moved inside their pixel by up to half of this
   double subject_share = 0.85;    // of the rays that are drawn where the masks show something

@@ -8,8 +8,8 @@
 
 namespace tetrec {
 
-// 32 bytes a tet, 32 a vertex, and 48 more a vertex to learn; the hull as one plane and one
-// triangle a boundary face (gpu_types.glsl.h tells the layouts).
+// 32 bytes a tet, 32 a vertex, and 64 more a vertex to learn (80 in fixed point); the hull as one
+// plane and one triangle a boundary face (gpu_types.glsl.h tells the layouts).
 struct DeviceField {
   TetMesh mesh;  // the host's copy
   Buffer tets, vertices, hull;

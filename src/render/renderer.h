@@ -130,6 +130,7 @@ class TrainingRenderer : public Renderer {
   virtual StepResult Step(const TrainingStep& step) = 0;
   // Adds the blocks' errors to the scores of ReadScores; ClearScores first.
   virtual void ClearScores() = 0;
+  // At most kMostScoredRays rays between ClearScores and ReadScores.
   virtual StepResult AddScores(const TrainingStep& step) = 0;
   // (T) sum over rays of the squared residual times the tet's share of the ray's opacity.
   virtual std::vector<float> ReadScores() = 0;
@@ -173,6 +174,9 @@ struct RendererOptions {
   // What lists of fragments may take on the device [bytes]; pictures are tiled, or composited a
   // stretch of tets at a time, to fit.
   uint64_t fragment_memory = 512ull << 20;
+
+  // Throws UsageError where options do not go together.
+  void Check() const;
 };
 
 // Throws EnvironmentError where there is no such device.

@@ -82,11 +82,6 @@ DeviceOptions DeviceOptionsOf(const RendererOptions& options) {
 // Null for the march.
 std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
                                                 const RendererOptions& options) {
-  if (options.deterministic && options.kind != RendererKind::kMarch) {
-    throw UsageError(
-        "--deterministic: only the march renderer sums in fixed point; leave it or "
-        "--renderer out");
-  }
   if (options.kind == RendererKind::kProjection) {
     return std::make_unique<ProjectionIntegrator>(device, options.order, options.integral,
                                                   options.fragment_memory);

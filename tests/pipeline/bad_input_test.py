@@ -70,10 +70,15 @@ class BadInputTest(StageCase):
         result = self.run_stage("optimize", tetrahedra, "-o", self.folder / "run" / "3_field")
         self.assert_fails(result, 3, "field.tetf")
 
-    def test_optimize_refuses_fewer_vertices_than_the_mesh_starts_with(self):
-        result = self.run_stage("optimize", self.tiny_tetrahedra(), "-o", self.folder / "run" / "3_field",
-                                "--max-vertices", 10)
-        self.assert_fails(result, 2, "--max-vertices is 10, but the mesh starts with")
+    def test_options_that_do_not_go_together_leave_a_finished_run_alone(self):
+        out = self.folder / "run" / "3_field"
+        tetrahedra = self.tiny_tetrahedra()
+        self.assert_done(self.run_stage("optimize", tetrahedra, "-o", out, "--iterations", 2, "--time-limit", 0))
+        field = (out / "field.tetf").read_bytes()
+        result = self.run_stage("optimize", tetrahedra, "-o", out, "--iterations", 2, "--time-limit", 0,
+                                "--deterministic", "--renderer", "projection")
+        self.assert_fails(result, 2, "--deterministic")
+        self.assertEqual((out / "field.tetf").read_bytes(), field)
 
     def test_a_deterministic_optimize_refuses_a_limit_of_time(self):
         tetrahedra = self.folder / "never read"

@@ -120,7 +120,8 @@ class InterruptTest(StageCase):
         self.assertEqual(self.status(out), "done")
         rows = (out / "metrics.csv").read_text().splitlines()
         self.assertEqual(rows[:rows_before], self.rows[:rows_before])
-        iterations = [int(row.split(",")[0]) for row in rows[1:]]
+        # The row of the end tells the last PSNR and may stand at the iteration of the row before.
+        iterations = [int(row.split(",")[0]) for row in rows[1:] if not row.endswith(",end")]
         self.assertEqual(iterations, sorted(set(iterations)))
 
     def test_ctrl_c_in_optimize_writes_a_checkpoint_and_resumes(self):

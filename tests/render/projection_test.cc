@@ -1,6 +1,6 @@
 // Projected tets against the reference renderer and the march.
 #include "core/log.h"
-#include "render/reference_renderer.h"
+#include "reference_loss.h"
 #include "render/visibility_order.h"
 #include "scenes.h"
 
@@ -11,13 +11,6 @@
 
 namespace tetrec::test {
 namespace {
-
-// Outside at a corner, inside, and outside in front of one face; odd sizes leave tiles cut.
-std::vector<RenderView> ThreeViews(int width, int height) {
-  return {LookAt({1.7, -1.1, -1.0}, {0.0, 0.3, 0.6}, width, height),
-          LookAt({0.1, 0.4, 0.5}, {0.3, 0.6, 0.9}, width, height),
-          LookAt({0.1, 0.4, 2.5}, {0.0, 0.4, 0.9}, width, height)};
-}
 
 struct Scene {
   int points;
@@ -57,16 +50,6 @@ TEST_F(RendererTest, ProjectedTetsShowThePicturesOfTheReference) {
       }
     }
   }
-}
-
-std::vector<glm::dvec4> RandomPixelGradient(const Camera& camera, uint32_t seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<float> normal;  // floats: the device must get the same values
-  std::vector<glm::dvec4> gradient(size_t(camera.width) * camera.height);
-  for (glm::dvec4& g : gradient) {
-    for (int i = 0; i < 4; ++i) g[i] = normal(random);
-  }
-  return gradient;
 }
 
 // Largest difference over largest value, of colours and of densities.
