@@ -1,6 +1,7 @@
 // tetrec-optimize: fits the radiance field to the pictures, coarse to fine.
 #include "core/option_checks.h"
 #include "optimize/trainer.h"
+#include "render/renderer_command.h"
 
 namespace {
 
@@ -54,8 +55,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                                               options.checkpoint_interval_s,
                                               "seconds between checkpoints")
                                    ->check(tetrec::AtLeastZero()));
-  command.DoesNotChangeResults(app.add_option("--device", options.renderer.device.device,
-                                              "Vulkan device: auto, cpu, gpu or a number"));
+  tetrec::AddRendererOptions(command, options.renderer);
 }
 
 }  // namespace

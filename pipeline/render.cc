@@ -1,5 +1,6 @@
 // tetrec-render: pictures of a finished field, beside the ground truth.
 #include "render/render_views.h"
+#include "render/renderer_command.h"
 
 int main(int argc, char** argv) {
   tetrec::RenderViewsOptions options;
@@ -13,7 +14,6 @@ int main(int argc, char** argv) {
   app.add_option("--background", options.background,
                  "what stands behind pictures with alpha: scene (as imported), white, black")
       ->check(CLI::IsMember({"scene", "white", "black"}));
-  command.DoesNotChangeResults(app.add_option("--device", options.renderer.device.device,
-                                              "Vulkan device: auto, cpu, gpu or a number"));
+  tetrec::AddRendererOptions(command, options.renderer);
   return command.Run(argc, argv, [&](tetrec::Stage& stage) { RunRenderViews(options, stage); });
 }

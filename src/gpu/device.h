@@ -1,4 +1,4 @@
-// A Vulkan device with one compute queue.
+// A Vulkan device with one queue for compute and, where it can, graphics.
 #pragma once
 
 #include "gpu/device_options.h"
@@ -25,6 +25,7 @@ struct Device {
   VkPhysicalDeviceMemoryProperties memory{};
   std::string driver;
   bool has_float_atomics = false;
+  bool has_raster = false;  // can draw without attachments, its fragments writing to buffers
   PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
   std::vector<std::string> validation_messages;  // empty means clean
 

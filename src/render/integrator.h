@@ -21,6 +21,8 @@ struct RayPass {
 class Integrator {
  public:
   virtual ~Integrator() = default;
+  // Before the first pass over a new mesh; the device is idle.
+  virtual void SetMesh(const DeviceField&) {}
   // Records what fills rays.colors. May submit what was recorded so far, wait, and begin again.
   virtual void Forward(CommandRecorder& recorder, const RayPass& pass) = 0;
   // Records what adds to field.gradients, after Forward of the same batch.

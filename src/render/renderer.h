@@ -135,6 +135,13 @@ enum class RendererKind {
   kProjection,  // projected tets in sorted order
 };
 
+// How lists of fragments are sorted.
+enum class FragmentSort {
+  kAuto,   // shell sort, heap sort for long lists
+  kShell,  // gaps of Ciura; an insertion sort where lists are short
+  kHeap,   // the article's
+};
+
 struct RendererOptions {
   RendererKind kind = RendererKind::kMarch;
   DeviceOptions device;
@@ -145,6 +152,7 @@ struct RendererOptions {
   bool count_steps = false;       // fill RenderCounts::steps and hit_rays; a little slower
   // What lists of fragments may take on the device [bytes]; pictures are tiled to fit.
   uint64_t fragment_memory = 512ull << 20;
+  FragmentSort fragment_sort = FragmentSort::kAuto;
 };
 
 // Throws EnvironmentError where there is no such device.

@@ -3,6 +3,7 @@
 #include "embedded_shaders.h"
 #include "mesh/locate.h"
 #include "render/march_integrator.h"
+#include "render/ppll_integrator.h"
 
 #include <fmt/format.h>
 
@@ -56,7 +57,9 @@ Program AdamProgram(const Device& device) {
 }
 
 // Null for the march.
-std::unique_ptr<Integrator> MakeOtherIntegrator(const Device&, const RendererOptions& options) {
+std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
+                                                const RendererOptions& options) {
+  if (options.kind == RendererKind::kPpll) return std::make_unique<PpllIntegrator>(device, options);
   TETREC_CHECK(options.kind == RendererKind::kMarch, "no such renderer yet");
   return nullptr;
 }
@@ -90,6 +93,7 @@ class VulkanRenderer final : public TrainingRenderer {
     WaitAll();
     field_ = {};  // frees the old mesh before the new one takes memory
     field_ = UploadField(*device_, mesh, state);
+    integrator_->SetMesh(field_);
     UploadViews();
   }
 
