@@ -74,12 +74,14 @@ TEST_F(RendererTest, ListsAndMarchGiveTheSameRaysAndGradients) {
       lists.SetField(field);
       march.SetField(field);
       for (const RenderView& view : FourViews(45, 33)) {
+        // Directions err by 6e-8, which moves rays in proportion to the way.
+        const float tolerance = kTolerance * float(std::max(1.0, glm::length(Eye(view)) / 3.0));
         const auto blocks = AllBlocks(view.camera);
         const auto a = lists.MarchBlocks(view, blocks), b = march.MarchBlocks(view, blocks);
         for (size_t r = 0; r < a.size(); ++r) {
-          ASSERT_LT(glm::distance(glm::vec3(a[r]), glm::vec3(b[r])), kTolerance)
+          ASSERT_LT(glm::distance(glm::vec3(a[r]), glm::vec3(b[r])), tolerance)
               << points << " points, ray " << r;
-          ASSERT_NEAR(std::exp(-a[r].a), std::exp(-b[r].a), kTolerance)
+          ASSERT_NEAR(std::exp(-a[r].a), std::exp(-b[r].a), tolerance)
               << points << " points, ray " << r;
         }
         const auto g = RandomGradient(view.camera, 7);
@@ -153,7 +155,7 @@ RadianceField PoleField() {
   std::mt19937 random(83);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   for (int i = 0; i < 8; ++i) points.push_back(BoxCorner(i));
-  for (int i = 0; i < 1000; ++i)
+  for (int i = 0; i < 3000; ++i)
     points.emplace_back(unit(random), unit(random), 1.0f + 600.0f * unit(random));
   RadianceField field = ConstantField(BuildDelaunay(points).mesh, 0.01f, glm::vec3(0.5f));
   for (float& density : field.density) density = 0.02f * unit(random);
