@@ -51,6 +51,23 @@ struct MarchPush {
   float color_quanta, density_quanta, position_quanta, largest_quanta;
 };
 
+// One pass over a tile of a batch with per-pixel lists.
+struct PpllPush {
+  vec4 mesh_ball;  // centre, radius: holds the mesh
+  uint ray_count;  // of the batch
+  uint block_columns;
+  uint jitter_seed;
+  float jitter_px;   // all rays are moved alike, by up to half of this
+  float stop_depth;  // rays stop at this optical depth (-log of transmittance)
+  uint face_count;
+  uint only_counts;     // the faces' pixels are counted, nothing is stored
+  uint tile_x, tile_y;  // [px] from the batch's first pixel
+  uint tile_width;      // [px]
+  uint tile_pixels;
+  uint shortest, longest;  // lists that the sort takes
+  uint padding0, padding1, padding2;
+};
+
 struct LossPush {
   uint ray_count;
   uint loss;             // kLossL2 or kLossL1
@@ -134,7 +151,7 @@ struct SpreadPush {
 #define kBindViews 3
 #define kBindBlocks 4
 #define kBindRayColors 5     // vec4 a ray: colour before the background | optical depth
-#define kBindRayEntries 6    // uvec2 a ray: hull face of entry, distance to it
+#define kBindRayEntries 6    // uvec2 a ray, the integrator's own
 #define kBindRayGradients 7  // vec4 a ray: dL/dcolour | dL/dtransmittance
 #define kBindVertexGradients 8
 #define kBindCounters 9
@@ -160,11 +177,16 @@ struct SpreadPush {
 #define kBindTileRanges 28         // uvec2 a tile: its stretch of the items
 #define kBindRayStates 29          // vec2 a ray: optical depth, part of the loss behind
 #define kBindPositionGradients 30  // vec4 a vertex: dL/dposition | absolute sum
+#define kBindFaces 31              // uint a face: tet << 3 | number of the face in it << 1
+#define kBindLists 32              // uvec2 a ray: first fragment, fragments
+#define kBindListFills 33          // uint a ray: fragments found so far
+#define kBindFragments \
+  34  // uvec2: distance along the ray as bits, face | 1 where it enters the tet
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 80 && sizeof(GpuBlock) == 16);
 static_assert(sizeof(MarchPush) <= 128 && sizeof(LossPush) <= 128 && sizeof(AdamPush) <= 128);
-static_assert(sizeof(ProjectionPush) <= 128);
+static_assert(sizeof(ProjectionPush) <= 128 && sizeof(PpllPush) == 80);
 }  // namespace tetrec::gpu_types
 #endif
 

@@ -1,4 +1,4 @@
-// Records dispatches into a command buffer, submits it, waits for it.
+// Records dispatches and draws into a command buffer, submits it, waits for it.
 #include "gpu/commands.h"
 
 #include "core/error.h"
@@ -32,16 +32,26 @@ void CommandRecorder::Begin() {
   written_.clear();
   barriers_ = 0;
   // Work of an earlier submission may still be running on the same buffers.
-  Barrier(VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-          VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT |
-              VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
+  WorkBarrier();
   barriers_ = 0;
+}
+
+VkPipelineStageFlags2 CommandRecorder::WorkStages() const {
+  const VkPipelineStageFlags2 compute =
+      VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT;
+  if (!device_.has_raster) return compute;
+  return compute | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+}
+
+void CommandRecorder::WorkBarrier() {
+  Barrier(WorkStages(), VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT |
+                            VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
 }
 
 void CommandRecorder::Barrier(VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access) {
   const VkMemoryBarrier2 barrier{
       .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-      .srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+      .srcStageMask = WorkStages(),
       .srcAccessMask = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT,
       .dstStageMask = to_stage,
       .dstAccessMask = to_access};
@@ -54,28 +64,19 @@ void CommandRecorder::Barrier(VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_
   ++barriers_;
 }
 
-void CommandRecorder::DispatchBytes(const Program& program, std::span<const Buffer* const> buffers,
-                                    const void* push, uint32_t push_bytes, uint64_t threads,
-                                    uint32_t local_size) {
+void CommandRecorder::Bind(const Program& program, std::span<const Buffer* const> buffers,
+                           const void* push, uint32_t push_bytes) {
   const std::vector<BindingSpec>& specs = program.bindings();
-  TETREC_CHECK(buffers.size() == specs.size() && push_bytes == program.push_bytes(),
-               fmt::format("dispatch of {}: {} buffers, {} push bytes", program.name(),
-                           buffers.size(), push_bytes));
-  const uint64_t groups = (threads + local_size - 1) / local_size;
-  TETREC_CHECK(groups <= device_.properties.limits.maxComputeWorkGroupCount[0],
-               fmt::format("dispatch of {}: {} workgroups", program.name(), groups));
-  if (groups == 0) return;
-
+  TETREC_CHECK(
+      buffers.size() == specs.size() && push_bytes == program.push_bytes(),
+      fmt::format("{}: {} buffers, {} push bytes", program.name(), buffers.size(), push_bytes));
   bool races = false;
   for (size_t i = 0; i < specs.size(); ++i) {
     const VkBuffer buffer = buffers[i]->handle();
     const bool writes = specs[i].access == Access::kWrite || specs[i].access == Access::kReadWrite;
     races |= written_.contains(buffer) || (writes && read_.contains(buffer));
   }
-  if (races) {
-    Barrier(VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-            VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT);
-  }
+  if (races) WorkBarrier();
 
   std::vector<VkDescriptorBufferInfo> infos(specs.size());
   std::vector<VkBufferView> views(specs.size());
@@ -97,13 +98,55 @@ void CommandRecorder::DispatchBytes(const Program& program, std::span<const Buff
         specs[i].access == Access::kWrite || specs[i].access == Access::kReadWrite;
     (is_write ? written_ : read_).insert(buffers[i]->handle());
   }
-  vkCmdBindPipeline(handle_, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline());
-  device_.push_descriptor_set(handle_, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout(), 0,
-                              uint32_t(writes.size()), writes.data());
+  const VkPipelineBindPoint bind_point = program.stages() == VK_SHADER_STAGE_COMPUTE_BIT
+                                             ? VK_PIPELINE_BIND_POINT_COMPUTE
+                                             : VK_PIPELINE_BIND_POINT_GRAPHICS;
+  vkCmdBindPipeline(handle_, bind_point, program.pipeline());
+  device_.push_descriptor_set(handle_, bind_point, program.layout(), 0, uint32_t(writes.size()),
+                              writes.data());
   if (push_bytes > 0) {
-    vkCmdPushConstants(handle_, program.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes, push);
+    vkCmdPushConstants(handle_, program.layout(), program.stages(), 0, push_bytes, push);
   }
+}
+
+void CommandRecorder::DispatchBytes(const Program& program, std::span<const Buffer* const> buffers,
+                                    const void* push, uint32_t push_bytes, uint64_t threads,
+                                    uint32_t local_size) {
+  TETREC_CHECK(program.stages() == VK_SHADER_STAGE_COMPUTE_BIT, program.name());
+  const uint64_t groups = (threads + local_size - 1) / local_size;
+  TETREC_CHECK(groups <= device_.properties.limits.maxComputeWorkGroupCount[0],
+               fmt::format("dispatch of {}: {} workgroups", program.name(), groups));
+  if (groups == 0) return;
+  Bind(program, buffers, push, push_bytes);
   vkCmdDispatch(handle_, uint32_t(groups), 1, 1);
+}
+
+void CommandRecorder::DrawBytes(const Program& program, std::span<const Buffer* const> buffers,
+                                const void* push, uint32_t push_bytes, uint32_t vertices,
+                                const PixelRect& viewport, const PixelRect& area) {
+  TETREC_CHECK(program.stages() != VK_SHADER_STAGE_COMPUTE_BIT, program.name());
+  if (vertices == 0 || area.width == 0 || area.height == 0) return;
+  Bind(program, buffers, push, push_bytes);
+  const VkViewport clip{.x = float(viewport.x),
+                        .y = float(viewport.y),
+                        .width = float(viewport.width),
+                        .height = float(viewport.height),
+                        .minDepth = 0.0f,
+                        .maxDepth = 1.0f};
+  const VkRect2D rect{{int32_t(area.x), int32_t(area.y)}, {area.width, area.height}};
+  vkCmdSetViewport(handle_, 0, 1, &clip);
+  vkCmdSetScissor(handle_, 0, 1, &rect);
+  const VkRenderingInfo rendering{
+      .sType = VK_STRUCTURE_TYPE_RENDERING_INFO, .renderArea = rect, .layerCount = 1};
+  vkCmdBeginRendering(handle_, &rendering);
+  vkCmdDraw(handle_, vertices, 1, 0, 0);
+  vkCmdEndRendering(handle_);
+}
+
+void CommandRecorder::FillZero(const Buffer& buffer) {
+  if (written_.contains(buffer.handle()) || read_.contains(buffer.handle())) WorkBarrier();
+  vkCmdFillBuffer(handle_, buffer.handle(), 0, VK_WHOLE_SIZE, 0);
+  written_.insert(buffer.handle());
 }
 
 void CommandRecorder::EndAndSubmit() {

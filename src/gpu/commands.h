@@ -1,4 +1,4 @@
-// Records dispatches into a command buffer, submits it, waits for it.
+// Records dispatches and draws into a command buffer, submits it, waits for it.
 #pragma once
 
 #include "gpu/buffer.h"
@@ -10,8 +10,13 @@
 
 namespace tetrec {
 
+// Pixels [x, x + width) x [y, y + height).
+struct PixelRect {
+  uint32_t x = 0, y = 0, width = 0, height = 0;
+};
+
 // Barriers are derived, not written by hand: the recorder keeps account of which buffers were read
-// and written since the last barrier and puts one before a dispatch that would race.
+// and written since the last barrier and puts one before a command that would race.
 // (Synchronization validation misses hazards between dispatches, so this account is the only
 // guard.)
 class CommandRecorder {
@@ -28,6 +33,13 @@ class CommandRecorder {
                 uint64_t threads, uint32_t local_size) {
     DispatchBytes(program, buffers, &push, sizeof(Push), threads, local_size);
   }
+  // Draws `vertices` vertices; clip space spans `viewport`, only pixels in `area` get fragments.
+  template <class Push>
+  void Draw(const Program& program, std::span<const Buffer* const> buffers, const Push& push,
+            uint32_t vertices, const PixelRect& viewport, const PixelRect& area) {
+    DrawBytes(program, buffers, &push, sizeof(Push), vertices, viewport, area);
+  }
+  void FillZero(const Buffer& buffer);
   void EndAndSubmit();
   // Until the submitted work is done; its writes are then visible to the host.
   void Wait();
@@ -38,6 +50,14 @@ class CommandRecorder {
  private:
   void DispatchBytes(const Program& program, std::span<const Buffer* const> buffers,
                      const void* push, uint32_t push_bytes, uint64_t threads, uint32_t local_size);
+  void DrawBytes(const Program& program, std::span<const Buffer* const> buffers, const void* push,
+                 uint32_t push_bytes, uint32_t vertices, const PixelRect& viewport,
+                 const PixelRect& area);
+  // Barrier where it is needed, pipeline, buffers, push constants.
+  void Bind(const Program& program, std::span<const Buffer* const> buffers, const void* push,
+            uint32_t push_bytes);
+  VkPipelineStageFlags2 WorkStages() const;
+  void WorkBarrier();
   void Barrier(VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);
 
   const Device& device_;

@@ -168,13 +168,19 @@ VkPhysicalDevice ChooseDevice(VkInstance instance, const std::string& wish) {
   return best;
 }
 
-uint32_t ComputeQueueFamily(VkPhysicalDevice device) {
+// The family that computes, and draws too where one does both.
+uint32_t ChooseQueueFamily(VkPhysicalDevice device, bool& has_graphics) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
-  for (uint32_t i = 0; i < count; ++i) {
-    if (families[i].queueFlags & VK_QUEUE_COMPUTE_BIT) return i;
+  constexpr VkQueueFlags kBoth = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT;
+  for (VkQueueFlags wanted : {kBoth, VkQueueFlags(VK_QUEUE_COMPUTE_BIT)}) {
+    for (uint32_t i = 0; i < count; ++i) {
+      if ((families[i].queueFlags & wanted) != wanted) continue;
+      has_graphics = wanted == kBoth;
+      return i;
+    }
   }
   throw EnvironmentError("the Vulkan device has no compute queue: choose another with --device");
 }
@@ -208,6 +214,16 @@ bool AddsInt64Atomically(VkPhysicalDevice device) {
   return features.features.shaderInt64 == VK_TRUE && features12.shaderBufferInt64Atomics == VK_TRUE;
 }
 
+bool DrawsIntoBuffers(VkPhysicalDevice device) {
+  VkPhysicalDeviceVulkan13Features features13{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+  VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                     .pNext = &features13};
+  vkGetPhysicalDeviceFeatures2(device, &features);
+  return features13.dynamicRendering == VK_TRUE &&
+         features.features.fragmentStoresAndAtomics == VK_TRUE;
+}
+
 void CreateLogicalDevice(Device& device) {
   if (device.properties.apiVersion < VK_API_VERSION_1_3) {
     throw EnvironmentError(fmt::format("Vulkan device '{}' has API {}.{}, 1.3 is needed",
@@ -226,6 +242,7 @@ void CreateLogicalDevice(Device& device) {
   VkPhysicalDeviceVulkan13Features features13{
       .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
       .synchronization2 = VK_TRUE,
+      .dynamicRendering = device.has_raster,
       .maintenance4 = VK_TRUE};  // LocalSizeId, which the shader compiler emits for Vulkan 1.3
   if (device.has_float_atomics) {
     extensions.push_back(VK_EXT_SHADER_ATOMIC_FLOAT_EXTENSION_NAME);
@@ -235,7 +252,8 @@ void CreateLogicalDevice(Device& device) {
       .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
       .pNext = &features13,
       .shaderBufferInt64Atomics = device.has_int64_atomics};
-  const VkPhysicalDeviceFeatures features{.shaderInt64 = device.has_int64_atomics};
+  const VkPhysicalDeviceFeatures features{.fragmentStoresAndAtomics = device.has_raster,
+                                          .shaderInt64 = device.has_int64_atomics};
   const float priority = 1.0f;
   VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                 .queueFamilyIndex = device.queue_family,
@@ -292,7 +310,10 @@ std::unique_ptr<Device> CreateDevice(const DeviceOptions& options) {
   device->properties = properties.properties;
   device->driver = fmt::format("{} {}", driver.driverName, driver.driverInfo);
   vkGetPhysicalDeviceMemoryProperties(device->physical, &device->memory);
-  device->queue_family = ComputeQueueFamily(device->physical);
+  bool has_graphics = false;
+  device->queue_family = ChooseQueueFamily(device->physical, has_graphics);
+  device->has_raster = has_graphics && device->properties.apiVersion >= VK_API_VERSION_1_3 &&
+                       DrawsIntoBuffers(device->physical);
   device->has_float_atomics = options.float_atomics && AddsFloatsAtomically(device->physical);
   if (options.int64_atomics) {
     device->has_int64_atomics = AddsInt64Atomically(device->physical);

@@ -1,4 +1,4 @@
-// A Vulkan device with one compute queue.
+// A Vulkan device with one queue for compute and, where it can, graphics.
 #pragma once
 
 #include "gpu/device_options.h"
@@ -26,6 +26,7 @@ struct Device {
   std::string driver;
   bool has_float_atomics = false;
   bool has_int64_atomics = false;  // on storage buffers
+  bool has_raster = false;         // can draw without attachments, its fragments writing to buffers
   PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
   std::vector<std::string> validation_messages;  // empty means clean
 

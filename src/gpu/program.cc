@@ -1,4 +1,4 @@
-// A compute kernel: pipeline, layout of its bindings, size of its push constants.
+// A kernel: pipeline, layout of its bindings, size of its push constants.
 #include "gpu/program.h"
 
 #include <cstddef>
@@ -6,13 +6,22 @@
 
 namespace tetrec {
 
-Program::Program(const Device& device, std::string name, std::span<const uint32_t> spirv,
-                 std::vector<BindingSpec> bindings, uint32_t push_bytes,
-                 std::span<const SpecializationConstant> constants)
+VkShaderModule MakeShaderModule(const Device& device, std::span<const uint32_t> spirv) {
+  VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                .codeSize = spirv.size_bytes(),
+                                .pCode = spirv.data()};
+  VkShaderModule shader = VK_NULL_HANDLE;
+  TETREC_VK(vkCreateShaderModule(device.handle, &info, nullptr, &shader));
+  return shader;
+}
+
+Program::Program(const Device& device, std::string name, std::vector<BindingSpec> bindings,
+                 uint32_t push_bytes, VkShaderStageFlags stages)
     : device_(&device),
       name_(std::move(name)),
       bindings_(std::move(bindings)),
-      push_bytes_(push_bytes) {
+      push_bytes_(push_bytes),
+      stages_(stages) {
   std::vector<VkDescriptorSetLayoutBinding> slots;
   for (const BindingSpec& spec : bindings_) {
     slots.push_back({.binding = spec.binding,
@@ -20,7 +29,7 @@ Program::Program(const Device& device, std::string name, std::span<const uint32_
                                            ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
                                            : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
                      .descriptorCount = 1,
-                     .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
+                     .stageFlags = stages_,
                      .pImmutableSamplers = nullptr});
   }
   VkDescriptorSetLayoutCreateInfo set{
@@ -29,18 +38,21 @@ Program::Program(const Device& device, std::string name, std::span<const uint32_
       .bindingCount = uint32_t(slots.size()),
       .pBindings = slots.data()};
   TETREC_VK(vkCreateDescriptorSetLayout(device.handle, &set, nullptr, &set_layout_));
-  const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
+  const VkPushConstantRange range{stages_, 0, push_bytes};
   VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                     .setLayoutCount = 1,
                                     .pSetLayouts = &set_layout_,
                                     .pushConstantRangeCount = push_bytes > 0 ? 1u : 0u,
                                     .pPushConstantRanges = &range};
   TETREC_VK(vkCreatePipelineLayout(device.handle, &layout, nullptr, &layout_));
-  VkShaderModuleCreateInfo module_info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                       .codeSize = spirv.size_bytes(),
-                                       .pCode = spirv.data()};
-  VkShaderModule shader = VK_NULL_HANDLE;
-  TETREC_VK(vkCreateShaderModule(device.handle, &module_info, nullptr, &shader));
+}
+
+Program::Program(const Device& device, std::string name, std::span<const uint32_t> spirv,
+                 std::vector<BindingSpec> bindings, uint32_t push_bytes,
+                 std::span<const SpecializationConstant> constants)
+    : Program(device, std::move(name), std::move(bindings), push_bytes,
+              VK_SHADER_STAGE_COMPUTE_BIT) {
+  const VkShaderModule shader = MakeShaderModule(device, spirv);
   std::vector<VkSpecializationMapEntry> entries;
   for (size_t i = 0; i < constants.size(); ++i) {
     entries.push_back({.constantID = constants[i].id,
@@ -78,6 +90,7 @@ void Program::Swap(Program& other) noexcept {
   std::swap(name_, other.name_);
   std::swap(bindings_, other.bindings_);
   std::swap(push_bytes_, other.push_bytes_);
+  std::swap(stages_, other.stages_);
   std::swap(set_layout_, other.set_layout_);
   std::swap(layout_, other.layout_);
   std::swap(pipeline_, other.pipeline_);

@@ -1,4 +1,4 @@
-// A compute kernel: pipeline, layout of its bindings, size of its push constants.
+// A kernel: pipeline, layout of its bindings, size of its push constants.
 #pragma once
 
 #include "gpu/device.h"
@@ -26,6 +26,7 @@ struct SpecializationConstant {
 class Program {
  public:
   Program() = default;
+  // A compute kernel; raster_program.h makes the other kind.
   Program(const Device& device, std::string name, std::span<const uint32_t> spirv,
           std::vector<BindingSpec> bindings, uint32_t push_bytes,
           std::span<const SpecializationConstant> constants = {});
@@ -38,20 +39,32 @@ class Program {
 
   VkPipeline pipeline() const { return pipeline_; }
   VkPipelineLayout layout() const { return layout_; }
+  VkShaderStageFlags stages() const { return stages_; }
   const std::vector<BindingSpec>& bindings() const { return bindings_; }
   uint32_t push_bytes() const { return push_bytes_; }
   const std::string& name() const { return name_; }
 
  private:
+  // Without a pipeline.
+  Program(const Device& device, std::string name, std::vector<BindingSpec> bindings,
+          uint32_t push_bytes, VkShaderStageFlags stages);
+  friend Program MakeRasterProgram(const Device& device, std::string name,
+                                   std::span<const uint32_t> vertex_spirv,
+                                   std::span<const uint32_t> fragment_spirv,
+                                   std::vector<BindingSpec> bindings, uint32_t push_bytes);
   void Swap(Program& other) noexcept;
 
   const Device* device_ = nullptr;
   std::string name_;
   std::vector<BindingSpec> bindings_;
   uint32_t push_bytes_ = 0;
+  VkShaderStageFlags stages_ = 0;
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
   VkPipelineLayout layout_ = VK_NULL_HANDLE;
   VkPipeline pipeline_ = VK_NULL_HANDLE;
 };
+
+// The caller destroys it.
+VkShaderModule MakeShaderModule(const Device& device, std::span<const uint32_t> spirv);
 
 }  // namespace tetrec

@@ -22,6 +22,14 @@ using gpu_types::ScanPush;
 // An item in a list: tile and tet, twice for the sort, and its share of the digit counters.
 constexpr uint64_t kBytesPerItem = 20;
 
+// llvmpipe ends every loop of an invocation after 65,535 rounds in all, nested ones counted, and
+// says nothing. A tet takes up to 9 rounds, and where floats are added by compare and swap up to 16
+// times 9 more, so the lists of its tiles must stay short.
+uint32_t LongestList(const Device& device) {
+  if (device.properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU) return UINT32_MAX;
+  return device.has_float_atomics ? 6000 : 300;
+}
+
 uint32_t CeilDivide(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 
 uint32_t TileCount(const ProjectionPush& push) {
@@ -322,15 +330,17 @@ void ProjectionIntegrator::ForEachStretch(CommandRecorder& recorder,
 std::vector<ProjectionIntegrator::Stretch> ProjectionIntegrator::CutIntoStretches(
     uint32_t tets, uint32_t capacity) const {
   const uint32_t total = ReadWord(offsets_, tets);
-  if (total <= capacity) return {{0, tets, total}};
+  const uint32_t longest = LongestList(device_);
+  if (total <= capacity && tets <= longest) return {{0, tets, total}};
   const auto offsets = offsets_.DownloadAs<uint32_t>(tets + 1ull);
   std::vector<Stretch> stretches;
   uint32_t begin = 0;
   while (begin < tets) {
-    // The last tet whose items still fit; one tet always does.
+    // The last tet whose items still fit; one tet always does. A tile's list holds a tet once.
     const auto past = std::upper_bound(offsets.begin() + begin, offsets.end(),
                                        uint64_t(offsets[begin]) + capacity);
-    const uint32_t end = uint32_t(past - offsets.begin()) - 1;
+    const uint32_t end = std::min(uint32_t(past - offsets.begin()) - 1,
+                                  longest < tets - begin ? begin + longest : tets);
     stretches.push_back({begin, end, offsets[end] - offsets[begin]});
     begin = end;
   }

@@ -9,8 +9,29 @@ static_assert(sizeof(RayBlock) == sizeof(gpu_types::GpuBlock));
 static_assert(kRayBlockWidth == kBlockWidth && kRayBlockHeight == kBlockHeight &&
               kRaysPerBlock == kBlockRays);
 
+namespace {
+
+// Blocks a row of a rectangle of blocks of one view, row by row; 0 where it is none.
+uint32_t ColumnsOf(std::span<const RayBlock> blocks) {
+  if (blocks.empty()) return 0;
+  const RayBlock& first = blocks[0];
+  size_t columns = 1;
+  while (columns < blocks.size() && blocks[columns].y == first.y) ++columns;
+  if (blocks.size() % columns != 0) return 0;
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    const bool in_place = blocks[i].view == first.view &&
+                          blocks[i].x == first.x + i % columns * kRayBlockWidth &&
+                          blocks[i].y == first.y + i / columns * kRayBlockHeight;
+    if (!in_place) return 0;
+  }
+  return uint32_t(columns);
+}
+
+}  // namespace
+
 void RayBatch::SetBlocks(const Device& device, std::span<const RayBlock> ray_blocks) {
   count = uint32_t(ray_blocks.size()) * kRaysPerBlock;
+  columns = ColumnsOf(ray_blocks);
   if (count > capacity) {
     const uint64_t rays = count;
     blocks = Buffer(device, "ray blocks", ray_blocks.size_bytes());

@@ -16,6 +16,8 @@ struct RayBatch {
   Buffer partial_losses;  // vec2 a workgroup: loss, squared error
   uint32_t capacity = 0;  // rays
   uint32_t count = 0;     // rays
+  // Blocks a row where the batch is a tile (a rectangle of one view, row of blocks by row), else 0.
+  uint32_t columns = 0;
 
   // Grows the buffers where they are too small. The device must not be using them.
   void SetBlocks(const Device& device, std::span<const RayBlock> ray_blocks);

@@ -149,6 +149,7 @@ class TrainingRenderer : public Renderer {
 // How a renderer finds the tets that a ray passes.
 enum class RendererKind {
   kMarch,       // from tet to tet through neighbour links
+  kPpll,        // rasterised faces in per-pixel linked lists, sorted
   kProjection,  // projected tets in sorted order
 };
 
@@ -156,6 +157,13 @@ enum class RendererKind {
 enum class VisibilityOrder {
   kExact,     // by the power of the camera where the mesh is Delaunay, else by what covers what
   kCentroid,  // by the depth of the tets' centroids: approximate, needs no neighbours
+};
+
+// How lists of fragments are sorted.
+enum class FragmentSort {
+  kAuto,   // shell sort, heap sort for long lists
+  kShell,  // gaps of Ciura; an insertion sort where lists are short
+  kHeap,   // the article's
 };
 
 struct RendererOptions {
@@ -174,6 +182,7 @@ struct RendererOptions {
   // What lists of fragments may take on the device [bytes]; pictures are tiled, or composited a
   // stretch of tets at a time, to fit.
   uint64_t fragment_memory = 512ull << 20;
+  FragmentSort fragment_sort = FragmentSort::kAuto;
 
   // Throws UsageError where options do not go together.
   void Check() const;

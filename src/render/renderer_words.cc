@@ -11,7 +11,10 @@ namespace tetrec {
 namespace {
 
 const std::map<std::string, RendererKind> kRenderers = {{"march", RendererKind::kMarch},
+                                                        {"ppll", RendererKind::kPpll},
                                                         {"projection", RendererKind::kProjection}};
+const std::map<std::string, FragmentSort> kSorts = {
+    {"auto", FragmentSort::kAuto}, {"shell", FragmentSort::kShell}, {"heap", FragmentSort::kHeap}};
 const std::map<std::string, VisibilityOrder> kOrders = {{"exact", VisibilityOrder::kExact},
                                                         {"centroid", VisibilityOrder::kCentroid}};
 
@@ -20,8 +23,8 @@ const std::map<std::string, VisibilityOrder> kOrders = {{"exact", VisibilityOrde
 void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOptions& options) {
   CLI::App& app = command.app();
   app.add_option("--renderer", words.renderer,
-                 "march (from tet to tet, fastest) or projection (projected tets, sorted); the "
-                 "pictures are the same")
+                 "march (from tet to tet, by far the fastest), ppll (rasterised faces in per-pixel "
+                 "lists, sorted) or projection (projected tets, sorted); the pictures are the same")
       ->check(CLI::IsMember(&kRenderers));
   app.add_option("--order", words.order,
                  "of projected tets: exact, or centroid (by the depth of their centroids, "
@@ -32,9 +35,14 @@ void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOpt
       "colour of a ray inside a tet: exact (linear density), mean (mean density) or split:N "
       "(N = 1 .. 64 equal parts of constant density); opacity is exact in all of them");
   command.DoesNotChangeResults(
-      app.add_option("--fragment-memory", options.fragment_memory,
-                     "bytes on the device for lists of projected tets; what does not fit is "
-                     "composited a part at a time"));
+      app.add_option("--fragment-memory", words.fragment_memory_mib,
+                     "of ppll and projection: what lists may take on the device [MiB]; what does "
+                     "not fit is rendered a part at a time")
+          ->check(CLI::Range(uint64_t(1), uint64_t(1) << 24)));
+  command.DoesNotChangeResults(
+      app.add_option("--fragment-sort", words.sort,
+                     "of ppll: how lists are sorted: shell, heap, or auto (by their length)")
+          ->check(CLI::IsMember(&kSorts)));
   command.DoesNotChangeResults(app.add_option("--device", options.device.device,
                                               "Vulkan device: auto, cpu, gpu or a number"));
 }
@@ -43,6 +51,8 @@ void RendererWords::Apply(RendererOptions& options) const {
   options.kind = kRenderers.at(renderer);
   options.order = kOrders.at(order);
   options.integral = ParseIntegral(integral);
+  options.fragment_memory = fragment_memory_mib << 20;
+  options.fragment_sort = kSorts.at(sort);
   if (options.order != VisibilityOrder::kExact && options.kind != RendererKind::kProjection) {
     throw UsageError(
         fmt::format("--order {}: only --renderer projection sorts tets; leave it out", order));

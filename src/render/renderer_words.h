@@ -10,14 +10,15 @@ namespace tetrec {
 
 // What the command line gives as words.
 struct RendererWords {
-  std::string renderer = "march", order = "exact", integral = "exact";
+  std::string renderer = "march", order = "exact", integral = "exact", sort = "auto";
+  uint64_t fragment_memory_mib = 512;
 
   // Throws UsageError where the words do not go together.
   void Apply(RendererOptions& options) const;
 };
 
 // The options that every stage that renders has: --renderer, --order,
-// --integral, --fragment-memory, --device.
+// --integral, --fragment-memory, --fragment-sort, --device.
 void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOptions& options);
 
 }  // namespace tetrec

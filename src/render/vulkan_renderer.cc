@@ -4,6 +4,7 @@
 #include "mesh/locate.h"
 #include "render/fixed_point.h"
 #include "render/march_integrator.h"
+#include "render/ppll_integrator.h"
 #include "render/projection_integrator.h"
 
 #include <fmt/format.h>
@@ -82,6 +83,7 @@ DeviceOptions DeviceOptionsOf(const RendererOptions& options) {
 // Null for the march.
 std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
                                                 const RendererOptions& options) {
+  if (options.kind == RendererKind::kPpll) return std::make_unique<PpllIntegrator>(device, options);
   if (options.kind == RendererKind::kProjection) {
     return std::make_unique<ProjectionIntegrator>(device, options.order, options.integral,
                                                   options.fragment_memory);

@@ -2,11 +2,13 @@
 #include "gpu/buffer.h"
 #include "gpu/commands.h"
 #include "gpu/program.h"
+#include "gpu/raster_program.h"
 #include "test_shaders.h"
 #include "vulkan_test.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 
 namespace tetrec::test {
@@ -113,6 +115,48 @@ TEST_F(VulkanTest, DispatchWithTooFewBuffersIsABug) {
   EXPECT_THROW(recorder.Dispatch(affine, one, AffinePush{1, 1}, 1, 64), BugError);
   recorder.EndAndSubmit();
   recorder.Wait();
+}
+
+// A dispatch writes what a draw reads, a draw what a dispatch reads; only the area gets fragments.
+TEST_F(VulkanTest, DrawsAndDispatchesAreKeptApartAndDrawsKeepToTheirArea) {
+  if (!device().has_raster) GTEST_SKIP() << "the device does not rasterise";
+  struct StairsPush {
+    uint32_t width, step;
+  };
+  constexpr uint32_t kWidth = 16, kHeight = 8;
+  const Program stairs =
+      MakeRasterProgram(device(), "stairs", kStairsvert, kStairsfrag,
+                        {{0, Access::kRead}, {1, Access::kReadWrite}}, sizeof(StairsPush));
+  const Program affine = MakeAffine(device());
+  Buffer ones = MakeBuffer(device(), "ones", std::vector<uint32_t>{1});
+  Buffer steps(device(), "steps", 4), counts(device(), "counts", 4 * kWidth * kHeight);
+  Buffer result(device(), "result", 4 * kWidth * kHeight);
+  CommandRecorder recorder(device());
+  recorder.Begin();
+  const Buffer* ones_to_steps[] = {&ones, &steps};
+  const Buffer* steps_to_counts[] = {&steps, &counts};
+  const Buffer* counts_to_result[] = {&counts, &result};
+  recorder.FillZero(counts);
+  recorder.Dispatch(affine, ones_to_steps, AffinePush{1, 2}, 1, 64);  // 1 * 2 + 1
+  recorder.Draw(stairs, steps_to_counts, StairsPush{kWidth, 1}, 3 * 4, {0, 0, kWidth, kHeight},
+                {2, 1, kWidth - 2, kHeight - 3});
+  EXPECT_EQ(recorder.barriers(), 1u);
+  recorder.Draw(stairs, steps_to_counts, StairsPush{kWidth, 10}, 3, {0, 0, kWidth, kHeight},
+                {0, 0, 1, 1});
+  EXPECT_EQ(recorder.barriers(), 2u);
+  recorder.Dispatch(affine, counts_to_result, AffinePush{kWidth * kHeight, 1}, kWidth * kHeight,
+                    64);
+  EXPECT_EQ(recorder.barriers(), 3u);
+  recorder.EndAndSubmit();
+  recorder.Wait();
+  const auto values = result.DownloadAs<uint32_t>(kWidth * kHeight);
+  for (uint32_t y = 0; y < kHeight; ++y) {
+    for (uint32_t x = 0; x < kWidth; ++x) {
+      const bool in_area = x >= 2 && y >= 1 && y < kHeight - 2;
+      const uint32_t expected = (in_area ? 3 * std::min(x + 1, 4u) : 0) + (x + y == 0 ? 30 : 0);
+      ASSERT_EQ(values[y * kWidth + x], expected + 1) << x << ", " << y;
+    }
+  }
 }
 
 TEST_F(VulkanTest, DeviceThatIsNotThereIsAnEnvironmentError) {

@@ -1,4 +1,4 @@
-// The march renderer against the reference renderer: pictures and gradients of random fields.
+// Every renderer against the reference renderer: pictures and gradients of random fields.
 #include "reference_loss.h"
 #include "scenes.h"
 
@@ -24,7 +24,9 @@ const Scene kScenes[] = {{0, 1, 45, 33},   {0, 2, 45, 33},   {20, 3, 45, 33},
 // size 1): lengths err by 1e-6, densities are up to 10, colours up to 1.
 constexpr double kPictureTolerance = 2e-5;
 
-TEST_F(RendererTest, PicturesAreThoseOfTheReference) {
+INSTANTIATE_TEST_SUITE_P(Pictures, EveryRendererTest, kEveryRenderer, RendererName);
+
+TEST_P(EveryRendererTest, PicturesAreThoseOfTheReference) {
   for (const Scene& scene : kScenes) {
     for (float stop : {0.0f, 1e-3f}) {
       const RadianceField field = RandomField(scene.points, scene.seed, 10.0f);
@@ -46,7 +48,7 @@ TEST_F(RendererTest, PicturesAreThoseOfTheReference) {
   }
 }
 
-TEST_F(RendererTest, SeveralRaysAPixelAreAveraged) {
+TEST_P(EveryRendererTest, SeveralRaysAPixelAreAveraged) {
   const RadianceField field = RandomField(50, 7, 5.0f);
   TrainingRenderer& renderer = MakeRenderer();
   renderer.SetField(field);
@@ -94,7 +96,7 @@ void ExpectSameGradient(const FieldGradient& gradient, const ReferenceGradient& 
   EXPECT_LE(RelativeError(density, truth.density), tolerance);
 }
 
-TEST_F(RendererTest, GradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
+TEST_P(EveryRendererTest, GradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
   for (bool float_atomics : {true, false}) {
     for (const Scene& scene : kScenes) {
       for (float stop : {0.0f, 1e-3f}) {

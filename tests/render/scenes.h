@@ -153,4 +153,26 @@ class RendererTest : public ::testing::Test {
   std::vector<std::unique_ptr<TrainingRenderer>> renderers_;
 };
 
+inline std::string NameOf(RendererKind kind) {
+  return kind == RendererKind::kMarch  ? "March"
+         : kind == RendererKind::kPpll ? "Ppll"
+                                       : "Projection";
+}
+
+// Tests that every renderer must pass.
+class EveryRendererTest : public RendererTest, public ::testing::WithParamInterface<RendererKind> {
+ protected:
+  TrainingRenderer& MakeRenderer(RendererOptions options = {}) {
+    options.kind = GetParam();
+    return RendererTest::MakeRenderer(options);
+  }
+};
+
+inline const auto kEveryRenderer =
+    ::testing::Values(RendererKind::kMarch, RendererKind::kPpll, RendererKind::kProjection);
+
+inline std::string RendererName(const ::testing::TestParamInfo<RendererKind>& info) {
+  return NameOf(info.param);
+}
+
 }  // namespace tetrec::test

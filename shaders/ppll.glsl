@@ -1,0 +1,67 @@
+// Per-pixel lists of the faces that rays pass.
+//
+// Which faces a ray passes is decided in its own frame (axes u, v across it, z along it) by the signs
+// of edge functions, exactly: the sign of a difference of products of floats is computed without
+// rounding, and a zero is decided as if every vertex were moved by its own infinitesimal amount
+// (Edelsbrunner and Muecke 1990, "Simulation of simplicity"). So a ray passes 0 or 2 faces of every
+// tet, through edges and vertices too, and its faces form chains from hull to hull. Rounding can only
+// err in their distances, which are continuous.
+#define TETREC_ONE_JITTER
+#define TETREC_NEVER (push.ray_count == 0u)
+
+#include "shared/gpu_types.glsl.h"
+
+layout(push_constant) uniform Push { PpllPush push; };
+
+#include "rays.glsl"
+#include "integral.glsl"
+
+layout(binding = kBindTets) uniform utextureBuffer tets;
+layout(binding = kBindVertices) uniform textureBuffer vertices;
+
+// Ray through pixel `at` of the batch, counted from its first.
+uint RayOfPixel(uvec2 at) {
+  uint block = at.y / kBlockHeight * push.block_columns + at.x / kBlockWidth;
+  return block * kBlockRays + at.y % kBlockHeight * kBlockWidth + at.x % kBlockWidth;
+}
+
+// A ray whose origin is moved to where the mesh's ball may begin, so that coordinates in its frame
+// are as precise as the mesh is small; camera_z is where the camera then lies, 0 or less.
+struct ListRay {
+  Ray ray;
+  float camera_z;
+};
+
+ListRay MakeListRay(uint index) {
+  ListRay result;
+  result.ray = MakeRay(index);
+  float begin =
+      dot(push.mesh_ball.xyz - result.ray.origin, result.ray.direction) - push.mesh_ball.w;
+  begin = result.ray.start_tet == kNoTet ? max(begin, 0.0) : 0.0;
+  result.ray.origin += begin * result.ray.direction;
+  result.camera_z = -begin;
+  return result;
+}
+
+vec3 InRayFrame(Ray ray, vec3 position) {
+  precise vec3 r = position - ray.origin;
+  precise vec3 p = vec3(dot(r, ray.u), dot(r, ray.v), dot(r, ray.direction));
+  return p;
+}
+
+float EdgeFunction(vec3 from, vec3 to) {
+  precise float e = from.x * to.y - from.y * to.x;
+  return e;
+}
+
+// Hit point of a ray that passes the triangle: barycentric weights.
+vec3 HitWeights(vec3 a, vec3 b, vec3 c) {
+  vec3 w = abs(vec3(EdgeFunction(b, c), EdgeFunction(c, a), EdgeFunction(a, b)));
+  float sum = w.x + w.y + w.z;
+  return sum > 0.0 ? w * (1.0 / sum) : vec3(1.0 / 3.0);
+}
+
+// Vertices of face i, ascending by their place in the tet; wound outwards where i is even.
+uvec3 FaceVertices(uvec4 ids, uint i) {
+  return i == 0u ? ids.yzw : i == 1u ? ids.xzw : i == 2u ? ids.xyw : ids.xyz;
+}

@@ -1,0 +1,246 @@
+// Per-pixel lists: rasterises the faces of the mesh, sorts every ray's hits, resolves them.
+#include "render/ppll_integrator.h"
+
+#include "core/error.h"
+#include "embedded_shaders.h"
+#include "gpu/raster_program.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace tetrec {
+namespace {
+
+using gpu_types::PpllPush;
+
+constexpr uint64_t kFragmentBytes = 8;
+// Longer lists are sorted by heap: its n log n overtakes shell sort there.
+constexpr uint32_t kLongestShellSort = 1024;
+
+// Every face once, as its place in the tet of lower index.
+std::vector<uint32_t> UniqueFaces(const TetMesh& mesh) {
+  std::vector<uint32_t> faces;
+  faces.reserve(2 * mesh.tets.size());
+  for (uint32_t t = 0; t < mesh.tets.size(); ++t) {
+    for (uint32_t i = 0; i < 4; ++i) {
+      if (t < mesh.neighbors[t][i]) faces.push_back(t << 3 | i << 1);
+    }
+  }
+  return faces;
+}
+
+// A ball around the mesh: centre, radius.
+glm::vec4 BallAround(const TetMesh& mesh) {
+  glm::vec3 low(mesh.positions[0]), high(low);
+  for (const glm::vec3& p : mesh.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const glm::vec3 center = 0.5f * (low + high);
+  return glm::vec4(center, 1.001f * glm::distance(center, high));
+}
+
+// What every kernel reads, and `more`.
+std::vector<BindingSpec> WithMesh(std::vector<BindingSpec> more) {
+  std::vector<BindingSpec> all = {{kBindTets, Access::kTexelRead},
+                                  {kBindVertices, Access::kTexelRead},
+                                  {kBindViews, Access::kRead},
+                                  {kBindBlocks, Access::kRead}};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+std::vector<const Buffer*> MeshAnd(const RayPass& pass, std::initializer_list<const Buffer*> more) {
+  std::vector<const Buffer*> all = {&pass.field.tets, &pass.field.vertices, &pass.views,
+                                    &pass.rays.blocks};
+  all.insert(all.end(), more);
+  return all;
+}
+
+}  // namespace
+
+PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& options)
+    : device_(device),
+      fragment_capacity_(std::min<uint64_t>(options.fragment_memory,
+                                            device.properties.limits.maxStorageBufferRange) /
+                         kFragmentBytes),
+      sort_(options.fragment_sort) {
+  faces_program_ = MakeRasterProgram(device, "ppll_faces", kPpllFacesVertex, kPpllFacesFragment,
+                                     WithMesh({{kBindFaces, Access::kRead},
+                                               {kBindLists, Access::kRead},
+                                               {kBindListFills, Access::kReadWrite},
+                                               {kBindFragments, Access::kReadWrite},
+                                               {kBindCounters, Access::kReadWrite}}),
+                                     sizeof(PpllPush));
+  const std::array<SpecializationConstant, 2> integral = ConstantsOf(options.integral);
+  const auto make = [&](const char* name, std::span<const uint32_t> spirv,
+                        std::vector<BindingSpec> bindings,
+                        std::span<const SpecializationConstant> constants = {}) {
+    return Program(device, name, spirv, std::move(bindings), sizeof(PpllPush), constants);
+  };
+  const std::vector<BindingSpec> sorted = {{kBindLists, Access::kRead},
+                                           {kBindFragments, Access::kReadWrite}};
+  sort_shell_ = make("ppll_sort (shell)", kPpllSortShell, sorted);
+  sort_heap_ = make("ppll_sort (heap)", kPpllSortHeap, sorted);
+  forward_ = make("ppll_forward", kPpllForward,
+                  WithMesh({{kBindLists, Access::kRead},
+                            {kBindListFills, Access::kRead},
+                            {kBindFragments, Access::kRead},
+                            {kBindRayColors, Access::kWrite},
+                            {kBindRayEntries, Access::kWrite},
+                            {kBindCounters, Access::kReadWrite}}),
+                  integral);
+  const std::span<const uint32_t> native = kPpllBackward, compare_and_swap = kPpllBackwardCas;
+  backward_ = make("ppll_backward", device.has_float_atomics ? native : compare_and_swap,
+                   WithMesh({{kBindLists, Access::kRead},
+                             {kBindFragments, Access::kRead},
+                             {kBindRayColors, Access::kRead},
+                             {kBindRayEntries, Access::kRead},
+                             {kBindRayGradients, Access::kRead},
+                             {kBindVertexGradients, Access::kReadWrite}}),
+                   integral);
+  fragments_ = Buffer(device, "fragments", kFragmentBytes);
+}
+
+void PpllIntegrator::SetField(const DeviceField& field) {
+  TETREC_CHECK(field.tet_count < 1u << 28, "6 vertices for each of 2 faces a tet, in 32 bits");
+  const std::vector<uint32_t> faces = UniqueFaces(field.mesh);
+  face_count_ = uint32_t(faces.size());
+  faces_ = MakeBuffer(device_, "faces", faces);
+  mesh_ball_ = BallAround(field.mesh);
+  tiles_.clear();
+}
+
+PpllPush PpllIntegrator::PushOf(const RayPass& pass, const FragmentTile& tile) const {
+  return {.mesh_ball = mesh_ball_,
+          .ray_count = pass.rays.count,
+          .block_columns = pass.rays.columns,
+          .jitter_seed = pass.push.jitter_seed,
+          .jitter_px = pass.push.jitter_px,
+          .stop_depth = pass.push.stop_depth,
+          .face_count = face_count_,
+          .tile_x = tile.x,
+          .tile_y = tile.y,
+          .tile_width = tile.width,
+          .tile_pixels = tile.width * tile.height};
+}
+
+void PpllIntegrator::DrawFaces(CommandRecorder& recorder, const RayPass& pass,
+                               const FragmentTile& tile, bool only_counts) {
+  PpllPush push = PushOf(pass, tile);
+  push.only_counts = only_counts;
+  const uint32_t width = pass.rays.columns * kBlockWidth;
+  recorder.FillZero(list_fills_);
+  recorder.Draw(faces_program_,
+                MeshAnd(pass, {&faces_, &lists_, &list_fills_, &fragments_, &pass.counters}), push,
+                6 * face_count_, {.width = width, .height = pass.rays.count / width},
+                {tile.x, tile.y, tile.width, tile.height});
+}
+
+// Counts the batch's fragments and cuts it into tiles. Earlier work is done when this returns.
+void PpllIntegrator::PlanTiles(CommandRecorder& recorder, const RayPass& pass) {
+  const uint32_t rays = pass.rays.count;
+  const uint32_t width = pass.rays.columns * kBlockWidth, height = rays / width;
+  if (lists_.bytes() < uint64_t(rays) * 8) {
+    recorder.EndAndSubmit();  // earlier batches may still use the old ones
+    recorder.Wait();
+    lists_ = Buffer(device_, "lists", uint64_t(rays) * 8);
+    list_fills_ = Buffer(device_, "list fills", uint64_t(rays) * 4);
+    recorder.Begin();
+  }
+  DrawFaces(recorder, pass, {.width = width, .height = height}, true);
+  recorder.EndAndSubmit();
+  recorder.Wait();
+  const auto counts = list_fills_.DownloadAs<uint32_t>(rays);
+  const auto ray_at = [&](uint32_t x, uint32_t y) {
+    const uint32_t block = y / kBlockHeight * pass.rays.columns + x / kBlockWidth;
+    return block * kBlockRays + y % kBlockHeight * kBlockWidth + x % kBlockWidth;
+  };
+  tiles_ = CutIntoTiles(width, height, fragment_capacity_,
+                        [&](uint32_t x, uint32_t y) { return counts[ray_at(x, y)]; });
+  uint64_t most = 0;
+  std::vector<glm::uvec2> lists(rays);
+  for (const FragmentTile& tile : tiles_) {
+    most = std::max(most, tile.fragments);
+    uint32_t first = 0;
+    for (uint32_t y = tile.y; y < tile.y + tile.height; ++y) {
+      for (uint32_t x = tile.x; x < tile.x + tile.width; ++x) {
+        const uint32_t ray = ray_at(x, y);
+        lists[ray] = {first, counts[ray]};
+        first += counts[ray];
+      }
+    }
+  }
+  if (most > fragment_capacity_) {
+    throw EnvironmentError(fmt::format(
+        "one ray passes {} faces, which need {} bytes; --fragment-memory and device '{}' allow {}: "
+        "give more memory, use fewer tets or --renderer march",
+        most, most * kFragmentBytes, device_.properties.deviceName,
+        fragment_capacity_ * kFragmentBytes));
+  }
+  lists_.Upload(lists);
+  if (fragments_.bytes() < most * kFragmentBytes) {
+    fragments_ = {};  // frees the old one before the new one takes memory
+    fragments_ = Buffer(device_, "fragments", most * kFragmentBytes);
+  }
+  recorder.Begin();
+}
+
+void PpllIntegrator::Sort(CommandRecorder& recorder, const RayPass& pass,
+                          const FragmentTile& tile) {
+  const std::vector<const Buffer*> buffers = {&lists_, &fragments_};
+  PpllPush push = PushOf(pass, tile);
+  push.longest = sort_ == FragmentSort::kAuto    ? kLongestShellSort
+                 : sort_ == FragmentSort::kShell ? UINT32_MAX
+                                                 : 0;
+  if (push.longest > 0) {
+    recorder.Dispatch(sort_shell_, buffers, push, push.tile_pixels, kWorkgroupSize);
+  }
+  if (tile.longest_list > push.longest) {
+    push.shortest = std::exchange(push.longest, UINT32_MAX) + 1;
+    recorder.Dispatch(sort_heap_, buffers, push, push.tile_pixels, kWorkgroupSize);
+  }
+}
+
+void PpllIntegrator::LoadTile(CommandRecorder& recorder, const RayPass& pass,
+                              const FragmentTile& tile) {
+  DrawFaces(recorder, pass, tile, false);
+  Sort(recorder, pass, tile);
+}
+
+void PpllIntegrator::Forward(CommandRecorder& recorder, const RayPass& pass) {
+  TETREC_CHECK(pass.rays.columns > 0, "lists of fragments want a rectangle of rays");
+  const uint32_t width = pass.rays.columns * kBlockWidth, height = pass.rays.count / width;
+  const VkPhysicalDeviceLimits& limits = device_.properties.limits;
+  if (width > limits.maxFramebufferWidth || height > limits.maxFramebufferHeight) {
+    throw EnvironmentError(
+        fmt::format("device '{}' rasterises {} x {} pixels at most, not {} x {}: use smaller "
+                    "pictures, fewer --samples or --renderer march",
+                    device_.properties.deviceName, limits.maxFramebufferWidth,
+                    limits.maxFramebufferHeight, width, height));
+  }
+  PlanTiles(recorder, pass);
+  for (const FragmentTile& tile : tiles_) {
+    LoadTile(recorder, pass, tile);
+    recorder.Dispatch(forward_,
+                      MeshAnd(pass, {&lists_, &list_fills_, &fragments_, &pass.rays.colors,
+                                     &pass.rays.entries, &pass.counters}),
+                      PushOf(pass, tile), tile.width * tile.height, kWorkgroupSize);
+  }
+}
+
+// The tile that Forward loaded last comes first and need not be loaded again.
+void PpllIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
+  for (size_t i = tiles_.size(); i-- > 0;) {
+    const FragmentTile& tile = tiles_[i];
+    if (i + 1 < tiles_.size()) LoadTile(recorder, pass, tile);
+    recorder.Dispatch(backward_,
+                      MeshAnd(pass, {&lists_, &fragments_, &pass.rays.colors, &pass.rays.entries,
+                                     &pass.rays.gradients, &pass.field.gradients}),
+                      PushOf(pass, tile), tile.width * tile.height, kWorkgroupSize);
+  }
+}
+
+}  // namespace tetrec
