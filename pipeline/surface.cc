@@ -16,8 +16,12 @@
 namespace tetrec {
 namespace {
 
+// Rays lose half of their light inside a wall; the wall begins where density has risen to this
+// share of what it is there. Free space has far less.
+constexpr double kWallBegins = 0.1;
+
 struct SurfaceOptions {
-  double isovalue = 0;  // 0: where rays from the cameras have lost half of their light
+  double isovalue = 0;  // 0: kWallBegins of the density where rays have lost half of their light
   std::string bounds = "subject";
   double margin = 0.05;
   CleanOptions clean;
@@ -27,9 +31,10 @@ struct SurfaceOptions {
 };
 
 void AddOptions(CLI::App& app, SurfaceOptions& options) {
-  app.add_option("--isovalue", options.isovalue,
-                 "density of the surface [1 / world unit]; 0: the typical density where a ray from "
-                 "a camera has lost half of its light")
+  app.add_option(
+         "--isovalue", options.isovalue,
+         "density of the surface [1 / world unit]; 0: a tenth of the typical density where a "
+         "ray from a camera has lost half of its light")
       ->check(tetrec::AtLeastZero());
   app.add_option("--bounds", options.bounds, "extract the subject only, or all of the volume")
       ->check(CLI::IsMember({"subject", "all"}));
@@ -55,13 +60,15 @@ float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
   }
   const HalfTransmittanceLevel level = FindHalfTransmittanceLevel(
       field, world.subject_bounds, world.cameras_in_world, options.rays, options.seed);
+  const double isovalue = kWallBegins * level.isovalue;
   LogInfo(
-      "isovalue: {:.4g} per world unit, where {} of {} rays have lost half of their light ({} "
-      "lost)",
-      level.isovalue, WithThousands(level.opaque_rays), WithThousands(level.rays), level.lost_rays);
+      "isovalue: {:.4g} per world unit, a tenth of the density where {} of {} rays have lost half "
+      "of "
+      "their light ({} lost)",
+      isovalue, WithThousands(level.opaque_rays), WithThousands(level.rays), level.lost_rays);
   stage.Count("isovalue_rays",
               {{"cast", level.rays}, {"opaque", level.opaque_rays}, {"lost", level.lost_rays}});
-  return float(level.isovalue);
+  return float(isovalue);
 }
 
 TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, Stage& stage) {

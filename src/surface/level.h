@@ -12,7 +12,7 @@
 namespace tetrec {
 
 struct HalfTransmittanceLevel {
-  double isovalue = 0;       // [1 / world unit]
+  double isovalue = 0;       // density there [1 / world unit]
   uint64_t rays = 0;         // cast
   uint64_t opaque_rays = 0;  // whose transmittance fell to one half inside the bounds
   uint64_t lost_rays = 0;    // whose march failed by rounding; they are left out
