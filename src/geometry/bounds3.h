@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 
 #include <limits>
+#include <span>
 
 namespace tetrec {
 
@@ -28,5 +29,11 @@ struct Bounds3 {
     return {Center() - 0.5 * factor * Size(), Center() + 0.5 * factor * Size()};
   }
 };
+
+inline Bounds3 BoundsOf(std::span<const glm::vec3> points) {
+  Bounds3 bounds;
+  for (const glm::vec3& point : points) bounds.Add(glm::dvec3(point));
+  return bounds;
+}
 
 }  // namespace tetrec

@@ -69,4 +69,12 @@ Buffer MakeBuffer(const Device& device, std::string name, const std::vector<T>& 
   return buffer;
 }
 
+// Makes a buffer anew where it has fewer bytes; what was in it is lost. The device must be done
+// with it.
+inline void Grow(const Device& device, Buffer& buffer, const char* name, uint64_t bytes) {
+  if (buffer.bytes() > 0 && buffer.bytes() >= bytes) return;
+  buffer = {};  // frees the old one before the new one takes memory
+  buffer = Buffer(device, name, bytes);
+}
+
 }  // namespace tetrec

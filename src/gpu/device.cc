@@ -205,23 +205,23 @@ bool AddsFloatsAtomically(VkPhysicalDevice device) {
   return atomics.shaderBufferFloat32AtomicAdd == VK_TRUE;
 }
 
-bool AddsInt64Atomically(VkPhysicalDevice device) {
+// What device->has_raster and has_int64_atomics need.
+struct CoreFeatures {
+  bool raster, int64_atomics;
+};
+
+CoreFeatures QueryFeatures(VkPhysicalDevice device) {
+  VkPhysicalDeviceVulkan13Features features13{
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
   VkPhysicalDeviceVulkan12Features features12{
-      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &features13};
   VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
                                      .pNext = &features12};
   vkGetPhysicalDeviceFeatures2(device, &features);
-  return features.features.shaderInt64 == VK_TRUE && features12.shaderBufferInt64Atomics == VK_TRUE;
-}
-
-bool DrawsIntoBuffers(VkPhysicalDevice device) {
-  VkPhysicalDeviceVulkan13Features features13{
-      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-  VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
-                                     .pNext = &features13};
-  vkGetPhysicalDeviceFeatures2(device, &features);
-  return features13.dynamicRendering == VK_TRUE &&
-         features.features.fragmentStoresAndAtomics == VK_TRUE;
+  return {
+      features13.dynamicRendering == VK_TRUE &&
+          features.features.fragmentStoresAndAtomics == VK_TRUE,
+      features.features.shaderInt64 == VK_TRUE && features12.shaderBufferInt64Atomics == VK_TRUE};
 }
 
 void CreateLogicalDevice(Device& device) {
@@ -312,11 +312,14 @@ std::unique_ptr<Device> CreateDevice(const DeviceOptions& options) {
   vkGetPhysicalDeviceMemoryProperties(device->physical, &device->memory);
   bool has_graphics = false;
   device->queue_family = ChooseQueueFamily(device->physical, has_graphics);
-  device->has_raster = has_graphics && device->properties.apiVersion >= VK_API_VERSION_1_3 &&
-                       DrawsIntoBuffers(device->physical);
+  CoreFeatures features{};
+  if (device->properties.apiVersion >= VK_API_VERSION_1_3) {
+    features = QueryFeatures(device->physical);
+  }
+  device->has_raster = has_graphics && features.raster;
   device->has_float_atomics = options.float_atomics && AddsFloatsAtomically(device->physical);
   if (options.int64_atomics) {
-    device->has_int64_atomics = AddsInt64Atomically(device->physical);
+    device->has_int64_atomics = features.int64_atomics;
     if (!device->has_int64_atomics) {
       throw EnvironmentError(fmt::format(
           "--deterministic: Vulkan device '{}' lacks 64-bit integer atomics (shaderInt64, "
@@ -330,6 +333,11 @@ std::unique_ptr<Device> CreateDevice(const DeviceOptions& options) {
                                .queueFamilyIndex = device->queue_family};
   TETREC_VK(vkCreateCommandPool(device->handle, &pool, nullptr, &device->command_pool));
   return device;
+}
+
+uint32_t MostLoopRounds(const Device& device) {
+  const bool software = device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  return software ? 65535 : UINT32_MAX;
 }
 
 std::vector<std::string> ListDevices() {

@@ -40,6 +40,10 @@ struct Device {
 // (named).
 std::unique_ptr<Device> CreateDevice(const DeviceOptions& options);
 
+// Rounds that all loops of one kernel invocation may run, nested ones counted. llvmpipe ends them
+// beyond that and says nothing: results are wrong.
+uint32_t MostLoopRounds(const Device& device);
+
 // Names of the devices in the order of their numbers.
 std::vector<std::string> ListDevices();
 

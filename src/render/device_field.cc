@@ -2,6 +2,7 @@
 #include "render/device_field.h"
 
 #include "core/error.h"
+#include "geometry/bounds3.h"
 #include "render/fixed_point.h"
 #include "shared/gpu_types.glsl.h"
 
@@ -64,7 +65,7 @@ DeviceField UploadField(const Device& device, const TetMesh& mesh, const VertexS
   field.mesh = mesh;
   field.fixed_point = fixed_point;
   field.most_tets_at_vertex = MostTetsAtVertex(mesh);
-  field.diagonal = Diagonal(mesh);
+  field.diagonal = BoundsOf(mesh.positions).Diagonal();
   field.vertex_count = uint32_t(mesh.positions.size());
   field.tet_count = uint32_t(mesh.tets.size());
   const std::vector<glm::vec4> hull = HullRows(mesh);

@@ -29,13 +29,4 @@ uint32_t MostTetsAtVertex(const TetMesh& mesh) {
   return counts.empty() ? 1 : std::max(1u, *std::max_element(counts.begin(), counts.end()));
 }
 
-double Diagonal(const TetMesh& mesh) {
-  glm::vec3 low(INFINITY), high(-INFINITY);
-  for (const glm::vec3& p : mesh.positions) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  return glm::distance(glm::dvec3(low), glm::dvec3(high));
-}
-
 }  // namespace tetrec

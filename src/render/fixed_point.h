@@ -29,7 +29,4 @@ FixedPoint ChooseFixedPoint(double gradient_scale, uint64_t rays, uint32_t most_
 // N of the mesh.
 uint32_t MostTetsAtVertex(const TetMesh& mesh);
 
-// Length of the diagonal of the bounds of the mesh [world units].
-double Diagonal(const TetMesh& mesh);
-
 }  // namespace tetrec

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "embedded_shaders.h"
+#include "geometry/bounds3.h"
 #include "gpu/raster_program.h"
 
 #include <fmt/format.h>
@@ -19,6 +20,12 @@ constexpr uint64_t kFragmentBytes = 8;
 // Longer lists are sorted by heap: its n log n overtakes shell sort there.
 constexpr uint32_t kLongestShellSort = 1024;
 
+// Sorting a list takes less than 30 rounds of loops a fragment up to the lengths that llvmpipe can
+// sort; adding its gradients by compare and swap up to 9 rounds for each of 12 sums.
+uint32_t LongestList(const Device& device) {
+  return MostLoopRounds(device) / (device.has_float_atomics ? 30 : 150);
+}
+
 // Every face once, as its place in the tet of lower index.
 std::vector<uint32_t> UniqueFaces(const TetMesh& mesh) {
   std::vector<uint32_t> faces;
@@ -33,13 +40,8 @@ std::vector<uint32_t> UniqueFaces(const TetMesh& mesh) {
 
 // A ball around the mesh: centre, radius.
 glm::vec4 BallAround(const TetMesh& mesh) {
-  glm::vec3 low(mesh.positions[0]), high(low);
-  for (const glm::vec3& p : mesh.positions) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  const glm::vec3 center = 0.5f * (low + high);
-  return glm::vec4(center, 1.001f * glm::distance(center, high));
+  const Bounds3 bounds = BoundsOf(mesh.positions);
+  return glm::vec4(bounds.Center(), 1.001f * 0.5f * float(bounds.Diagonal()));
 }
 
 // What every kernel reads, and `more`.
@@ -179,6 +181,14 @@ void PpllIntegrator::PlanTiles(CommandRecorder& recorder, const RayPass& pass) {
         "give more memory, use fewer tets or --renderer march",
         most, most * kFragmentBytes, device_.properties.deviceName,
         fragment_capacity_ * kFragmentBytes));
+  }
+  uint32_t longest = 0;
+  for (const FragmentTile& tile : tiles_) longest = std::max(longest, tile.longest_list);
+  if (longest > LongestList(device_)) {
+    throw EnvironmentError(fmt::format(
+        "one ray passes {} faces; device '{}' runs no loop for more than {}: use fewer tets or "
+        "--renderer march",
+        longest, device_.properties.deviceName, LongestList(device_)));
   }
   lists_.Upload(lists);
   if (fragments_.bytes() < most * kFragmentBytes) {

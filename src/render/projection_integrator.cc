@@ -22,12 +22,10 @@ using gpu_types::ScanPush;
 // An item in a list: tile and tet, twice for the sort, and its share of the digit counters.
 constexpr uint64_t kBytesPerItem = 20;
 
-// llvmpipe ends every loop of an invocation after 65,535 rounds in all, nested ones counted, and
-// says nothing. A tet takes up to 9 rounds, and where floats are added by compare and swap up to 16
-// times 9 more, so the lists of its tiles must stay short.
+// A tile's list holds a tet once. Walking over one takes up to 10 rounds of loops, and where floats
+// are added by compare and swap 16 sums of up to 9 rounds more.
 uint32_t LongestList(const Device& device) {
-  if (device.properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU) return UINT32_MAX;
-  return device.has_float_atomics ? 6000 : 300;
+  return MostLoopRounds(device) / (device.has_float_atomics ? 10 : 160);
 }
 
 uint32_t CeilDivide(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
@@ -38,28 +36,18 @@ uint32_t TileCount(const ProjectionPush& push) {
 
 // The rectangle that the blocks fill.
 ProjectionPush PushOf(const RayPass& pass) {
-  const auto& blocks = pass.blocks;
-  const auto same_row = [&](const RayBlock& block) { return block.y == blocks[0].y; };
-  ProjectionPush push{};
-  push.ray_count = pass.push.ray_count;
-  push.view = blocks[0].view;
-  push.first_x = blocks[0].x;
-  push.first_y = blocks[0].y;
-  push.block_columns =
-      uint32_t(std::find_if_not(blocks.begin(), blocks.end(), same_row) - blocks.begin());
-  push.block_rows = uint32_t(blocks.size()) / push.block_columns;
-  push.jitter_seed = pass.push.jitter_seed;
-  push.jitter_px = pass.push.jitter_px;
-  push.stop_depth = pass.push.stop_depth;
-  for (size_t i = 0; i < blocks.size(); ++i) {
-    const uint32_t column = uint32_t(i) % push.block_columns,
-                   row = uint32_t(i) / push.block_columns;
-    TETREC_CHECK(blocks[i].view == push.view &&
-                     blocks[i].x == push.first_x + column * kRayBlockWidth &&
-                     blocks[i].y == push.first_y + row * kRayBlockHeight && row < push.block_rows,
-                 "projected tets want a rectangle of one view, row of blocks by row");
-  }
-  return push;
+  TETREC_CHECK(pass.rays.columns > 0,
+               "projected tets want a rectangle of one view, row of blocks by row");
+  const RayBlock& first = pass.blocks[0];
+  return {.ray_count = pass.push.ray_count,
+          .view = first.view,
+          .first_x = first.x,
+          .first_y = first.y,
+          .block_columns = pass.rays.columns,
+          .block_rows = uint32_t(pass.blocks.size()) / pass.rays.columns,
+          .jitter_seed = pass.push.jitter_seed,
+          .jitter_px = pass.push.jitter_px,
+          .stop_depth = pass.push.stop_depth};
 }
 
 // High and low parts of spheres, two rows each.
@@ -71,12 +59,6 @@ std::vector<glm::vec4> SplitIntoPairs(std::span<const glm::dvec4> spheres) {
     rows.emplace_back(sphere - glm::dvec4(high));
   }
   return rows;
-}
-
-void Grow(const Device& device, Buffer& buffer, const char* name, uint64_t bytes) {
-  if (buffer.bytes() >= std::max<uint64_t>(bytes, 1)) return;
-  buffer = {};
-  buffer = Buffer(device, name, bytes);
 }
 
 // Until the device is idle; recording goes on.
@@ -163,8 +145,7 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, VisibilityOrder
 void ProjectionIntegrator::SetField(const DeviceField& field) {
   field_ = &field;
   has_ranks_ = has_warned_ = false;
-  Bounds3 bounds;
-  for (const glm::vec3& p : field.mesh.positions) bounds.Add(glm::dvec3(p));
+  const Bounds3 bounds = BoundsOf(field.mesh.positions);
   center_ = bounds.Center();
   radius_ = 0.5 * bounds.Diagonal();
   rectangles_ = Buffer(device_, "tet rectangles", 8ull * field.tet_count);
@@ -336,7 +317,7 @@ std::vector<ProjectionIntegrator::Stretch> ProjectionIntegrator::CutIntoStretche
   std::vector<Stretch> stretches;
   uint32_t begin = 0;
   while (begin < tets) {
-    // The last tet whose items still fit; one tet always does. A tile's list holds a tet once.
+    // The last tet whose items still fit; one tet always does.
     const auto past = std::upper_bound(offsets.begin() + begin, offsets.end(),
                                        uint64_t(offsets[begin]) + capacity);
     const uint32_t end = std::min(uint32_t(past - offsets.begin()) - 1,

@@ -19,13 +19,6 @@ using gpu_types::SortPush;
 
 uint64_t Runs(uint64_t count, uint64_t run) { return (count + run - 1) / run; }
 
-void Grow(const Device& device, Buffer& buffer, const char* name, uint64_t words) {
-  if (buffer.bytes() < std::max<uint64_t>(4 * words, 1)) {
-    buffer = {};
-    buffer = Buffer(device, name, 4 * words);
-  }
-}
-
 }  // namespace
 
 PrefixSum::PrefixSum(const Device& device)
@@ -40,7 +33,7 @@ void PrefixSum::Reserve(uint64_t count) {
   do {
     count = Runs(count, kScanRun);
     if (levels_.size() == level) levels_.emplace_back();
-    Grow(device_, levels_[level++], "prefix sums", count);
+    Grow(device_, levels_[level++], "prefix sums", 4ull * count);
   } while (count > 1);
 }
 
@@ -67,10 +60,10 @@ void PrefixSum::Record(CommandRecorder& recorder, const Buffer& values, uint32_t
 }
 
 void SortList::Reserve(const Device& device, uint64_t count) {
-  Grow(device, keys, "sort keys", count);
-  Grow(device, items, "sort items", count);
-  Grow(device, other_keys, "other sort keys", count);
-  Grow(device, other_items, "other sort items", count);
+  Grow(device, keys, "sort keys", 4ull * count);
+  Grow(device, items, "sort items", 4ull * count);
+  Grow(device, other_keys, "other sort keys", 4ull * count);
+  Grow(device, other_items, "other sort items", 4ull * count);
 }
 
 RadixSort::RadixSort(const Device& device)
@@ -89,7 +82,7 @@ RadixSort::RadixSort(const Device& device)
 
 void RadixSort::Reserve(uint64_t count) {
   const uint64_t counters = Runs(count, kSortRun) * kSortDigits;
-  Grow(device_, digit_counts_, "digit counts", counters);
+  Grow(device_, digit_counts_, "digit counts", 4ull * counters);
   prefix_sum_.Reserve(counters);
 }
 

@@ -96,8 +96,7 @@ std::vector<uint32_t> ByCentroidDistance(const TetMesh& mesh, const dvec3& eye) 
 }  // namespace
 
 PowerOrder MeasurePowerOrder(const TetMesh& mesh) {
-  Bounds3 bounds;
-  for (const glm::vec3& p : mesh.positions) bounds.Add(dvec3(p));
+  const Bounds3 bounds = BoundsOf(mesh.positions);
   PowerOrder order;
   order.origin = bounds.Center();
   const double extent = bounds.Diagonal();

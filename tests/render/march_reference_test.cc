@@ -10,12 +10,6 @@
 namespace tetrec::test {
 namespace {
 
-struct Scene {
-  int points;
-  uint32_t seed;
-  int width, height;
-};
-
 // Small meshes with large pictures, one of 20,000 tets with a small one: a second each.
 const Scene kScenes[] = {{0, 1, 45, 33},   {0, 2, 45, 33},   {20, 3, 45, 33},
                          {300, 4, 37, 27}, {300, 5, 37, 27}, {3000, 6, 21, 15}};

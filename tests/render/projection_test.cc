@@ -12,11 +12,6 @@
 namespace tetrec::test {
 namespace {
 
-struct Scene {
-  int points;
-  uint32_t seed;
-  int width, height;
-};
 const Scene kScenes[] = {{0, 1, 45, 33}, {20, 3, 45, 33}, {100, 4, 37, 27}, {300, 5, 37, 27}};
 
 // As of the march (march_reference_test.cc): coordinates err by 2e-7 of the distance, lengths by

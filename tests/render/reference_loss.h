@@ -10,6 +10,13 @@
 
 namespace tetrec::test {
 
+// A random field and the size of its pictures.
+struct Scene {
+  int points;
+  uint32_t seed;
+  int width, height;
+};
+
 // Outside at a corner, inside, and outside in front of one face; odd sizes leave blocks cut.
 inline std::vector<RenderView> ThreeViews(int width, int height) {
   return {LookAt({1.7, -1.1, -1.0}, {0.0, 0.3, 0.6}, width, height),
