@@ -4,6 +4,7 @@
 
 #define Payload vec3
 #define MakePayload(color) (color)
+#include "ppll.glsl"
 #include "ppll_hits.glsl"
 
 layout(std430, binding = kBindListFills) readonly buffer ListFills { uint list_fills[]; };
@@ -13,6 +14,49 @@ layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
 // e^-88 is the least float; what lies behind is not seen and needs no gradient.
 const float kUnseenDepth = 88.0;
+
+#ifdef TETREC_COUNT_STEPS
+// The tets that a ray passes form a chain from the one that it begins in, or none, to none: the sum
+// (mod 2^32) of before - behind over the faces tells its begin, in whatever order they are.
+struct Chain {
+  uint sum;  // of all faces
+  // Of those far enough from the camera for rounding to leave them before it: the first one's
+  // `before`, and the sum.
+  bool has_far;
+  uint far_begin, far_sum;
+  uint steps;
+};
+
+// Least of the camera's barycentric weights in a tet.
+float LeastCameraWeight(ListRay list_ray, uint tet) {
+  uvec4 ids = texelFetch(tets, int(2u * tet));
+  vec3 camera = list_ray.ray.origin + list_ray.camera_z * list_ray.ray.direction;
+  vec3 a = texelFetch(vertices, int(2u * ids.x)).xyz - camera;
+  vec3 b = texelFetch(vertices, int(2u * ids.y)).xyz - camera;
+  vec3 c = texelFetch(vertices, int(2u * ids.z)).xyz - camera;
+  vec3 d = texelFetch(vertices, int(2u * ids.w)).xyz - camera;
+  vec4 w = VolumesAtOrigin(a, b, c, d);
+  return min(min(w.x, w.y), min(w.z, w.w)) / (w.x + w.y + w.z + w.w);
+}
+
+// Whether the faces of a whole ray form a chain from where the camera is. A camera on a face, up to
+// rounding, is on either side of it.
+bool IsWhole(Chain chain, ListRay list_ray) {
+  const float rounding = 1e-4;
+  uint start = list_ray.ray.start_tet, begin = chain.has_far ? chain.far_begin : kNoTet;
+  bool whole = chain.sum + kNoTet == start;
+  TETREC_RARELY(!whole) {
+    bool begins_well = begin == start;
+    if (begin != kNoTet) {
+      begins_well = begins_well || LeastCameraWeight(list_ray, begin) >= -rounding;
+    } else if (start != kNoTet) {
+      begins_well = LeastCameraWeight(list_ray, start) <= rounding;
+    }
+    whole = begins_well && chain.far_sum + kNoTet == begin;
+  }
+  return whole;
+}
+#endif
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
@@ -28,6 +72,10 @@ void main() {
   uint n = 0u;
   uint last = 0u;  // fragments up to the end of the last segment that is seen
   float depth_before_last = 0.0;
+#ifdef TETREC_COUNT_STEPS
+  Chain chain = Chain(0u, false, kNoTet, 0u, 0u);
+  float far = list_ray.camera_z + 1e-5 * push.mesh_ball.w;
+#endif
   Hit hit0;
   if (go) hit0 = HitBeforeFirst(list_ray, HitAt(list_ray.ray, fragments[list.x]));
   while (go) {
@@ -43,7 +91,17 @@ void main() {
         depth_before_last = depth;
       }
       depth += 0.5 * (s0 + s1);
+#ifdef TETREC_COUNT_STEPS
+      chain.steps += 1u;
+#endif
     }
+#ifdef TETREC_COUNT_STEPS
+    uint link = hit1.before - hit1.behind;
+    if (!chain.has_far && hit1.z > far) chain.far_begin = hit1.before;
+    chain.has_far = chain.has_far || hit1.z > far;
+    chain.sum += link;
+    chain.far_sum += chain.has_far ? link : 0u;
+#endif
     hit0 = hit1;
     go = n < list.y && depth < push.stop_depth;
   }
@@ -51,5 +109,11 @@ void main() {
     ray_colors[index] = vec4(color, depth);
     ray_entries[index] = uvec2(last, floatBitsToUint(depth_before_last));
     if (list_fills[index] != list.y) atomicAdd(counters[kCounterLostRays], 1u);
+#ifdef TETREC_COUNT_STEPS
+    atomicAdd(counters[kCounterSteps], chain.steps);
+    if (chain.steps > 0u) atomicAdd(counters[kCounterHitRays], 1u);
+    bool whole = depth >= push.stop_depth || IsWhole(chain, list_ray);
+    if (list_ray.ray.valid && !whole) atomicAdd(counters[kCounterLostRays], 1u);
+#endif
   }
 }

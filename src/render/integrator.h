@@ -23,12 +23,23 @@ struct RayPass {
   const Buffer& counters;            // of kCounterCount
   gpu_types::MarchPush push;
   GradientParts parts = GradientParts::kColorDensity;  // of Backward
+  bool count_steps = false;                            // of Forward: hit rays and steps, too
 };
 
 // For programs whose kernels include shaders/integral.glsl.
 inline std::array<SpecializationConstant, 2> ConstantsOf(const IntegralOptions& integral) {
   return {{{kConstantIntegral, int(integral.kind)}, {kConstantSplits, integral.splits}}};
 }
+
+// A kernel that sums (shaders/atomic_sum.glsl), in its three kinds.
+struct SummingKernel {
+  std::span<const uint32_t> native, compare_and_swap, fixed_point;
+
+  std::span<const uint32_t> For(const Device& device, bool is_fixed_point) const {
+    if (is_fixed_point) return fixed_point;
+    return device.has_float_atomics ? native : compare_and_swap;
+  }
+};
 
 class Integrator {
  public:

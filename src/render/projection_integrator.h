@@ -15,10 +15,9 @@ namespace tetrec {
 // Every batch must be a rectangle of one view, row of blocks by row.
 class ProjectionIntegrator final : public Integrator {
  public:
-  // Lists of (tile, tet) take at most `fragment_memory` bytes, but room for one tet in all tiles:
-  // where they do not fit, the sorted tets are composited a stretch at a time.
-  ProjectionIntegrator(const Device& device, VisibilityOrder order, const IntegralOptions& integral,
-                       uint64_t fragment_memory);
+  // Lists of (tile, tet) take at most `options.fragment_memory` bytes, but room for one tet in all
+  // tiles: where they do not fit, the sorted tets are composited a stretch at a time.
+  ProjectionIntegrator(const Device& device, const RendererOptions& options);
   void SetField(const DeviceField& field) override;
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;
@@ -41,14 +40,16 @@ class ProjectionIntegrator final : public Integrator {
   std::vector<Stretch> CutIntoStretches(uint32_t tets, uint32_t capacity) const;
   void RecordLists(CommandRecorder& recorder, Push push, uint32_t items);
   void RecordForward(CommandRecorder& recorder, const RayPass& pass, const Push& push);
-  void RecordBackward(CommandRecorder& recorder, const RayPass& pass, const Push& push);
+  void RecordBackward(CommandRecorder& recorder, const RayPass& pass, Push push);
 
   const Device& device_;
   Keys keys_;
   const VisibilityOrder order_;
   const uint64_t fragment_memory_;
+  const uint32_t longest_list_;  // that the device can walk
   Program cull_, compact_, centroid_keys_, power_keys_, gather_;
-  Program count_, emit_, ranges_, forward_, backward_;
+  Program count_, emit_, ranges_;
+  Program forward_, forward_counting_, backward_, backward_positions_;
   PrefixSum prefix_sum_;
   RadixSort sort_;
   ZeroFill zero_;
@@ -74,7 +75,7 @@ class ProjectionIntegrator final : public Integrator {
   Buffer offsets_;
   SortList items_;  // (tile, tet)
   Buffer tile_ranges_;
-  Buffer ray_states_;
+  Buffer ray_states_;             // where there is more than one stretch
   bool lists_are_whole_ = false;  // items_ holds the batch's only stretch, which is whole_
   Push whole_;
 };

@@ -242,7 +242,7 @@ TEST(VisibilityOrder, PowerAndRanksPutTheNearerOfTwoNeighboursFirst) {
   for (const glm::vec3& eye : {glm::vec3(2.0f, 1.0f, 3.0f), glm::vec3(0.1f, 0.4f, 0.5f)}) {
     const VisibilityRanks ranks = RankByVisibility(mesh, eye);
     EXPECT_EQ(ranks.tets_in_cycles, 0u);
-    const std::vector<uint32_t> tie_ranks = RankTies(mesh, power, eye);
+    const std::vector<uint32_t> tie_ranks = RankTies(mesh, power, eye).ranks;
     const auto key = [&](uint32_t t) {
       const double by_power = power.spheres[t].w - 2.0 * glm::dot(glm::dvec3(power.spheres[t]),
                                                                   glm::dvec3(eye) - power.origin);
@@ -272,7 +272,7 @@ TEST(VisibilityOrder, TiesOfALatticeAreBrokenByWhatCoversWhat) {
   const PowerOrder power = MeasurePowerOrder(mesh);
   EXPECT_EQ(power.bad_faces, 0u);
   const glm::vec3 eye(0.3f, 1.4f, -2.0f);
-  const std::vector<uint32_t> ranks = RankTies(mesh, power, eye);
+  const std::vector<uint32_t> ranks = RankTies(mesh, power, eye).ranks;
   ASSERT_EQ(ranks.size(), mesh.tets.size());
   EXPECT_GT(power.tied_faces.size(), 27u);  // each cube has inner faces
   for (const InnerFace& face : power.tied_faces) {
