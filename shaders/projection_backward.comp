@@ -106,7 +106,7 @@ void main() {
   walk.held = HoldNothing();
   walk.depth = 0.0;
   walk.behind = dot(g_color, result.rgb) + gradient.w * exp(-result.w);
-  if (push.is_first == 0u) walk = ray_states[tile_ray.index];
+  if (push.is_first == 0u && tile_ray.exists) walk = ray_states[tile_ray.index];
   uint i = tile_ray.range.x;
   bool go = tile_ray.exists && ray.valid && gradient != vec4(0.0) && i < tile_ray.range.y &&
             walk.depth < push.stop_depth;

@@ -118,8 +118,8 @@ struct ProjectionPush {
   uint view;
   uint first_x, first_y;           // [px]
   uint block_columns, block_rows;  // of the rectangle
-  uint first, count;               // tets, or items of the tiles' lists
-  uint is_first, is_last;          // of the stretches
+  uint first, count;               // tets, items, or items of each tile's list
+  uint is_first, is_last;          // time that the rays walk
   uint jitter_seed;
   float jitter_px;
   float stop_depth;

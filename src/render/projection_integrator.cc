@@ -22,10 +22,9 @@ using gpu_types::ScanPush;
 // An item in a list: tile and tet, twice for the sort, and its share of the digit counters.
 constexpr uint64_t kBytesPerItem = 20;
 
-// A tile's list holds a tet once. Walking over one takes up to 16 rounds of loops and those of the
-// segment's parts, and for each of 4 vertices that leave those of 8 sums: one in fixed point, up to
-// 9 by compare and swap.
-uint32_t LongestList(const Device& device, const RendererOptions& options) {
+// Walking over an item takes up to 16 rounds of loops and those of the segment's parts, and for
+// each of 4 vertices that leave those of 8 sums: one in fixed point, up to 9 by compare and swap.
+uint32_t LongestWalk(const Device& device, const RendererOptions& options) {
   const uint32_t a_sum = options.deterministic ? 1 : device.has_float_atomics ? 0 : 9;
   return MostLoopRounds(device) / (16 + uint32_t(options.integral.splits) + 32 * a_sum);
 }
@@ -82,7 +81,7 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, const RendererO
       keys_(Keys::kCentroid),
       order_(options.order),
       fragment_memory_(options.fragment_memory),
-      longest_list_(LongestList(device, options)),
+      longest_walk_(LongestWalk(device, options)),
       prefix_sum_(device),
       sort_(device),
       zero_(device) {
@@ -198,18 +197,20 @@ void ProjectionIntegrator::Forward(CommandRecorder& recorder, const RayPass& pas
 }
 
 void ProjectionIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
-  if (lists_are_whole_) {
-    RecordBackward(recorder, pass, whole_);
-    return;
-  }
   const bool with_positions = pass.parts == GradientParts::kColorDensityPosition;
   const uint64_t bytes =
       uint64_t(with_positions ? kRayStateBytesWithPositions : kRayStateBytes) * pass.rays.capacity;
-  if (ray_states_.bytes() < bytes) {
+  const bool at_once = lists_are_whole_ && whole_longest_list_ <= longest_walk_;
+  if (!at_once && ray_states_.bytes() < bytes) {
     Flush(recorder);  // a batch before this one may still be using the buffer
     Grow(device_, ray_states_, "ray states", bytes);
   }
-  ForEachStretch(recorder, [&](const Push& push) { RecordBackward(recorder, pass, push); });
+  const auto composite = [&](const Push& push) { RecordBackward(recorder, pass, push); };
+  if (lists_are_whole_) {
+    WalkLists(whole_, whole_longest_list_, composite);
+  } else {
+    ForEachStretch(recorder, composite);
+  }
 }
 
 void ProjectionIntegrator::SortVisible(CommandRecorder& recorder, const RayPass& pass) {
@@ -278,15 +279,14 @@ void ProjectionIntegrator::UploadRanks(const glm::vec3& eye) {
   }
 }
 
-void ProjectionIntegrator::ForEachStretch(CommandRecorder& recorder,
-                                          const std::function<void(const Push&)>& composite) {
+void ProjectionIntegrator::ForEachStretch(CommandRecorder& recorder, const Composite& composite) {
   const uint32_t tiles = TileCount(push_);
   const uint64_t most = device_.properties.limits.maxStorageBufferRange / sizeof(uint32_t);
   const uint32_t capacity =
       uint32_t(std::max<uint64_t>(tiles, std::min(most, fragment_memory_ / kBytesPerItem)));
   // So many tets at a time cannot make more items than 32 bits count.
   const uint32_t slice = std::numeric_limits<uint32_t>::max() / tiles;
-  uint32_t stretches = 0, done = 0;
+  uint32_t stretches = 0, done = 0, longest_list = 0;
   Push push = push_;
   do {
     push.offsets_first = push.first = done;
@@ -307,20 +307,48 @@ void ProjectionIntegrator::ForEachStretch(CommandRecorder& recorder,
       push.count = stretch.end - stretch.begin;
       push.is_first = stretches == 0;
       RecordLists(recorder, push, stretch.items);
-      composite(push);
+      // A list holds a tet once.
+      longest_list = push.count <= longest_walk_ ? push.count : MeasureLongestList(recorder, push);
+      WalkLists(push, longest_list, composite);
       ++stretches;
     }
   } while (done < visible_count_);
   lists_are_whole_ = stretches == 1;
   whole_ = push;
+  whole_longest_list_ = longest_list;
+}
+
+// As many items of every list at a time as the device can walk.
+void ProjectionIntegrator::WalkLists(const Push& push, uint32_t longest_list,
+                                     const Composite& composite) const {
+  Push window = push;
+  window.first = 0;
+  window.count = longest_walk_;
+  bool is_last = false;
+  while (!is_last) {
+    is_last = longest_list - window.first <= longest_walk_;
+    window.is_first = push.is_first && window.first == 0;
+    window.is_last = push.is_last && is_last;
+    composite(window);
+    window.first += longest_walk_;
+  }
+}
+
+uint32_t ProjectionIntegrator::MeasureLongestList(CommandRecorder& recorder,
+                                                  const Push& push) const {
+  Flush(recorder);
+  uint32_t longest = 0;
+  for (const glm::uvec2& range : tile_ranges_.DownloadAs<glm::uvec2>(TileCount(push))) {
+    longest = std::max(longest, range.y - range.x);
+  }
+  return longest;
 }
 
 // One at least. The device is idle.
 std::vector<ProjectionIntegrator::Stretch> ProjectionIntegrator::CutIntoStretches(
     uint32_t tets, uint32_t capacity) const {
   const uint32_t total = ReadWord(offsets_, tets);
-  const uint32_t longest = longest_list_;
-  if (total <= capacity && tets <= longest) return {{0, tets, total}};
+  if (total <= capacity) return {{0, tets, total}};
   const auto offsets = offsets_.DownloadAs<uint32_t>(tets + 1ull);
   std::vector<Stretch> stretches;
   uint32_t begin = 0;
@@ -328,8 +356,7 @@ std::vector<ProjectionIntegrator::Stretch> ProjectionIntegrator::CutIntoStretche
     // The last tet whose items still fit; one tet always does.
     const auto past = std::upper_bound(offsets.begin() + begin, offsets.end(),
                                        uint64_t(offsets[begin]) + capacity);
-    const uint32_t end = std::min(uint32_t(past - offsets.begin()) - 1,
-                                  longest < tets - begin ? begin + longest : tets);
+    const uint32_t end = uint32_t(past - offsets.begin()) - 1;
     stretches.push_back({begin, end, offsets[end] - offsets[begin]});
     begin = end;
   }
