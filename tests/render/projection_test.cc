@@ -12,8 +12,6 @@
 namespace tetrec::test {
 namespace {
 
-const Scene kScenes[] = {{0, 1, 45, 33}, {20, 3, 45, 33}, {100, 4, 37, 27}, {300, 5, 37, 27}};
-
 // As of the march (march_reference_test.cc): coordinates err by 2e-7 of the distance, lengths by
 // 1e-6, densities are up to 10, colours up to 1.
 constexpr double kPictureTolerance = 2e-5;
@@ -28,23 +26,6 @@ double LargestDifference(const RenderedImage& image, const ReferenceImage& truth
                   std::abs(double(image.transmittance[i]) - std::exp(-truth.optical_depth[i]))});
   }
   return largest;
-}
-
-TEST_F(RendererTest, ProjectedTetsShowThePicturesOfTheReference) {
-  for (const Scene& scene : kScenes) {
-    for (float stop : {0.0f, 1e-3f}) {
-      const RadianceField field = RandomField(scene.points, scene.seed, 10.0f);
-      RendererOptions options = kProjection;
-      options.stop_transmittance = stop;
-      TrainingRenderer& renderer = MakeRenderer(options);
-      renderer.SetField(field);
-      for (const RenderView& view : ThreeViews(scene.width, scene.height)) {
-        EXPECT_LT(LargestDifference(renderer.Render(view, 1), RenderReference(field, view, stop)),
-                  kPictureTolerance)
-            << scene.points << " points, seed " << scene.seed << ", stop " << stop;
-      }
-    }
-  }
 }
 
 // Largest difference over largest value, of colours and of densities.
@@ -64,29 +45,6 @@ double GradientError(const FieldGradient& gradient, const ReferenceGradient& tru
 
 // Hundreds of rays are added in float, in any order; pictures agree to 1e-5.
 constexpr double kGradientTolerance = 3e-5;
-
-TEST_F(RendererTest, GradientsOfProjectedTetsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
-  for (bool float_atomics : {true, false}) {
-    for (const Scene& scene : kScenes) {
-      for (float stop : {0.0f, 1e-3f}) {
-        const RadianceField field = RandomField(scene.points, scene.seed, 10.0f);
-        RendererOptions options = kProjection;
-        options.device.float_atomics = float_atomics;
-        options.stop_transmittance = stop;
-        TrainingRenderer& renderer = MakeRenderer(options);
-        renderer.SetField(field);
-        for (const RenderView& view : ThreeViews(scene.width, scene.height)) {
-          const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, scene.seed);
-          const FieldGradient gradient =
-              renderer.Backpropagate(view, std::vector<glm::vec4>(g.begin(), g.end()));
-          EXPECT_LT(GradientError(gradient, BackpropagateReference(field, view, g, stop)),
-                    kGradientTolerance)
-              << scene.points << " points, stop " << stop << ", atomics " << float_atomics;
-        }
-      }
-    }
-  }
-}
 
 bool SameBits(const RenderedImage& a, const RenderedImage& b) {
   return a.color_srgb == b.color_srgb && a.transmittance == b.transmittance;
