@@ -34,8 +34,8 @@ Slopes SlopesAtCamera(MarchState state, Corner apex) {
 
 // What a ray carries on its way.
 struct Walk {
-  float depth;       // optical, before the segment
-  float behind_all;  // the part of the loss that lies behind
+  float depth;                  // optical, before the segment
+  float behind_all;             // the part of the loss that lies behind
   vec2 grad_a, grad_b, grad_c;  // of vertices of the triangle, until they leave it
 #ifdef TETREC_POSITIONS
   vec3 move_a, move_b, move_c;
@@ -47,7 +47,7 @@ struct Walk {
 struct Segment {
   float s0, s1, size;  // size: its length
   float density0, density1;
-  float k0, k1;  // g . colour at its ends
+  float k0, k1;        // g . colour at its ends
   uint leaving;        // corner of the entry triangle that the exit triangle lacks: 0 a, 1 b, 2 c
   uint leaving_id;
   vec3 w_entry, w_exit;  // barycentric weights on the corners before and after the step
@@ -61,9 +61,8 @@ struct Segment {
 void Deposit(inout Walk walk, Segment segment, SegmentAdjoint adjoint) {
   float t = exp(-walk.depth);
   walk.behind_all -= t * (adjoint.w0 * segment.k0 + adjoint.w1 * segment.k1);
-  EndGradients ends =
-      GradientsOfEnds(adjoint, t, walk.behind_all, segment.size, segment.density0, segment.density1,
-                      segment.k0, segment.k1);
+  EndGradients ends = GradientsOfEnds(adjoint, t, walk.behind_all, segment.size, segment.density0,
+                                      segment.density1, segment.k0, segment.k1);
   vec2 at_entry = ends.entry.yz, at_exit = ends.exit.yz;
   walk.grad_a += segment.w_entry.x * at_entry;
   walk.grad_b += segment.w_entry.y * at_entry;

@@ -43,17 +43,6 @@ ListRay MakeListRay(uint index) {
   return result;
 }
 
-vec3 InRayFrame(Ray ray, vec3 position) {
-  precise vec3 r = position - ray.origin;
-  precise vec3 p = vec3(dot(r, ray.u), dot(r, ray.v), dot(r, ray.direction));
-  return p;
-}
-
-float EdgeFunction(vec3 from, vec3 to) {
-  precise float e = from.x * to.y - from.y * to.x;
-  return e;
-}
-
 vec3 EdgeFunctions(vec3 a, vec3 b, vec3 c) {
   return vec3(EdgeFunction(b, c), EdgeFunction(c, a), EdgeFunction(a, b));
 }

@@ -55,3 +55,18 @@ Ray MakeRay(uint index) {
   ray.start_tet = view.size_pixel_tet.w;
   return ray;
 }
+
+// Axes u, v across the ray, d along it. The same bits wherever the position is the same.
+vec3 InRayFrame(Ray ray, vec3 position) {
+  precise vec3 r = position - ray.origin;
+  precise vec3 p = vec3(dot(r, ray.u), dot(r, ray.v), dot(r, ray.direction));
+  return p;
+}
+
+// Twice the area of (0, from, to) across the ray; exactly the opposite for (to, from).
+float EdgeFunction(vec3 from, vec3 to) {
+  precise float left = from.x * to.y;
+  precise float right = from.y * to.x;
+  precise float e = left - right;
+  return e;
+}

@@ -12,13 +12,13 @@
 
 struct TetCut {
   bool hit;
-  float z0, z1;       // along the ray, from its origin
-  vec4 w0, w1;        // barycentric weights of the ends
-  bvec4 face0, face1; // of the ends: which vertex they lack
-  bool at_camera;     // where the ray begins, not on face0
+  float z0, z1;        // along the ray, from its origin
+  vec4 w0, w1;         // barycentric weights of the ends
+  bvec4 face0, face1;  // of the ends: which vertex they lack
+  bool at_camera;      // where the ray begins, not on face0
   uvec4 ids;
-  vec3 a, b, c, d;    // the vertices in the ray's frame
-  vec4 density;       // of the vertices
+  vec3 a, b, c, d;  // the vertices in the ray's frame
+  vec4 density;     // of the vertices
 };
 
 struct Edge {
@@ -30,16 +30,7 @@ struct Edge {
 Edge MakeEdge(vec3 a, vec3 b) {
   precise float p = a.x * b.y;
   precise float q = a.y * b.x;
-  precise float e = p - q;
-  return Edge(abs(e), p > q, p == q);
-}
-
-// E(a, b), rounded; exactly -E(b, a).
-float EdgeFunction(vec3 a, vec3 b) {
-  precise float p = a.x * b.y;
-  precise float q = a.y * b.x;
-  precise float e = p - q;
-  return e;
+  return Edge(abs(EdgeFunction(a, b)), p > q, p == q);
 }
 
 // Rounding is monotonic: products that differ as floats are in the order of the true ones. Of equal
@@ -55,14 +46,6 @@ bool BreakTie(Edge edge, vec3 a, vec3 b) {
 vec4 FaceWeights(vec4 e, vec4 opposite) {
   float sum = e.x + e.y + e.z + e.w;
   return sum > 0.0 ? e * (1.0 / sum) : (vec4(1.0) - opposite) * (1.0 / 3.0);
-}
-
-vec3 InRayFrame(Ray ray, vec3 position) {
-  precise vec3 r = position - ray.origin;
-  precise float x = r.x * ray.u.x + r.y * ray.u.y + r.z * ray.u.z;
-  precise float y = r.x * ray.v.x + r.y * ray.v.y + r.z * ray.v.z;
-  precise float z = r.x * ray.direction.x + r.y * ray.direction.y + r.z * ray.direction.z;
-  return vec3(x, y, z);
 }
 
 TetCut CutTet(Ray ray, uint tet) {
@@ -99,10 +82,8 @@ TetCut CutTet(Ray ray, uint tet) {
   TETREC_RARELY(cut.hit) {
     vec4 face_a = vec4(0.0, cd.e, bd.e, bc.e), face_b = vec4(cd.e, 0.0, ad.e, ac.e);
     vec4 face_c = vec4(bd.e, ad.e, 0.0, ab.e), face_d = vec4(bc.e, ac.e, ab.e, 0.0);
-    cut.w0 = FaceWeights(in_a ? face_a : in_b ? face_b : in_c ? face_c : face_d,
-                         vec4(cut.face0));
-    cut.w1 = FaceWeights(out_a ? face_a : out_b ? face_b : out_c ? face_c : face_d,
-                         vec4(cut.face1));
+    cut.w0 = FaceWeights(in_a ? face_a : in_b ? face_b : in_c ? face_c : face_d, vec4(cut.face0));
+    cut.w1 = FaceWeights(out_a ? face_a : out_b ? face_b : out_c ? face_c : face_d, vec4(cut.face1));
     vec4 z = vec4(a.z, b.z, c.z, d.z);
     cut.z0 = dot(cut.w0, z);
     cut.z1 = max(cut.z0, dot(cut.w1, z));
