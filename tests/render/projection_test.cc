@@ -247,8 +247,13 @@ TEST(VisibilityOrder, CyclesAreCountedAndEveryTetIsRankedOnce) {
   mesh.tets.assign(3, {0, 1, 2, 3});
   mesh.neighbors = {
       {1, kNoTet, kNoTet, 2}, {2, kNoTet, kNoTet, kNoTet}, {kNoTet, kNoTet, kNoTet, kNoTet}};
-  VisibilityRanks ranks = RankByVisibility(mesh, {0.1f, 0.1f, -1.0f});
+  const glm::vec3 eye(0.1f, 0.1f, -1.0f);
+  PowerOrder ties;
+  ties.tied_faces = {{0, 0, 1}, {1, 0, 2}, {0, 3, 2}};
+  VisibilityRanks ranks = RankByVisibility(mesh, eye);
   EXPECT_EQ(ranks.tets_in_cycles, 1u);
+  EXPECT_EQ(RankTies(mesh, ties, eye).tets_in_cycles, 1u);
+  EXPECT_EQ(RankTies(mesh, ties, eye).ranks, ranks.ranks);
   std::sort(ranks.ranks.begin(), ranks.ranks.end());
   EXPECT_EQ(ranks.ranks, (std::vector<uint32_t>{0, 1, 2}));
 }
