@@ -2,6 +2,8 @@
 #include "render/renderer.h"
 
 #include "core/error.h"
+#include "render/reference_renderer.h"
+#include "render/vulkan_renderer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,10 +21,16 @@ std::vector<glm::vec4> ParametersOf(const RadianceField& field) {
 }
 
 void RendererOptions::Check() const {
-  if (deterministic && kind != RendererKind::kMarch) {
+  // The reference sums in one order without being asked.
+  if (deterministic && kind != RendererKind::kMarch && kind != RendererKind::kReference) {
     throw UsageError(
         "--deterministic: only the march renderer sums in fixed point; leave it or --renderer out");
   }
+}
+
+std::unique_ptr<TrainingRenderer> CreateRenderer(const RendererOptions& options) {
+  if (options.kind == RendererKind::kReference) return CreateReferenceRenderer(options);
+  return CreateVulkanRenderer(options);
 }
 
 }  // namespace tetrec
