@@ -130,7 +130,7 @@ std::vector<std::string> TableCells(const BenchRow& row) {
           rate(steps, positions),
           fmt::format("{:.1f}", row.steps_per_ray),
           row.device_bytes > 0 && !row.forward.wall.empty()
-              ? fmt::format("{:.1f}", double(row.device_bytes) / (1 << 20))
+              ? fmt::format("{:.3g}", double(row.device_bytes) / (1 << 20))
               : "-",
           fmt::format("{:.1e}", row.errors.largest),
           fmt::format("{:.1e}", row.errors.rms),

@@ -45,7 +45,7 @@ void CommandRecorder::BeginTiming() {
   const uint32_t needed = uint32_t(timed_.size()) + 1;
   if (needed > query_capacity_) {
     vkDestroyQueryPool(device_.handle, queries_, nullptr);
-    query_capacity_ = std::max(64u, 2 * needed);
+    query_capacity_ = std::max(1024u, 2 * needed);
     const VkQueryPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                      .queryType = VK_QUERY_TYPE_TIMESTAMP,
                                      .queryCount = query_capacity_};

@@ -1,6 +1,7 @@
 // The renderer that judges the others: on the CPU, no neighbour links, no rounding tricks. Every
 // ray is cut with every tet whose box it meets, so the mesh need not be convex or connected, only
-// free of overlap. The same bits for any number of threads.
+// free of overlap; only of a ray that lies in the plane of a face up to rounding both sides may
+// claim a stretch, or none. The same bits for any number of threads.
 #pragma once
 
 #include "render/renderer.h"

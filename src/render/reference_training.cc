@@ -72,14 +72,11 @@ class ReferenceRenderer final : public TrainingRenderer {
 
   void ClearScores() override { scores_.assign(scores_.size(), 0.0); }
 
-  // A gradient scale of 1/2 leaves the residuals themselves.
+  // A gradient scale of 1/2 leaves the residuals themselves, of L2.
   StepResult AddScores(const TrainingStep& step) override {
     const Batch batch{views_, step.blocks, step.jitter_px, step.seed};
     std::vector<Vec4<Real>> residuals(batch.rays());
-    TrainingStep squared = step;
-    squared.loss = LossKind::kL2;
-    const StepResult result =
-        CompareWithTargets(batch, March(batch), squared, Real(0.5), residuals);
+    const StepResult result = CompareWithTargets(batch, March(batch), step, Real(0.5), residuals);
     AddShares(batch, residuals);
     return OneStepLate(result);
   }

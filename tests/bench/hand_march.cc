@@ -29,6 +29,9 @@ inline F8 operator-(F8 a, F8 b) { return a.v - b.v; }
 inline F8 operator-(F8 a) { return -a.v; }
 inline F8 operator*(F8 a, F8 b) { return a.v * b.v; }
 
+Ints Load(const int32_t* lanes) {
+  return Ints(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(lanes)));
+}
 bool Any(Ints mask) { return _mm256_movemask_ps(_mm256_castsi256_ps(__m256i(mask))) != 0; }
 Floats Max(Floats a, Floats b) { return Floats(_mm256_max_ps(__m256(a), __m256(b))); }
 Floats Min(Floats a, Floats b) { return Floats(_mm256_min_ps(__m256(a), __m256(b))); }
@@ -181,13 +184,15 @@ struct HandMarch::Mesh {
   void March(Rays rays, float stop_depth, glm::vec4* colors) const {
     const Ints entry = Enter(rays);
     Ints go = entry >= 0;
-    Ints ids[3] = {}, tet = {};
+    int32_t begin[4][kLanes];  // corners and tet
     for (int lane = 0; lane < kLanes; ++lane) {
       const HullFace& face = hull[size_t(std::max(0, int(entry[lane])))];
-      ids[0][lane] = face.a, ids[1][lane] = face.b, ids[2][lane] = face.c, tet[lane] = face.tet;
+      begin[0][lane] = face.a, begin[1][lane] = face.b;
+      begin[2][lane] = face.c, begin[3][lane] = face.tet;
     }
-    Corner a = FetchCorner(rays, ids[0]), b = FetchCorner(rays, ids[1]),
-           c = FetchCorner(rays, ids[2]);
+    Corner a = FetchCorner(rays, Load(begin[0])), b = FetchCorner(rays, Load(begin[1])),
+           c = FetchCorner(rays, Load(begin[2]));
+    Ints tet = Load(begin[3]);
     Floats ea = EdgeFunction(b, c), eb = EdgeFunction(c, a), ec = EdgeFunction(a, b);
     Floats color[3] = {}, depth = {}, z0 = {}, density0 = {}, color0[3] = {};
     bool first = true;
