@@ -142,7 +142,7 @@ class ReferenceRenderer final : public TrainingRenderer {
 
   nlohmann::json DescribeDevice() const override {
     return {{"name", std::is_same_v<Real, double> ? "CPU, double precision" : "CPU, float"},
-            {"type", "cpu"},
+            {"type", "software"},
             {"threads", std::max(1u, std::thread::hardware_concurrency())}};
   }
 

@@ -5,6 +5,8 @@
 
 #include <glm/glm.hpp>
 
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 namespace tetrec {
@@ -26,24 +28,29 @@ TetBoxes MakeTetBoxes(const TetMesh& mesh);
 // A ray ahead of its origin, ready for the boxes.
 class BoxRay {
  public:
-  BoxRay(const glm::dvec3& origin, const glm::dvec3& direction) : origin_(origin) {
-    // No division by 0: 1e-300 times a coordinate still is a number.
-    for (int i = 0; i < 3; ++i) inverse_[i] = 1.0 / (direction[i] == 0.0 ? 1e-300 : direction[i]);
-  }
+  BoxRay(const glm::dvec3& origin, const glm::dvec3& direction)
+      : origin_(origin), direction_(direction), inverse_(1.0 / direction) {}
   // Differences of floats and doubles are right to one rounding, so distances err by 3 of them: far
   // less than what is allowed for here, and no tet that the ray meets is missed.
   bool MayMeet(const TetBoxes::Box& box) const {
-    const glm::dvec3 a = (glm::dvec3(box.min) - origin_) * inverse_,
-                     b = (glm::dvec3(box.max) - origin_) * inverse_;
-    const glm::dvec3 first = glm::min(a, b), last = glm::max(a, b);
-    const double begin = glm::max(glm::max(first.x, first.y), first.z),
-                 end = glm::min(glm::min(last.x, last.y), last.z);
-    const double slack = 1e-9 * (glm::abs(begin) + glm::abs(end));
-    return end + slack >= 0.0 && begin <= end + slack;
+    double begin = 0.0, end = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 3; ++i) {
+      const double to_min = double(box.min[i]) - origin_[i],
+                   to_max = double(box.max[i]) - origin_[i];
+      if (direction_[i] == 0.0) {
+        if (to_min > 0.0 || to_max < 0.0) return false;
+        continue;
+      }
+      const double a = to_min * inverse_[i], b = to_max * inverse_[i];
+      begin = std::max(begin, std::min(a, b));
+      end = std::min(end, std::max(a, b));
+    }
+    return begin * (1.0 - kSlack) <= end * (1.0 + kSlack);
   }
 
  private:
-  glm::dvec3 origin_, inverse_;
+  static constexpr double kSlack = 1e-12;
+  glm::dvec3 origin_, direction_, inverse_;
 };
 
 // Calls body(tet) for every tet whose box the ray meets, in no order that matters.

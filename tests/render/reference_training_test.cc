@@ -174,7 +174,7 @@ TEST(ReferenceRenderer, LowersTheLoss) {
   renderer->SetField(lesson.field);
   const TargetImage orange{kWidth, kHeight, std::vector<uint32_t>(kWidth * kHeight, 0xFF1070E0u)};
   renderer->SetTargets(lesson.views, std::vector(lesson.views.size(), orange));
-  const auto blocks = AllBlocks(lesson.views[0].camera, 0);
+  const auto blocks = AllBlocks(lesson.views[1].camera, 1);  // from inside: every ray hits
   std::vector<double> losses;
   for (uint32_t i = 1; i <= 30; ++i) {
     losses.push_back(renderer->Step({.blocks = blocks, .seed = i, .adam_step = i}).loss);
