@@ -30,7 +30,7 @@ BenchTime Beyond(const BenchTime& first, const BenchTime& second) {
   return more;
 }
 
-// Millions a second.
+// Millions a second; 0 where nothing was measured, or a difference drowned in noise.
 double Rate(double count, const std::vector<double>& milliseconds) {
   const double median = Median(milliseconds);
   return median > 0 ? 1e-3 * count / median : 0;
@@ -59,7 +59,7 @@ void AddTimes(Columns& columns, const std::string& name, const BenchTime& time) 
 Columns CsvColumns(const BenchRow& row) {
   const bool measured = !row.forward.wall.empty();
   const auto number = [](double value) { return fmt::format("{:.6g}", value); };
-  const auto if_measured = [&](double value) { return measured ? number(value) : ""; };
+  const auto if_measured = [&](double value) { return value > 0 ? number(value) : ""; };
   Columns columns = {
       {"renderer", row.variant.renderer},
       {"order", row.variant.order},
@@ -116,7 +116,8 @@ std::vector<std::string> TableCells(const BenchRow& row) {
   const BenchTime backward = Beyond(row.forward, row.backward),
                   positions = Beyond(row.forward, row.positions);
   const auto rate = [&](double count, const BenchTime& time) {
-    return time.wall.empty() ? "-" : fmt::format("{:.3g}", Rate(count, time.wall));
+    const double millions = Rate(count, time.wall);
+    return millions > 0 ? fmt::format("{:.3g}", millions) : "-";
   };
   return {Named(row.variant, true),
           WithThousands(row.tets),
