@@ -1,11 +1,15 @@
 // Renderers on Vulkan compute: pictures, gradients, training steps over any integrator.
+#include "render/vulkan_renderer.h"
+
 #include "core/error.h"
 #include "embedded_shaders.h"
 #include "mesh/locate.h"
+#include "render/adam_push.h"
 #include "render/fixed_point.h"
 #include "render/march_integrator.h"
 #include "render/ppll_integrator.h"
 #include "render/projection_integrator.h"
+#include "shared/loss.glsl.h"
 
 #include <fmt/format.h>
 
@@ -266,6 +270,7 @@ class VulkanRenderer final : public TrainingRenderer {
     WaitAll();
     RenderCounts counts = counts_;
     AddCounters(counts);
+    counts.device_bytes = device_->memory_use->most_bytes;
     return counts;
   }
 
@@ -274,6 +279,18 @@ class VulkanRenderer final : public TrainingRenderer {
   }
 
   nlohmann::json DescribeDevice() const override { return tetrec::DescribeDevice(*device_); }
+
+  KernelReport KernelTimes() const override {
+    WaitAll();
+    KernelReport report;
+    if (!device_->kernel_times) return report;
+    report.has_timestamps = true;
+    report.untimed_calls = device_->kernel_times->untimed_calls;
+    for (const auto& [name, entry] : device_->kernel_times->by_name) {
+      report.kernels.push_back({name, entry.calls, entry.seconds});
+    }
+    return report;
+  }
 
  private:
   void WaitAll() const {
@@ -414,21 +431,9 @@ class VulkanRenderer final : public TrainingRenderer {
   }
 
   void RecordAdam(CommandRecorder& recorder, const TrainingStep& step, const FixedPoint& fixed) {
-    const AdamOptions& adam = step.adam;
-    const double t = step.adam_step;
-    const float first_correction = float(1.0 / (1.0 - std::pow(double(adam.beta1), t)));
-    const AdamPush push{
-        .vertex_count = field_.vertex_count,
-        .beta1 = adam.beta1,
-        .beta2 = adam.beta2,
-        .epsilon = adam.epsilon,
-        .color_rate = adam.color_rate * first_correction,
-        .density_rate = adam.density_rate * first_correction,
-        .second_moment_correction = float(1.0 / (1.0 - std::pow(double(adam.beta2), t))),
-        .max_log_density = std::log(adam.max_density),
-        .density_decay = adam.density_decay * adam.density_rate,
-        .color_quantum = 1.0f / fixed.color_quanta,
-        .density_quantum = 1.0f / fixed.density_quanta};
+    AdamPush push = MakeAdamPush(step, field_.vertex_count);
+    push.color_quantum = 1.0f / fixed.color_quanta;
+    push.density_quantum = 1.0f / fixed.density_quanta;
     const Buffer* buffers[] = {&field_.gradients, &field_.parameters, &field_.moments,
                                &field_.vertices};
     recorder.Dispatch(adam_, buffers, push, field_.vertex_count, kWorkgroupSize);
@@ -458,7 +463,7 @@ class VulkanRenderer final : public TrainingRenderer {
 
 }  // namespace
 
-std::unique_ptr<TrainingRenderer> CreateRenderer(const RendererOptions& options) {
+std::unique_ptr<TrainingRenderer> CreateVulkanRenderer(const RendererOptions& options) {
   return std::make_unique<VulkanRenderer>(options);
 }
 

@@ -184,5 +184,19 @@ TEST_F(VulkanTest, FloatAtomicsCanBeTurnedOff) {
   EXPECT_FALSE(CreateDevice({.float_atomics = false})->has_float_atomics);
 }
 
+TEST_F(VulkanTest, MemoryUseFollowsTheBuffers) {
+  const MemoryUse& use = *device().memory_use;
+  const uint64_t before = use.bytes;
+  {
+    const Buffer one(device(), "one", 1000);
+    Buffer two(device(), "two", 500);
+    EXPECT_EQ(use.bytes, before + 1500);
+    const Buffer three = std::move(two);
+    EXPECT_EQ(use.bytes, before + 1500);
+  }
+  EXPECT_EQ(use.bytes, before);
+  EXPECT_EQ(use.most_bytes, before + 1500);
+}
+
 }  // namespace
 }  // namespace tetrec::test
