@@ -3,6 +3,7 @@
 //
 // The picture is colour + T background; the target is premultiplied + (1 - alpha) background.
 // L2: mean of squares, L1: mean of absolute values, over rays and channels.
+// TETREC_PICTURES: writes what is compared too, for the kernels of D-SSIM.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"
@@ -14,6 +15,9 @@ layout(std430, binding = kBindRayColors) readonly buffer RayColors { vec4 ray_co
 layout(std430, binding = kBindRayGradients) writeonly buffer RayGradients { vec4 ray_gradients[]; };
 layout(std430, binding = kBindPartialLosses) writeonly buffer PartialLosses { vec2 partial_losses[]; };
 layout(binding = kBindTargets) uniform textureBuffer targets;
+#ifdef TETREC_PICTURES
+layout(std430, binding = kBindPictures) writeonly buffer Pictures { vec2 pictures[]; };
+#endif
 layout(push_constant) uniform Push { LossPush push; };
 
 shared vec2 sums[kWorkgroupSize];
@@ -32,6 +36,13 @@ void main() {
       vec4 color = ray_colors[index];
       float transmittance = exp(-color.a);
       vec3 residual = color.rgb - target.rgb + (transmittance - (1.0 - target.a)) * push.background.rgb;
+#ifdef TETREC_PICTURES
+      vec3 shown = color.rgb + transmittance * push.background.rgb;
+      vec3 wanted = target.rgb + (1.0 - target.a) * push.background.rgb;
+      pictures[index] = vec2(shown.r, wanted.r);
+      pictures[push.ray_count + index] = vec2(shown.g, wanted.g);
+      pictures[2u * push.ray_count + index] = vec2(shown.b, wanted.b);
+#endif
       bool squared = push.loss == kLossL2;
       gradient.rgb = push.gradient_scale * (squared ? 2.0 * residual : sign(residual));
       gradient.a = dot(gradient.rgb, push.background.rgb);

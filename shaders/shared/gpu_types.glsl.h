@@ -78,6 +78,14 @@ struct LossPush {
 #define kLossL2 0
 #define kLossL1 1
 
+// D-SSIM of a batch of tiles, all alike.
+struct DssimPush {
+  uint ray_count;
+  uint tile_columns, tile_rows;  // blocks a row, rows of blocks
+  float gradient_scale;          // dL/dSSIM of one window and channel
+  vec4 background;               // as in LossPush
+};
+
 struct AdamPush {
   uint vertex_count;
   float beta1, beta2, epsilon;
@@ -181,11 +189,16 @@ struct SpreadPush {
 #define kBindLists 32              // uvec2 a ray: first fragment, fragments
 #define kBindListFills 33          // uint a ray: fragments found so far
 #define kBindFragments \
-  34  // uvec2: distance along the ray as bits, face | 1 where it enters the tet
+  34                      // uvec2: distance along the ray as bits, face | 1 where it enters the tet
+#define kBindPictures 35  // vec2 a channel and ray: what it shows, its target
+#define kBindWindowRows 36  // floats a channel and ray, 5 planes: sums of SSIM's windows along rows
+#define kBindWindowTerms 37   // floats a channel and ray, 3 planes: dSSIM / d(means of a window)
+#define kBindPartialSsims 38  // float a workgroup
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 80 && sizeof(GpuBlock) == 16);
 static_assert(sizeof(MarchPush) <= 128 && sizeof(LossPush) <= 128 && sizeof(AdamPush) <= 128);
+static_assert(sizeof(DssimPush) == 32);
 static_assert(sizeof(ProjectionPush) <= 128 && sizeof(PpllPush) == 80);
 }  // namespace tetrec::gpu_types
 #endif

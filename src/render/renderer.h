@@ -6,6 +6,7 @@
 #include "geometry/rigid3.h"
 #include "gpu/device_options.h"
 #include "render/integral.h"
+#include "render/loss.h"
 
 #include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
@@ -80,8 +81,6 @@ struct RayBlock {
 };
 constexpr int kRayBlockWidth = 4, kRayBlockHeight = 2, kRaysPerBlock = 8;
 
-enum class LossKind { kL2, kL1 };
-
 // Parameters of the field and the state of Adam, one row a vertex: rgb and the logarithm of
 // density.
 struct VertexState {
@@ -100,9 +99,18 @@ struct AdamOptions {
   float density_decay = 0.0f;
 };
 
+// Blocks a row and rows of blocks of a tile: a rectangle of one view, row of blocks by row.
+struct TileShape {
+  uint32_t columns = 0, rows = 0;
+};
+
 struct TrainingStep {
   std::span<const RayBlock> blocks;
   LossKind loss = LossKind::kL2;
+  float dssim_weight = 0.0f;  // LossOptions::dssim
+  // Where there is a dssim_weight: `blocks` is a row of such tiles, each at least 11 x 11 pixels
+  // and inside its picture.
+  TileShape tiles;
   glm::vec3 background_srgb{0.0f};  // stands behind field and target
   float jitter_px = 0.0f;
   uint32_t seed = 0;
@@ -123,7 +131,7 @@ class TrainingRenderer : public Renderer {
                           std::span<const TargetImage> targets) = 0;
   virtual void SetVertexState(const TetMesh& mesh, const VertexState& state) = 0;
   virtual VertexState ReadVertexState() = 0;
-  // Whether every batch of blocks must be a tile: a rectangle of one view, row of blocks by row.
+  // Whether every batch of blocks must be one tile.
   virtual bool NeedsTiles() const = 0;
   // Forward, loss, backward, Adam; returns before the device is done. The result is that of the
   // step before last waits for (one step late), zero for the first.

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "embedded_shaders.h"
 #include "mesh/locate.h"
+#include "render/dssim_loss.h"
 #include "render/fixed_point.h"
 #include "render/march_integrator.h"
 #include "render/ppll_integrator.h"
@@ -158,7 +159,7 @@ class VulkanRenderer final : public TrainingRenderer {
   StepResult Step(const TrainingStep& step) override {
     const uint64_t rays = step.blocks.size() * kRaysPerBlock;
     const float gradient_scale = 1.0f / float(3 * rays);
-    const FixedPoint fixed = FixedPointOf(gradient_scale, rays);
+    const FixedPoint fixed = FixedPointOf(GradientScale(step), rays);
     return InFlightBatch(*integrator_, step, gradient_scale, fixed,
                          [&](CommandRecorder& recorder, const RayPass& pass) {
                            integrator_->Backward(recorder, pass);
@@ -304,7 +305,7 @@ class VulkanRenderer final : public TrainingRenderer {
     CommandRecorder& recorder = *recorders_[current_];
     recorder.Begin();
     integrator.Forward(recorder, pass);
-    RecordLoss(recorder, rays, step, gradient_scale);
+    RecordLoss(recorder, step, gradient_scale);
     then(recorder, pass);
     recorder.EndAndSubmit();
     in_flight_rays_[current_] = rays.count;
@@ -322,7 +323,7 @@ class VulkanRenderer final : public TrainingRenderer {
       result.loss += partial.x;
       result.squared_error += partial.y;
     }
-    result.loss /= 3.0 * rays;
+    result.loss = dssim_batches_[i].Mix(result.loss / (3.0 * rays));
     result.squared_error /= 3.0 * rays;
     return result;
   }
@@ -408,15 +409,33 @@ class VulkanRenderer final : public TrainingRenderer {
                       .largest_quanta = fixed.largest_quanta}};
   }
 
-  void RecordLoss(CommandRecorder& recorder, const RayBatch& rays, const TrainingStep& step,
-                  float gradient_scale) {
+  void RecordLoss(CommandRecorder& recorder, const TrainingStep& step, float gradient_scale) {
+    const RayBatch& rays = rays_[current_];
+    DssimBatch& dssim_batch = dssim_batches_[current_];
     const LossPush push{.ray_count = rays.count,
                         .loss = step.loss == LossKind::kL2 ? uint32_t(kLossL2) : uint32_t(kLossL1),
                         .gradient_scale = gradient_scale,
                         .background = glm::vec4(step.background_srgb, 0.0f)};
+    dssim_batch.weight = step.dssim_weight;
+    if (step.dssim_weight > 0) {
+      CheckTiles(step);
+      if (!dssim_) dssim_ = std::make_unique<DssimLoss>(*device_);
+      dssim_->Record(recorder, dssim_batch, rays, step, push, training_views_, targets_);
+      return;
+    }
     const Buffer* buffers[] = {&training_views_, &rays.blocks,         &rays.colors,
                                &rays.gradients,  &rays.partial_losses, &targets_};
     recorder.Dispatch(loss_, buffers, push, rays.count, kWorkgroupSize);
+  }
+
+  // Windows must not reach beyond a picture, where rays have no target.
+  void CheckTiles(const TrainingStep& step) const {
+    for (const RayBlock& block : step.blocks) {
+      const Camera& camera = views_[block.view].camera;
+      TETREC_CHECK(int(block.x) + kRayBlockWidth <= camera.width &&
+                       int(block.y) + kRayBlockHeight <= camera.height,
+                   "a tile of D-SSIM leaves its picture");
+    }
   }
 
   void RecordAdam(CommandRecorder& recorder, const TrainingStep& step, const FixedPoint& fixed) {
@@ -457,6 +476,8 @@ class VulkanRenderer final : public TrainingRenderer {
   std::vector<uint32_t> first_pixels_;
   std::array<RayBatch, 2> rays_;
   std::array<uint32_t, 2> in_flight_rays_{};
+  std::unique_ptr<DssimLoss> dssim_;  // once a step asks for it
+  std::array<DssimBatch, 2> dssim_batches_;
   int current_ = 0;
   uint64_t scored_rays_ = 0;  // since ClearScores
   RenderCounts counts_;       // without what is still in counters_
