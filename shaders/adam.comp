@@ -20,6 +20,8 @@ layout(std430, binding = kBindMoments) buffer MomentsBuffer { Moments moments[];
 layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
 layout(push_constant) uniform Push { AdamPush push; };
 
+#include "storage.glsl"
+
 // Reads the gradient of a vertex and clears it.
 vec4 TakeGradient(uint v) {
 #ifdef TETREC_FIXED_POINT
@@ -40,10 +42,10 @@ vec4 TakeGradient(uint v) {
 
 void main() {
   uint v = gl_GlobalInvocationID.x;
-  if (v < push.vertex_count) {
+  if (v < push.row_count) {
     vec4 parameter = parameters[v];
     vec4 gradient = TakeGradient(v);
-    gradient.a *= vertices[2u * v].w;
+    gradient.a *= vertices[DensityRow(v)].w;
     Moments m = moments[v];
     m.first = push.beta1 * m.first + (1.0 - push.beta1) * gradient;
     m.second = push.beta2 * m.second + (1.0 - push.beta2) * gradient * gradient;
@@ -56,7 +58,7 @@ void main() {
     parameter.a = clamp(parameter.a, -80.0, push.max_log_density);
     moments[v] = m;
     parameters[v] = parameter;
-    vertices[2u * v].w = exp(parameter.a);
-    vertices[2u * v + 1u].rgb = parameter.rgb;
+    vertices[DensityRow(v)].w = exp(parameter.a);
+    vertices[ColorRow(v)].rgb = parameter.rgb;
   }
 }

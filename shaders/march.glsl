@@ -29,6 +29,8 @@ layout(binding = kBindVertices) uniform textureBuffer vertices;
 layout(binding = kBindHull) uniform textureBuffer hull;
 layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
+#include "cells.glsl"
+
 const uint kMiss = 0xFFFFFFFFu;
 
 struct Corner {
@@ -55,14 +57,14 @@ struct Begin {
 
 Corner FetchCorner(Ray ray, uint id) {
   vec4 place = texelFetch(vertices, int(2u * id));
-  vec4 color = texelFetch(vertices, int(2u * id + 1u));
+  vec3 color = FetchVertexColor(id);
   vec3 r = place.xyz - ray.origin;
   Corner corner;
   corner.p = vec3(dot(r, ray.u), dot(r, ray.v), dot(r, ray.direction));
   // A ray exactly through a vertex passes beside it, always on the same side: it cannot circle there.
   if (corner.p.x == 0.0 && corner.p.y == 0.0) corner.p.x = 1e-20;
   corner.density = place.w;
-  corner.payload = MakePayload(color.rgb);
+  corner.payload = MakePayload(color);
   corner.id = id;
   return corner;
 }

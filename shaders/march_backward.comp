@@ -25,8 +25,8 @@ layout(std430, binding = kBindRayEntries) readonly buffer RayEntries { Entry ray
 layout(std430, binding = kBindRayGradients) readonly buffer RayGradients { vec4 ray_gradients[]; };
 layout(std430, binding = kBindVertexGradients) buffer VertexGradients { Sum vertex_gradients[]; };
 
-// Gradient of one vertex of the triangle, kept until the vertex leaves it: x the sum of colour
-// weights (dL/dcolour is g times it), y dL/ddensity.
+// Gradient of one vertex of the triangle, kept until the vertex leaves it, or of a cell: x the sum of
+// colour weights (dL/dcolour is g times it), y dL/ddensity.
 void Flush(uint id, vec2 gradient) {
   if (gradient.x != 0.0 || gradient.y != 0.0) {
     AddTo(vertex_gradients[4u * id], g_color.r * gradient.x, push.color_quanta);
@@ -119,6 +119,7 @@ struct Segment {
   float k0, k1;        // g . colour at its ends
   uint leaving;        // corner of the entry triangle that the exit triangle lacks: 0 a, 1 b, 2 c
   uint leaving_id;
+  uint tet;
   vec3 w_entry, w_exit;  // barycentric weights on the corners before and after the step
   float w_apex;          // of the entry point on the new corner; not 0 only at a camera
 #ifdef TETREC_POSITIONS
@@ -135,15 +136,19 @@ void Deposit(inout Walk walk, Segment segment, SegmentAdjoint adjoint) {
   float by_s1 = t * (adjoint.dw0_ds1 * segment.k0 + adjoint.dw1_ds1 * segment.k1);
   vec2 at_entry = vec2(t * adjoint.w0, segment.size * (by_s0 - 0.5 * walk.behind_all));
   vec2 at_exit = vec2(t * adjoint.w1, segment.size * (by_s1 - 0.5 * walk.behind_all));
-  walk.grad_a += segment.w_entry.x * at_entry;
-  walk.grad_b += segment.w_entry.y * at_entry;
-  walk.grad_c += segment.w_entry.z * at_entry;
-  vec2 apex = segment.w_apex * at_entry;
   bool a_leaves = segment.leaving == 0u, b_leaves = segment.leaving == 1u;
-  Flush(segment.leaving_id, a_leaves ? walk.grad_a : b_leaves ? walk.grad_b : walk.grad_c);
-  walk.grad_a = (a_leaves ? apex : walk.grad_a) + segment.w_exit.x * at_exit;
-  walk.grad_b = (b_leaves ? apex : walk.grad_b) + segment.w_exit.y * at_exit;
-  walk.grad_c = (a_leaves || b_leaves ? walk.grad_c : apex) + segment.w_exit.z * at_exit;
+  if (kCells) {
+    Flush(segment.tet, at_entry + at_exit);
+  } else {
+    walk.grad_a += segment.w_entry.x * at_entry;
+    walk.grad_b += segment.w_entry.y * at_entry;
+    walk.grad_c += segment.w_entry.z * at_entry;
+    vec2 apex = segment.w_apex * at_entry;
+    Flush(segment.leaving_id, a_leaves ? walk.grad_a : b_leaves ? walk.grad_b : walk.grad_c);
+    walk.grad_a = (a_leaves ? apex : walk.grad_a) + segment.w_exit.x * at_exit;
+    walk.grad_b = (b_leaves ? apex : walk.grad_b) + segment.w_exit.y * at_exit;
+    walk.grad_c = (a_leaves || b_leaves ? walk.grad_c : apex) + segment.w_exit.z * at_exit;
+  }
 #ifdef TETREC_POSITIONS
   float by_size = segment.density0 * (by_s0 - 0.5 * walk.behind_all) +
                   segment.density1 * (by_s1 - 0.5 * walk.behind_all);
@@ -197,8 +202,9 @@ void main() {
     // Thick segments are integrated outside the inner loop, which they would slow down for all.
     bool thick = false;
     while (go && !thick) {
-      uvec4 ids = texelFetch(tets, int(2u * state.tet));
-      uvec4 neighbors = texelFetch(tets, int(2u * state.tet + 1u));
+      segment.tet = state.tet;
+      uvec4 ids = texelFetch(tets, int(2u * segment.tet));
+      uvec4 neighbors = texelFetch(tets, int(2u * segment.tet + 1u));
       uvec3 corners = uvec3(state.a.id, state.b.id, state.c.id);
       segment.w_entry = segment.w_exit;
       segment.k0 = segment.k1;
@@ -216,6 +222,7 @@ void main() {
       float z1 = max(z0, AtHit(segment.w_exit, state, p.z));
       float density1 = AtHit(segment.w_exit, state, density);
       segment.k1 = AtHit(segment.w_exit, state, payload);
+      UseCell(segment.tet, density0, density1, segment.k0, segment.k1);
       segment.size = z1 - z0;
       segment.s0 = density0 * segment.size;
       segment.s1 = density1 * segment.size;
@@ -240,15 +247,17 @@ void main() {
       go = go && walk.depth < push.stop_depth;
     }
   }
-  if (hit) {
+  if (hit && !kCells) {
     Flush(state.a.id, walk.grad_a);
     Flush(state.b.id, walk.grad_b);
     Flush(state.c.id, walk.grad_c);
+  }
 #ifdef TETREC_POSITIONS
+  if (hit) {
     vec3 move = MoveOf(SlopesOnFace(state), walk.end);
     FlushMove(state.a.id, walk.move_a + segment.w_exit.x * move);
     FlushMove(state.b.id, walk.move_b + segment.w_exit.y * move);
     FlushMove(state.c.id, walk.move_c + segment.w_exit.z * move);
-#endif
   }
+#endif
 }

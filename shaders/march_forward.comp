@@ -49,13 +49,15 @@ void main() {
     float s0 = 0.0, s1 = 0.0;
     vec3 color_before = color0;
     while (go && !thick) {
-      uvec4 ids = texelFetch(tets, int(2u * state.tet));
-      uvec4 neighbors = texelFetch(tets, int(2u * state.tet + 1u));
+      uint tet = state.tet;
+      uvec4 ids = texelFetch(tets, int(2u * tet));
+      uvec4 neighbors = texelFetch(tets, int(2u * tet + 1u));
       StepThrough(state, FetchApex(ray, state, ids), ids, neighbors);
       vec3 w = HitWeights(state);
       float z1 = max(z0, AtHit(w, state, p.z));
       float density1 = AtHit(w, state, density);
       vec3 color1 = AtHit(w, state, payload);
+      UseCell(tet, density0, density1, color0, color1);
       s0 = density0 * (z1 - z0);
       s1 = density1 * (z1 - z0);
       thick = IsThickSegment(kIntegral, s0, s1);

@@ -42,6 +42,7 @@ void main() {
     vec3 w = HitWeights(state);
     float z1 = max(z0, AtHit(w, state, p.z));
     float density1 = AtHit(w, state, density);
+    if (kCells) density0 = density1 = FetchCell(tet).a;
     float tau = 0.5 * (density0 + density1) * (z1 - z0);
     float t = exp(-depth);
     float share = t * (1.0 - exp(-tau));

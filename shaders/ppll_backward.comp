@@ -32,10 +32,12 @@ void Add(uint id, vec2 gradient) {
 }
 
 void Deposit(Hit hit, vec2 gradient) {
-  Add(hit.ids.x, hit.w.x * gradient);
-  Add(hit.ids.y, hit.w.y * gradient);
-  Add(hit.ids.z, hit.w.z * gradient);
-  TETREC_RARELY(hit.w.w > 0.0) { Add(hit.ids.w, hit.w.w * gradient); }
+  if (!kCells) {
+    Add(hit.ids.x, hit.w.x * gradient);
+    Add(hit.ids.y, hit.w.y * gradient);
+    Add(hit.ids.z, hit.w.z * gradient);
+    TETREC_RARELY(hit.w.w > 0.0) { Add(hit.ids.w, hit.w.w * gradient); }
+  }
 }
 
 void main() {
@@ -68,6 +70,7 @@ void main() {
     vec2 at_hit0 = vec2(0.0);
     if (hit0.behind != kNoTet && hit1.before != kNoTet) {
       float size = hit1.z - hit0.z;
+      UseCell(hit0.behind, hit0.density, hit1.density, hit0.payload, hit1.payload);
       float s0 = hit0.density * size, s1 = hit1.density * size;
       if (!is_last) depth = max(0.0, depth - 0.5 * (s0 + s1));
       is_last = false;
@@ -77,8 +80,10 @@ void main() {
       float by_s0 = t * (adjoint.dw0_ds0 * k0 + adjoint.dw1_ds0 * k1) - 0.5 * behind;
       float by_s1 = t * (adjoint.dw0_ds1 * k0 + adjoint.dw1_ds1 * k1) - 0.5 * behind;
       at_hit0 = vec2(t * adjoint.w0, size * by_s0);
-      at_hit1 += vec2(t * adjoint.w1, size * by_s1);
+      vec2 at_exit = vec2(t * adjoint.w1, size * by_s1);
+      at_hit1 += at_exit;
       behind += t * (adjoint.w0 * k0 + adjoint.w1 * k1);
+      if (kCells) Add(hit0.behind, at_hit0 + at_exit);
     }
     Deposit(hit1, at_hit1);
     at_hit1 = at_hit0;

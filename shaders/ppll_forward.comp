@@ -35,6 +35,7 @@ void main() {
     n += 1u;
     if (hit0.behind != kNoTet && hit1.before != kNoTet) {
       float size = hit1.z - hit0.z;
+      UseCell(hit0.behind, hit0.density, hit1.density, hit0.payload, hit1.payload);
       float s0 = hit0.density * size, s1 = hit1.density * size;
       SegmentWeights segment = IntegrateSegmentBy(kIntegral, kSplits, s0, s1);
       color += exp(-depth) * (segment.w0 * hit0.payload + segment.w1 * hit1.payload);

@@ -36,9 +36,9 @@ Hit HitAt(Ray ray, uvec2 fragment) {
   hit.before = enters ? other : tet;
   hit.behind = enters ? tet : other;
   hit.density = w.x * a.w + w.y * b.w + w.z * c.w;
-  hit.payload = w.x * MakePayload(texelFetch(vertices, int(2u * ids.x + 1u)).rgb) +
-                w.y * MakePayload(texelFetch(vertices, int(2u * ids.y + 1u)).rgb) +
-                w.z * MakePayload(texelFetch(vertices, int(2u * ids.z + 1u)).rgb);
+  hit.payload = w.x * MakePayload(FetchVertexColor(ids.x)) +
+                w.y * MakePayload(FetchVertexColor(ids.y)) +
+                w.z * MakePayload(FetchVertexColor(ids.z));
   hit.ids = uvec4(ids, ids.x);
   hit.w = vec4(w, 0.0);
   return hit;
@@ -62,10 +62,10 @@ Hit HitAtCamera(ListRay list_ray, uint tet) {
   hit.ids = ids;
   hit.w = sum > 0.0 ? w / sum : vec4(0.25);
   hit.density = dot(hit.w, vec4(row_a.w, row_b.w, row_c.w, row_d.w));
-  hit.payload = hit.w.x * MakePayload(texelFetch(vertices, int(2u * ids.x + 1u)).rgb) +
-                hit.w.y * MakePayload(texelFetch(vertices, int(2u * ids.y + 1u)).rgb) +
-                hit.w.z * MakePayload(texelFetch(vertices, int(2u * ids.z + 1u)).rgb) +
-                hit.w.w * MakePayload(texelFetch(vertices, int(2u * ids.w + 1u)).rgb);
+  hit.payload = hit.w.x * MakePayload(FetchVertexColor(ids.x)) +
+                hit.w.y * MakePayload(FetchVertexColor(ids.y)) +
+                hit.w.z * MakePayload(FetchVertexColor(ids.z)) +
+                hit.w.w * MakePayload(FetchVertexColor(ids.w));
   return hit;
 }
 

@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "atomic_sum.glsl"
+#define MakePayload(color) dot(gradient.rgb, color)
 #include "projection_rays.glsl"
 
 layout(std430, binding = kBindRayColors) readonly buffer RayColors { vec4 ray_colors[]; };
@@ -32,15 +33,18 @@ void main() {
   uint i = tile_ray.range.x;
   bool go = tile_ray.exists && ray.valid && i < tile_ray.range.y && depth < push.stop_depth;
   while (go) {
-    TetCut cut = CutTet(ray, tet_of_item[i]);
+    uint tet = tet_of_item[i];
+    TetCut cut = CutTet(ray, tet);
     TETREC_RARELY(cut.hit) {
-      vec4 payload = vec4(dot(gradient.rgb, texelFetch(vertices, int(2u * cut.ids.x + 1u)).rgb),
-                          dot(gradient.rgb, texelFetch(vertices, int(2u * cut.ids.y + 1u)).rgb),
-                          dot(gradient.rgb, texelFetch(vertices, int(2u * cut.ids.z + 1u)).rgb),
-                          dot(gradient.rgb, texelFetch(vertices, int(2u * cut.ids.w + 1u)).rgb));
+      vec4 payload = vec4(MakePayload(FetchVertexColor(cut.ids.x)),
+                          MakePayload(FetchVertexColor(cut.ids.y)),
+                          MakePayload(FetchVertexColor(cut.ids.z)),
+                          MakePayload(FetchVertexColor(cut.ids.w)));
       float k0 = dot(cut.w0, payload), k1 = dot(cut.w1, payload);
       float size = cut.z1 - cut.z0;
-      float s0 = dot(cut.w0, cut.density) * size, s1 = dot(cut.w1, cut.density) * size;
+      float density0 = dot(cut.w0, cut.density), density1 = dot(cut.w1, cut.density);
+      UseCell(tet, density0, density1, k0, k1);
+      float s0 = density0 * size, s1 = density1 * size;
       SegmentAdjoint adjoint = SegmentAdjoint(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
       bool thick = IsThickSegment(kIntegral, s0, s1);
       if (!thick) adjoint = IntegrateUnlessThickWithDerivatives(kIntegral, kSplits, s0, s1);
@@ -51,10 +55,14 @@ void main() {
       float by_s1 = t * (adjoint.dw0_ds1 * k0 + adjoint.dw1_ds1 * k1);
       vec2 at_entry = vec2(t * adjoint.w0, size * (by_s0 - 0.5 * behind));
       vec2 at_exit = vec2(t * adjoint.w1, size * (by_s1 - 0.5 * behind));
-      Deposit(cut.ids.x, gradient.rgb, cut.w0.x * at_entry + cut.w1.x * at_exit);
-      Deposit(cut.ids.y, gradient.rgb, cut.w0.y * at_entry + cut.w1.y * at_exit);
-      Deposit(cut.ids.z, gradient.rgb, cut.w0.z * at_entry + cut.w1.z * at_exit);
-      Deposit(cut.ids.w, gradient.rgb, cut.w0.w * at_entry + cut.w1.w * at_exit);
+      if (kCells) {
+        Deposit(tet, gradient.rgb, at_entry + at_exit);
+      } else {
+        Deposit(cut.ids.x, gradient.rgb, cut.w0.x * at_entry + cut.w1.x * at_exit);
+        Deposit(cut.ids.y, gradient.rgb, cut.w0.y * at_entry + cut.w1.y * at_exit);
+        Deposit(cut.ids.z, gradient.rgb, cut.w0.z * at_entry + cut.w1.z * at_exit);
+        Deposit(cut.ids.w, gradient.rgb, cut.w0.w * at_entry + cut.w1.w * at_exit);
+      }
       depth += 0.5 * (s0 + s1);
     }
     i += 1u;

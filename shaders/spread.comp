@@ -9,11 +9,13 @@ layout(std430, binding = kBindParameters) readonly buffer Parameters { vec4 para
 layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
 layout(push_constant) uniform Push { SpreadPush push; };
 
+#include "storage.glsl"
+
 void main() {
   uint v = gl_GlobalInvocationID.x;
-  if (v < push.vertex_count) {
+  if (v < push.row_count) {
     vec4 parameter = parameters[v];
-    vertices[2u * v].w = exp(parameter.a);
-    vertices[2u * v + 1u].rgb = parameter.rgb;
+    vertices[DensityRow(v)].w = exp(parameter.a);
+    vertices[ColorRow(v)].rgb = parameter.rgb;
   }
 }

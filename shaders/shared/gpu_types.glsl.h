@@ -40,6 +40,12 @@ struct Moments {
   vec4 first, second;
 };
 
+// Specialization constant beside those of integral.glsl.h: whether vertices or tets have density
+// and colour.
+#define kConstantStorage 2
+#define kStorageVertex 0
+#define kStorageCell 1
+
 struct MarchPush {
   uint ray_count;
   uint hull_faces;
@@ -49,6 +55,7 @@ struct MarchPush {
   float stop_depth;  // rays stop at this optical depth (-log of transmittance)
   // Of fixed-point sums: quanta a unit of gradient, and the largest addend.
   float color_quanta, density_quanta, position_quanta, largest_quanta;
+  uint first_cell;  // row of tet 0 among `vertices`, where cells have the attributes
 };
 
 // One pass over a tile of a batch with per-pixel lists.
@@ -65,7 +72,8 @@ struct PpllPush {
   uint tile_width;      // [px]
   uint tile_pixels;
   uint shortest, longest;  // lists that the sort takes
-  uint padding0, padding1, padding2;
+  uint first_cell;         // as in MarchPush
+  uint padding0, padding1;
 };
 
 struct LossPush {
@@ -87,13 +95,14 @@ struct DssimPush {
 };
 
 struct AdamPush {
-  uint vertex_count;
+  uint row_count;
   float beta1, beta2, epsilon;
   float color_rate, density_rate;  // after bias correction of the first moment
   float second_moment_correction;  // 1 / (1 - beta2^t)
   float max_log_density;
   float density_decay;                   // of the log density of a seen vertex, a step
   float color_quantum, density_quantum;  // of fixed-point gradients
+  uint first_cell;                       // as in MarchPush
 };
 
 // Runs of values that one thread counts, adds or moves in prefix sums and sorts.
@@ -131,12 +140,14 @@ struct ProjectionPush {
   float stop_depth;
   float start;         // rays are cut at their camera, but measured from this distance on
   uint offsets_first;  // tet that the items' offsets begin with
-  uint padding_a, padding_b;
+  uint first_cell;     // as in MarchPush
+  uint padding_b;
   vec4 eye_high, eye_low;  // camera centre in the frame of the tets' spheres, as two floats each
 };
 
 struct SpreadPush {
-  uint vertex_count;
+  uint row_count;
+  uint first_cell;  // as in MarchPush
 };
 
 // Of fixed-point tet scores: a ray adds its squared residual times at most 1, and no more than
@@ -154,7 +165,7 @@ struct SpreadPush {
 
 // Bindings.
 #define kBindTets 0      // texels uvec4: vertex ids, neighbours
-#define kBindVertices 1  // texels vec4: position | density, colour | 0
+#define kBindVertices 1  // texels vec4: position | density, colour | 0 a vertex (storage.glsl)
 #define kBindHull 2      // texels: per hull face plane (n, w) and ids (a, b, c, tet) as bits
 #define kBindViews 3
 #define kBindBlocks 4

@@ -5,6 +5,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "field/change_storage.h"
 #include "optimize/checkpoint.h"
 #include "optimize/random.h"
 #include "optimize/refine.h"
@@ -199,12 +200,18 @@ class Trainer {
       state_ = ReadCheckpoint(checkpoint_path_);
       mesh_ = std::move(state_.mesh);
       state = std::move(state_.state);
+      if (state.storage != options_.storage) {
+        throw DataError(fmt::format("{}: holds a field with one row a {}, not a {}; use --force",
+                                    checkpoint_path_.string(), RowName(state.storage),
+                                    RowName(options_.storage)));
+      }
       round_iteration_ = state_.iteration;
       LogInfo("goes on from iteration {} after {:.0f} s", state_.iteration, state_.seconds);
     } else {
       if (stage_.resume()) LogInfo("no checkpoint was saved: begins at the first iteration");
       mesh_ = start.mesh;
-      state.parameters = ParametersOf(start);
+      state.parameters = ParametersOf(WithStorage(start, options_.storage));
+      state.storage = options_.storage;
       state.first_moment.assign(state.parameters.size(), glm::vec4(0.0f));
       state.second_moment.assign(state.parameters.size(), glm::vec4(0.0f));
     }
@@ -360,6 +367,7 @@ class Trainer {
   RadianceField ToField(const VertexState& state) const {
     RadianceField field;
     field.mesh = mesh_;
+    field.storage = state.storage;
     for (const glm::vec4& row : state.parameters) {
       field.density.push_back(std::exp(row.a));
       field.color_srgb.emplace_back(row);

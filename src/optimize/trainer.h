@@ -31,6 +31,7 @@ struct OptimizeOptions {
   double score_rays_per_tet = 1;  // of a refinement's look at the errors
   int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv
   double checkpoint_interval_s = 30;
+  FieldStorage storage = FieldStorage::kVertex;  // of the field that is fitted
   ScheduleOptions schedule;
   RendererOptions renderer;
 

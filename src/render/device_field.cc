@@ -24,9 +24,11 @@ std::vector<glm::uvec4> TetRows(const TetMesh& mesh) {
   return rows;
 }
 
-// Position with density, and colour, two rows a vertex; density and colour are 0 here.
-std::vector<glm::vec4> VertexRows(const TetMesh& mesh) {
-  std::vector<glm::vec4> rows(2 * mesh.positions.size(), glm::vec4(0.0f));
+// Position with density, and colour, two rows a vertex, then a row a cell that has attributes;
+// density and colour are 0 here.
+std::vector<glm::vec4> VertexRows(const TetMesh& mesh, FieldStorage storage) {
+  const size_t cells = storage == FieldStorage::kCell ? mesh.tets.size() : 0;
+  std::vector<glm::vec4> rows(2 * mesh.positions.size() + cells, glm::vec4(0.0f));
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
     rows[2 * v] = glm::vec4(mesh.positions[v], 0.0f);
   }
@@ -60,7 +62,8 @@ std::vector<glm::vec4> HullRows(const TetMesh& mesh) {
 
 DeviceField UploadField(const Device& device, const TetMesh& mesh, const VertexState& state,
                         bool fixed_point) {
-  TETREC_CHECK(state.parameters.size() == mesh.positions.size(), "one parameter row a vertex");
+  TETREC_CHECK(state.parameters.size() == RowCount(mesh, state.storage),
+               "one parameter row a vertex, or a tet");
   DeviceField field;
   field.mesh = mesh;
   field.fixed_point = fixed_point;
@@ -68,18 +71,22 @@ DeviceField UploadField(const Device& device, const TetMesh& mesh, const VertexS
   field.diagonal = BoundsOf(mesh.positions).Diagonal();
   field.vertex_count = uint32_t(mesh.positions.size());
   field.tet_count = uint32_t(mesh.tets.size());
+  field.storage = state.storage;
+  field.row_count = uint32_t(state.parameters.size());
+  field.first_cell = 2 * field.vertex_count;
   const std::vector<glm::vec4> hull = HullRows(mesh);
   field.hull_faces = uint32_t(hull.size() / 2);
   field.tets = MakeBuffer(device, "tets", TetRows(mesh), VK_FORMAT_R32G32B32A32_UINT);
-  field.vertices = MakeBuffer(device, "vertices", VertexRows(mesh), VK_FORMAT_R32G32B32A32_SFLOAT);
+  field.vertices = MakeBuffer(device, "vertices", VertexRows(mesh, state.storage),
+                              VK_FORMAT_R32G32B32A32_SFLOAT);
   field.hull = MakeBuffer(device, "hull", hull, VK_FORMAT_R32G32B32A32_SFLOAT);
   field.parameters = MakeBuffer(device, "parameters", state.parameters);
-  std::vector<Moments> moments(field.vertex_count);
+  std::vector<Moments> moments(field.row_count);
   for (size_t v = 0; v < state.first_moment.size(); ++v) {
     moments[v] = {state.first_moment[v], state.second_moment[v]};
   }
   field.moments = MakeBuffer(device, "moments", moments);
-  field.gradients = Buffer(device, "vertex gradients", 4 * field.vertex_count * SumBytes(field));
+  field.gradients = Buffer(device, "field gradients", 4 * field.row_count * SumBytes(field));
   field.gradients.FillZero();
   field.tet_scores = Buffer(device, "tet scores", field.tet_count * SumBytes(field));
   field.tet_scores.FillZero();
@@ -93,11 +100,11 @@ void AllocatePositionGradients(const Device& device, DeviceField& field) {
   field.position_gradients.FillZero();
 }
 
-std::vector<glm::vec4> DownloadVertexSums(const DeviceField& field, const Buffer& sums,
-                                          glm::dvec2 quanta) {
-  if (!field.fixed_point) return sums.DownloadAs<glm::vec4>(field.vertex_count);
+std::vector<glm::vec4> DownloadRowSums(const DeviceField& field, const Buffer& sums, uint32_t rows,
+                                       glm::dvec2 quanta) {
+  if (!field.fixed_point) return sums.DownloadAs<glm::vec4>(rows);
   std::vector<glm::vec4> values;
-  for (const auto& row : sums.DownloadAs<std::array<int64_t, 4>>(field.vertex_count)) {
+  for (const auto& row : sums.DownloadAs<std::array<int64_t, 4>>(rows)) {
     values.emplace_back(double(row[0]) / quanta.x, double(row[1]) / quanta.x,
                         double(row[2]) / quanta.x, double(row[3]) / quanta.y);
   }
@@ -115,8 +122,9 @@ std::vector<float> DownloadScores(const DeviceField& field) {
 
 VertexState DownloadState(const DeviceField& field) {
   VertexState state;
-  state.parameters = field.parameters.DownloadAs<glm::vec4>(field.vertex_count);
-  for (const Moments& moments : field.moments.DownloadAs<Moments>(field.vertex_count)) {
+  state.storage = field.storage;
+  state.parameters = field.parameters.DownloadAs<glm::vec4>(field.row_count);
+  for (const Moments& moments : field.moments.DownloadAs<Moments>(field.row_count)) {
     state.first_moment.push_back(moments.first);
     state.second_moment.push_back(moments.second);
   }

@@ -25,9 +25,16 @@ struct RayPass {
   GradientParts parts = GradientParts::kColorDensity;  // of Backward
 };
 
-// For programs whose kernels include shaders/integral.glsl.
-inline std::array<SpecializationConstant, 2> ConstantsOf(const IntegralOptions& integral) {
-  return {{{kConstantIntegral, int(integral.kind)}, {kConstantSplits, integral.splits}}};
+inline SpecializationConstant ConstantOf(FieldStorage storage) {
+  return {kConstantStorage, storage == FieldStorage::kCell ? kStorageCell : kStorageVertex};
+}
+
+// For programs whose kernels include shaders/integral.glsl and shaders/storage.glsl.
+inline std::array<SpecializationConstant, 3> ConstantsOf(const IntegralOptions& integral,
+                                                         FieldStorage storage) {
+  return {{{kConstantIntegral, int(integral.kind)},
+           {kConstantSplits, integral.splits},
+           ConstantOf(storage)}};
 }
 
 class Integrator {

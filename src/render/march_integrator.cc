@@ -27,8 +27,8 @@ void Dispatch(CommandRecorder& recorder, const Program& program, const RayPass& 
 }  // namespace
 
 MarchIntegrator::MarchIntegrator(const Device& device, const IntegralOptions& integral,
-                                 bool fixed_point) {
-  const std::array<SpecializationConstant, 2> constants = ConstantsOf(integral);
+                                 FieldStorage storage, bool fixed_point) {
+  const auto constants = ConstantsOf(integral, storage);
   const auto make = [&](const char* name, std::span<const uint32_t> spirv,
                         std::vector<BindingSpec> more) {
     return Program(device, name, spirv, WithMesh(std::move(more)), sizeof(gpu_types::MarchPush),

@@ -9,7 +9,8 @@ namespace tetrec {
 class MarchIntegrator final : public Integrator {
  public:
   // `fixed_point`: sums as in DeviceField::fixed_point.
-  MarchIntegrator(const Device& device, const IntegralOptions& integral, bool fixed_point);
+  MarchIntegrator(const Device& device, const IntegralOptions& integral, FieldStorage storage,
+                  bool fixed_point);
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;
   // As Forward; counts steps and hit rays too, which makes it a little slower.

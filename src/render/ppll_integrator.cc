@@ -63,7 +63,8 @@ std::vector<const Buffer*> MeshAnd(const RayPass& pass, std::initializer_list<co
 
 }  // namespace
 
-PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& options)
+PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& options,
+                               FieldStorage storage)
     : device_(device),
       fragment_capacity_(std::min<uint64_t>(options.fragment_memory,
                                             device.properties.limits.maxStorageBufferRange) /
@@ -76,7 +77,7 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
                                                {kBindFragments, Access::kReadWrite},
                                                {kBindCounters, Access::kReadWrite}}),
                                      sizeof(PpllPush));
-  const std::array<SpecializationConstant, 2> integral = ConstantsOf(options.integral);
+  const auto constants_of_rays = ConstantsOf(options.integral, storage);
   const auto make = [&](const char* name, std::span<const uint32_t> spirv,
                         std::vector<BindingSpec> bindings,
                         std::span<const SpecializationConstant> constants = {}) {
@@ -93,7 +94,7 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
                             {kBindRayColors, Access::kWrite},
                             {kBindRayEntries, Access::kWrite},
                             {kBindCounters, Access::kReadWrite}}),
-                  integral);
+                  constants_of_rays);
   const std::span<const uint32_t> native = kPpllBackward, compare_and_swap = kPpllBackwardCas;
   backward_ = make("ppll_backward", device.has_float_atomics ? native : compare_and_swap,
                    WithMesh({{kBindLists, Access::kRead},
@@ -102,7 +103,7 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
                              {kBindRayEntries, Access::kRead},
                              {kBindRayGradients, Access::kRead},
                              {kBindVertexGradients, Access::kReadWrite}}),
-                   integral);
+                   constants_of_rays);
   fragments_ = Buffer(device, "fragments", kFragmentBytes);
 }
 
@@ -126,7 +127,8 @@ PpllPush PpllIntegrator::PushOf(const RayPass& pass, const FragmentTile& tile) c
           .tile_x = tile.x,
           .tile_y = tile.y,
           .tile_width = tile.width,
-          .tile_pixels = tile.width * tile.height};
+          .tile_pixels = tile.width * tile.height,
+          .first_cell = pass.field.first_cell};
 }
 
 void PpllIntegrator::DrawFaces(CommandRecorder& recorder, const RayPass& pass,

@@ -47,7 +47,8 @@ ProjectionPush PushOf(const RayPass& pass) {
           .block_rows = uint32_t(pass.blocks.size()) / pass.rays.columns,
           .jitter_seed = pass.push.jitter_seed,
           .jitter_px = pass.push.jitter_px,
-          .stop_depth = pass.push.stop_depth};
+          .stop_depth = pass.push.stop_depth,
+          .first_cell = pass.field.first_cell};
 }
 
 // High and low parts of spheres, two rows each.
@@ -76,7 +77,7 @@ uint32_t ReadWord(const Buffer& buffer, uint64_t index) {
 }  // namespace
 
 ProjectionIntegrator::ProjectionIntegrator(const Device& device, VisibilityOrder order,
-                                           const IntegralOptions& integral,
+                                           const IntegralOptions& integral, FieldStorage storage,
                                            uint64_t fragment_memory)
     : device_(device),
       keys_(Keys::kCentroid),
@@ -90,7 +91,7 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, VisibilityOrder
                               std::span<const SpecializationConstant> constants = {}) {
     return Program(device, name, spirv, std::move(bindings), sizeof(ProjectionPush), constants);
   };
-  const std::array<SpecializationConstant, 2> constants = ConstantsOf(integral);
+  const auto constants = ConstantsOf(integral, storage);
   cull_ = make("projection_cull", kProjectionCull,
                {{kBindViews, Access::kRead},
                 {kBindTets, Access::kTexelRead},

@@ -18,7 +18,7 @@ class ProjectionIntegrator final : public Integrator {
   // Lists of (tile, tet) take at most `fragment_memory` bytes, but room for one tet in all tiles:
   // where they do not fit, the sorted tets are composited a stretch at a time.
   ProjectionIntegrator(const Device& device, VisibilityOrder order, const IntegralOptions& integral,
-                       uint64_t fragment_memory);
+                       FieldStorage storage, uint64_t fragment_memory);
   void SetField(const DeviceField& field) override;
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;

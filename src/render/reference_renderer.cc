@@ -115,12 +115,14 @@ Segment CutTet(const TetMesh& mesh, uint32_t t, const Ray& ray) {
 }
 
 double InterpolateDensity(const RadianceField& field, uint32_t tet, const dvec4& weights) {
+  if (field.storage == FieldStorage::kCell) return field.density[tet];
   double density = 0.0;
   for (int i = 0; i < 4; ++i) density += weights[i] * field.density[field.mesh.tets[tet][i]];
   return std::max(density, 0.0);
 }
 
 dvec3 InterpolateColor(const RadianceField& field, uint32_t tet, const dvec4& weights) {
+  if (field.storage == FieldStorage::kCell) return dvec3(field.color_srgb[tet]);
   dvec3 color(0.0);
   for (int i = 0; i < 4; ++i) {
     color += weights[i] * dvec3(field.color_srgb[field.mesh.tets[tet][i]]);
@@ -187,8 +189,8 @@ struct EndGradient {
 // by w n.m / n.d, n the face's normal. An end at the ray's origin does not slide.
 dvec3 MoveGradient(const RadianceField& field, uint32_t tet, int face, const dvec3& direction,
                    const dvec3& g, const EndGradient& end) {
-  dvec4 density, payload;
-  for (int i = 0; i < 4; ++i) {
+  dvec4 density(0.0), payload(0.0);  // cells have no slope
+  for (int i = 0; i < 4 && field.storage == FieldStorage::kVertex; ++i) {
     const uint32_t id = field.mesh.tets[tet][i];
     density[i] = field.density[id];
     payload[i] = glm::dot(g, dvec3(field.color_srgb[id]));
@@ -278,8 +280,10 @@ void AddRayGradient(const RadianceField& field, std::span<const Segment> segment
     for (int j = 0; j < 4; ++j) {
       const uint32_t id = field.mesh.tets[segment.tet][j];
       const double near = segment.begin_weights[j], far = segment.end_weights[j];
-      gradient.color_srgb[id] += before * (a.w0 * near + a.w1 * far) * g;
-      gradient.density[id] += length * (by_s0 * near + by_s1 * far);
+      // The weights of the corners sum to 1: a cell gets the whole.
+      const size_t row = field.storage == FieldStorage::kCell ? segment.tet : id;
+      gradient.color_srgb[row] += before * (a.w0 * near + a.w1 * far) * g;
+      gradient.density[row] += length * (by_s0 * near + by_s1 * far);
       passages.Add(j, near * begin_move + far * end_move);
     }
     behind = a.w0 * k0 + a.w1 * k1 + own * behind;
@@ -328,11 +332,11 @@ ReferenceGradient BackpropagateReference(const RadianceField& field, const Rende
                                          const IntegralOptions& integral) {
   const std::vector<Sphere> spheres = BoundingSpheres(field.mesh);
   const int width = view.camera.width, height = view.camera.height;
-  const size_t pixels = size_t(width) * size_t(height), vertices = field.density.size();
+  const size_t pixels = size_t(width) * size_t(height), vertices = field.mesh.positions.size();
   TETREC_CHECK(pixel_gradient.size() == pixels, fmt::format("{} gradients", pixel_gradient.size()));
   // A fixed number of partial sums: the result does not depend on the number of threads.
   constexpr size_t kParts = 8;
-  std::vector<ReferenceGradient> parts(kParts, ReferenceGradient(vertices));
+  std::vector<ReferenceGradient> parts(kParts, ReferenceGradient(field));
   ParallelFor(kParts, 1, [&](size_t first, size_t last) {
     for (size_t part = first; part < last; ++part) {
       for (size_t pixel = part; pixel < pixels; pixel += kParts) {
@@ -343,9 +347,11 @@ ReferenceGradient BackpropagateReference(const RadianceField& field, const Rende
     }
   });
   for (size_t part = 1; part < kParts; ++part) {
+    for (size_t row = 0; row < field.density.size(); ++row) {
+      parts[0].color_srgb[row] += parts[part].color_srgb[row];
+      parts[0].density[row] += parts[part].density[row];
+    }
     for (size_t v = 0; v < vertices; ++v) {
-      parts[0].color_srgb[v] += parts[part].color_srgb[v];
-      parts[0].density[v] += parts[part].density[v];
       parts[0].position[v] += parts[part].position[v];
       parts[0].absolute_position[v] += parts[part].absolute_position[v];
     }

@@ -52,7 +52,7 @@ class Renderer {
   virtual nlohmann::json DescribeDevice() const = 0;
 };
 
-// dL/d(colour, density, position) of every vertex.
+// dL/d(colour, density) of every row of the field, dL/dposition of every vertex.
 struct FieldGradient {
   std::vector<glm::vec3> color_srgb;
   std::vector<float> density;
@@ -81,13 +81,14 @@ struct RayBlock {
 };
 constexpr int kRayBlockWidth = 4, kRayBlockHeight = 2, kRaysPerBlock = 8;
 
-// Parameters of the field and the state of Adam, one row a vertex: rgb and the logarithm of
-// density.
+// Parameters of the field and the state of Adam, one row a vertex (a tet, where cells have the
+// attributes): rgb and the logarithm of density.
 struct VertexState {
   std::vector<glm::vec4> parameters, first_moment, second_moment;
+  FieldStorage storage = FieldStorage::kVertex;
 };
 
-// Vertex parameters of a field. Density 0, which has no logarithm, becomes e^-80.
+// Parameters of a field, row by row. Density 0, which has no logarithm, becomes e^-80.
 std::vector<glm::vec4> ParametersOf(const RadianceField& field);
 
 struct AdamOptions {
@@ -129,6 +130,7 @@ class TrainingRenderer : public Renderer {
   // Views and what they should show; sizes must agree.
   virtual void SetTargets(std::span<const RenderView> views,
                           std::span<const TargetImage> targets) = 0;
+  // Another storage than the one before takes some time: kernels are made for one.
   virtual void SetVertexState(const TetMesh& mesh, const VertexState& state) = 0;
   virtual VertexState ReadVertexState() = 0;
   // Whether every batch of blocks must be one tile.

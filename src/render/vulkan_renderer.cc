@@ -51,20 +51,22 @@ Program LossProgram(const Device& device) {
                  sizeof(LossPush));
 }
 
-Program AdamProgram(const Device& device, bool fixed_point) {
+Program AdamProgram(const Device& device, FieldStorage storage, bool fixed_point) {
+  const SpecializationConstant constants[] = {ConstantOf(storage)};
   const std::span<const uint32_t> fixed = kAdamFixed, floats = kAdam;
   return Program(device, "adam", fixed_point ? fixed : floats,
                  {{kBindVertexGradients, Access::kReadWrite},
                   {kBindParameters, Access::kReadWrite},
                   {kBindMoments, Access::kReadWrite},
                   {kBindVertices, Access::kReadWrite}},
-                 sizeof(AdamPush));
+                 sizeof(AdamPush), constants);
 }
 
-Program SpreadProgram(const Device& device) {
+Program SpreadProgram(const Device& device, FieldStorage storage) {
+  const SpecializationConstant constants[] = {ConstantOf(storage)};
   return Program(device, "spread", kSpread,
                  {{kBindParameters, Access::kRead}, {kBindVertices, Access::kReadWrite}},
-                 sizeof(SpreadPush));
+                 sizeof(SpreadPush), constants);
 }
 
 double LargestValue(std::span<const glm::vec4> values) {
@@ -83,10 +85,13 @@ DeviceOptions DeviceOptionsOf(const RendererOptions& options) {
 
 // Null for the march.
 std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
-                                                const RendererOptions& options) {
-  if (options.kind == RendererKind::kPpll) return std::make_unique<PpllIntegrator>(device, options);
+                                                const RendererOptions& options,
+                                                FieldStorage storage) {
+  if (options.kind == RendererKind::kPpll) {
+    return std::make_unique<PpllIntegrator>(device, options, storage);
+  }
   if (options.kind == RendererKind::kProjection) {
-    return std::make_unique<ProjectionIntegrator>(device, options.order, options.integral,
+    return std::make_unique<ProjectionIntegrator>(device, options.order, options.integral, storage,
                                                   options.fragment_memory);
   }
   return nullptr;
@@ -98,10 +103,10 @@ class VulkanRenderer final : public TrainingRenderer {
       : options_(options),
         device_(CreateDevice(DeviceOptionsOf(options))),
         loss_(LossProgram(*device_)),
-        adam_(AdamProgram(*device_, options.deterministic)),
-        spread_(SpreadProgram(*device_)),
-        march_(*device_, options.integral, options.deterministic),
-        other_(MakeOtherIntegrator(*device_, options)),
+        adam_(AdamProgram(*device_, storage_, options.deterministic)),
+        spread_(SpreadProgram(*device_, storage_)),
+        march_(*device_, options.integral, storage_, options.deterministic),
+        other_(MakeOtherIntegrator(*device_, options, storage_)),
         integrator_(other_ ? other_.get() : &march_),
         recorders_{std::make_unique<CommandRecorder>(*device_),
                    std::make_unique<CommandRecorder>(*device_)},
@@ -115,17 +120,18 @@ class VulkanRenderer final : public TrainingRenderer {
   ~VulkanRenderer() override { WaitAll(); }
 
   void SetField(const RadianceField& field) override {
-    SetVertexState(field.mesh, {ParametersOf(field), {}, {}});
+    SetVertexState(field.mesh, {ParametersOf(field), {}, {}, field.storage});
   }
 
   void SetVertexState(const TetMesh& mesh, const VertexState& state) override {
     WaitAll();
     field_ = {};  // frees the old mesh before the new one takes memory
+    UseStorage(state.storage);
     field_ = UploadField(*device_, mesh, state, options_.deterministic);
     render_recorder_.Begin();
     const Buffer* buffers[] = {&field_.parameters, &field_.vertices};
-    render_recorder_.Dispatch(spread_, buffers, SpreadPush{field_.vertex_count},
-                              field_.vertex_count, kWorkgroupSize);
+    render_recorder_.Dispatch(spread_, buffers, SpreadPush{field_.row_count, field_.first_cell},
+                              field_.row_count, kWorkgroupSize);
     render_recorder_.EndAndSubmit();
     render_recorder_.Wait();
     integrator_->SetField(field_);
@@ -243,15 +249,16 @@ class VulkanRenderer final : public TrainingRenderer {
       render_recorder_.Wait();
     });
     FieldGradient result;
-    for (const glm::vec4& g :
-         DownloadVertexSums(field_, field_.gradients, {fixed.color_quanta, fixed.density_quanta})) {
+    for (const glm::vec4& g : DownloadRowSums(field_, field_.gradients, field_.row_count,
+                                              {fixed.color_quanta, fixed.density_quanta})) {
       result.color_srgb.emplace_back(g);
       result.density.push_back(g.a);
     }
     field_.gradients.FillZero();
     if (!with_positions) return result;
     for (const glm::vec4& g :
-         DownloadVertexSums(field_, field_.position_gradients, glm::dvec2(fixed.position_quanta))) {
+         DownloadRowSums(field_, field_.position_gradients, field_.vertex_count,
+                         glm::dvec2(fixed.position_quanta))) {
       result.position.emplace_back(g);
       result.absolute_position.push_back(g.a);
     }
@@ -282,6 +289,17 @@ class VulkanRenderer final : public TrainingRenderer {
  private:
   void WaitAll() const {
     for (const auto& recorder : recorders_) recorder->Wait();
+  }
+
+  // Makes the kernels that know where the field keeps its attributes.
+  void UseStorage(FieldStorage storage) {
+    if (storage == storage_) return;
+    storage_ = storage;
+    adam_ = AdamProgram(*device_, storage, options_.deterministic);
+    spread_ = SpreadProgram(*device_, storage);
+    march_ = MarchIntegrator(*device_, options_.integral, storage, options_.deterministic);
+    other_ = MakeOtherIntegrator(*device_, options_, storage);
+    integrator_ = other_ ? other_.get() : &march_;
   }
 
   void AddCounters(RenderCounts& counts) const {
@@ -406,7 +424,8 @@ class VulkanRenderer final : public TrainingRenderer {
                       .color_quanta = fixed.color_quanta,
                       .density_quanta = fixed.density_quanta,
                       .position_quanta = fixed.position_quanta,
-                      .largest_quanta = fixed.largest_quanta}};
+                      .largest_quanta = fixed.largest_quanta,
+                      .first_cell = field_.first_cell}};
   }
 
   void RecordLoss(CommandRecorder& recorder, const TrainingStep& step, float gradient_scale) {
@@ -443,7 +462,7 @@ class VulkanRenderer final : public TrainingRenderer {
     const double t = step.adam_step;
     const float first_correction = float(1.0 / (1.0 - std::pow(double(adam.beta1), t)));
     const AdamPush push{
-        .vertex_count = field_.vertex_count,
+        .row_count = field_.row_count,
         .beta1 = adam.beta1,
         .beta2 = adam.beta2,
         .epsilon = adam.epsilon,
@@ -453,14 +472,16 @@ class VulkanRenderer final : public TrainingRenderer {
         .max_log_density = std::log(adam.max_density),
         .density_decay = adam.density_decay * adam.density_rate,
         .color_quantum = 1.0f / fixed.color_quanta,
-        .density_quantum = 1.0f / fixed.density_quanta};
+        .density_quantum = 1.0f / fixed.density_quanta,
+        .first_cell = field_.first_cell};
     const Buffer* buffers[] = {&field_.gradients, &field_.parameters, &field_.moments,
                                &field_.vertices};
-    recorder.Dispatch(adam_, buffers, push, field_.vertex_count, kWorkgroupSize);
+    recorder.Dispatch(adam_, buffers, push, field_.row_count, kWorkgroupSize);
   }
 
   RendererOptions options_;
   std::unique_ptr<Device> device_;
+  FieldStorage storage_ = FieldStorage::kVertex;  // for which the kernels below are
   Program loss_, adam_, spread_;
   MarchIntegrator march_;              // scores, whatever renders
   std::unique_ptr<Integrator> other_;  // where the march does not render
