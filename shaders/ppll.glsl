@@ -56,9 +56,13 @@ float EdgeFunction(vec3 from, vec3 to) {
   return e;
 }
 
+vec3 EdgeFunctions(vec3 a, vec3 b, vec3 c) {
+  return vec3(EdgeFunction(b, c), EdgeFunction(c, a), EdgeFunction(a, b));
+}
+
 // Hit point of a ray that passes the triangle: barycentric weights.
 vec3 HitWeights(vec3 a, vec3 b, vec3 c) {
-  vec3 w = abs(vec3(EdgeFunction(b, c), EdgeFunction(c, a), EdgeFunction(a, b)));
+  vec3 w = abs(EdgeFunctions(a, b, c));
   float sum = w.x + w.y + w.z;
   return sum > 0.0 ? w * (1.0 / sum) : vec3(1.0 / 3.0);
 }

@@ -4,6 +4,7 @@
 
 #define Payload vec3
 #define MakePayload(color) (color)
+#include "ppll.glsl"
 #include "ppll_hits.glsl"
 
 layout(std430, binding = kBindListFills) readonly buffer ListFills { uint list_fills[]; };
@@ -13,6 +14,37 @@ layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
 // e^-88 is the least float; what lies behind is not seen and needs no gradient.
 const float kUnseenDepth = 88.0;
+
+#ifdef TETREC_COUNT_STEPS
+// The tets that a ray passes form a chain from the one that it begins in, or none, to none: the sum
+// (mod 2^32) of before - behind over the faces tells its begin, in whatever order they are.
+struct Chain {
+  uint sum;  // of all faces
+  // Of those far enough from the camera for rounding to leave them before it: the first one's
+  // `before`, and the sum.
+  bool has_far;
+  uint far_begin, far_sum;
+  uint steps;
+};
+
+// Whether the faces of a whole ray form a chain from where the camera is. A camera on a face, up to
+// rounding, is on either side of it.
+bool IsWhole(Chain chain, ListRay list_ray) {
+  const float rounding = 1e-4;
+  uint start = list_ray.ray.start_tet, begin = chain.has_far ? chain.far_begin : kNoTet;
+  bool whole = chain.sum + kNoTet == start;
+  TETREC_RARELY(!whole) {
+    bool begins_well = begin == start;
+    if (begin != kNoTet) {
+      begins_well = begins_well || LeastWeight(list_ray, list_ray.camera_z, begin) >= -rounding;
+    } else if (start != kNoTet) {
+      begins_well = LeastWeight(list_ray, list_ray.camera_z, start) <= rounding;
+    }
+    whole = begins_well && chain.far_sum + kNoTet == begin;
+  }
+  return whole;
+}
+#endif
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
@@ -28,6 +60,10 @@ void main() {
   uint n = 0u;
   uint last = 0u;  // fragments up to the end of the last segment that is seen
   float depth_before_last = 0.0;
+#ifdef TETREC_COUNT_STEPS
+  Chain chain = Chain(0u, false, kNoTet, 0u, 0u);
+  float far = list_ray.camera_z + 1e-5 * push.mesh_ball.w;
+#endif
   Hit hit0;
   if (go) hit0 = HitBeforeFirst(list_ray, HitAt(list_ray.ray, fragments[list.x]));
   while (go) {
@@ -35,7 +71,7 @@ void main() {
     n += 1u;
     if (hit0.behind != kNoTet && hit1.before != kNoTet) {
       float size = hit1.z - hit0.z;
-      UseCell(hit0.behind, hit0.density, hit1.density, hit0.payload, hit1.payload);
+      UseCell(TetBetween(list_ray, hit0, hit1), hit0.density, hit1.density, hit0.payload, hit1.payload);
       float s0 = hit0.density * size, s1 = hit1.density * size;
       SegmentWeights segment = IntegrateSegmentBy(kIntegral, kSplits, s0, s1);
       color += exp(-depth) * (segment.w0 * hit0.payload + segment.w1 * hit1.payload);
@@ -44,7 +80,17 @@ void main() {
         depth_before_last = depth;
       }
       depth += 0.5 * (s0 + s1);
+#ifdef TETREC_COUNT_STEPS
+      chain.steps += 1u;
+#endif
     }
+#ifdef TETREC_COUNT_STEPS
+    uint link = hit1.before - hit1.behind;
+    if (!chain.has_far && hit1.z > far) chain.far_begin = hit1.before;
+    chain.has_far = chain.has_far || hit1.z > far;
+    chain.sum += link;
+    chain.far_sum += chain.has_far ? link : 0u;
+#endif
     hit0 = hit1;
     go = n < list.y && depth < push.stop_depth;
   }
@@ -52,5 +98,11 @@ void main() {
     ray_colors[index] = vec4(color, depth);
     ray_entries[index] = uvec2(last, floatBitsToUint(depth_before_last));
     if (list_fills[index] != list.y) atomicAdd(counters[kCounterLostRays], 1u);
+#ifdef TETREC_COUNT_STEPS
+    atomicAdd(counters[kCounterSteps], chain.steps);
+    if (chain.steps > 0u) atomicAdd(counters[kCounterHitRays], 1u);
+    bool whole = depth >= push.stop_depth || IsWhole(chain, list_ray);
+    if (list_ray.ray.valid && !whole) atomicAdd(counters[kCounterLostRays], 1u);
+#endif
   }
 }

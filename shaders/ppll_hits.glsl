@@ -2,11 +2,11 @@
 //
 // Between two hits next to one another lies one tet: that behind the first is that before the second.
 // Where rounding has swapped hits that all but coincide (at edges, at vertices, in slivers), the two
-// differ; the field being continuous, the values at the two hits are right all the same. There is
-// nothing in between where the first face leaves the mesh or the second enters it: a gap.
+// differ; a field of vertices being continuous, the values at the two hits are right all the same.
+// There is nothing in between where the first face leaves the mesh or the second enters it: a gap.
 //
-// The including kernel defines Payload and MakePayload(color) as for march.glsl.
-#include "ppll.glsl"
+// The including kernel includes ppll.glsl, and for TETREC_POSITIONS gradients.glsl, and defines Payload
+// and MakePayload(color) as for march.glsl.
 
 layout(local_size_x = kWorkgroupSize) in;
 
@@ -18,8 +18,11 @@ struct Hit {
   uint before, behind;  // tets, or kNoTet
   float density;
   Payload payload;
-  uvec4 ids;  // of vertices
-  vec4 w;     // their weights; of a face only three
+  uvec4 ids;  // of vertices; of a face only three, then kNoVertex
+  vec4 w;     // their weights
+#ifdef TETREC_POSITIONS
+  Slopes slopes;
+#endif
 };
 
 Hit HitAt(Ray ray, uvec2 fragment) {
@@ -30,30 +33,40 @@ Hit HitAt(Ray ray, uvec2 fragment) {
   uvec3 ids = FaceVertices(texelFetch(tets, int(2u * tet)), i);
   vec4 a = texelFetch(vertices, int(2u * ids.x)), b = texelFetch(vertices, int(2u * ids.y));
   vec4 c = texelFetch(vertices, int(2u * ids.z));
-  vec3 w = HitWeights(InRayFrame(ray, a.xyz), InRayFrame(ray, b.xyz), InRayFrame(ray, c.xyz));
+  vec3 p_a = InRayFrame(ray, a.xyz), p_b = InRayFrame(ray, b.xyz), p_c = InRayFrame(ray, c.xyz);
+  Payload k_a = MakePayload(FetchVertexColor(ids.x));
+  Payload k_b = MakePayload(FetchVertexColor(ids.y));
+  Payload k_c = MakePayload(FetchVertexColor(ids.z));
+  vec3 w = HitWeights(p_a, p_b, p_c);
   Hit hit;
   hit.z = uintBitsToFloat(fragment.x);
   hit.before = enters ? other : tet;
   hit.behind = enters ? tet : other;
   hit.density = w.x * a.w + w.y * b.w + w.z * c.w;
-  hit.payload = w.x * MakePayload(FetchVertexColor(ids.x)) +
-                w.y * MakePayload(FetchVertexColor(ids.y)) +
-                w.z * MakePayload(FetchVertexColor(ids.z));
-  hit.ids = uvec4(ids, ids.x);
+  hit.payload = w.x * k_a + w.y * k_b + w.z * k_c;
+  hit.ids = uvec4(ids, kNoVertex);
   hit.w = vec4(w, 0.0);
+#ifdef TETREC_POSITIONS
+  hit.slopes = SlopesOnFace(FaceCorners(p_a, p_b, p_c, vec3(a.w, b.w, c.w), vec3(k_a, k_b, k_c)),
+                            EdgeFunctions(p_a, p_b, p_c));
+#endif
   return hit;
 }
 
-// The camera in tet `tet`, as a hit behind which the tet lies. Weights are ratios of the volumes of
-// the tets that the camera forms with the faces.
+// Volumes of the tets that the origin forms with the faces of a tet, opposite vertices: in the ratio of
+// its barycentric weights.
+vec4 VolumesAtOrigin(vec3 a, vec3 b, vec3 c, vec3 d) {
+  return vec4(dot(b, cross(c, d)), dot(a, cross(d, c)), dot(a, cross(b, d)), dot(a, cross(c, b)));
+}
+
+// The camera in tet `tet`, as a hit behind which the tet lies.
 Hit HitAtCamera(ListRay list_ray, uint tet) {
   uvec4 ids = texelFetch(tets, int(2u * tet));
   vec4 row_a = texelFetch(vertices, int(2u * ids.x)), row_b = texelFetch(vertices, int(2u * ids.y));
   vec4 row_c = texelFetch(vertices, int(2u * ids.z)), row_d = texelFetch(vertices, int(2u * ids.w));
   vec3 origin = list_ray.ray.origin;
   vec3 a = row_a.xyz - origin, b = row_b.xyz - origin, c = row_c.xyz - origin, d = row_d.xyz - origin;
-  vec4 w = vec4(dot(b, cross(c, d)), dot(a, cross(d, c)), dot(a, cross(b, d)), dot(a, cross(c, b)));
-  w = max(w, vec4(0.0));
+  vec4 w = max(VolumesAtOrigin(a, b, c, d), vec4(0.0));
   float sum = w.x + w.y + w.z + w.w;
   Hit hit;
   hit.z = list_ray.camera_z;
@@ -61,12 +74,45 @@ Hit HitAtCamera(ListRay list_ray, uint tet) {
   hit.behind = tet;
   hit.ids = ids;
   hit.w = sum > 0.0 ? w / sum : vec4(0.25);
-  hit.density = dot(hit.w, vec4(row_a.w, row_b.w, row_c.w, row_d.w));
-  hit.payload = hit.w.x * MakePayload(FetchVertexColor(ids.x)) +
-                hit.w.y * MakePayload(FetchVertexColor(ids.y)) +
-                hit.w.z * MakePayload(FetchVertexColor(ids.z)) +
-                hit.w.w * MakePayload(FetchVertexColor(ids.w));
+  vec4 density = vec4(row_a.w, row_b.w, row_c.w, row_d.w);
+  Payload k_a = MakePayload(FetchVertexColor(ids.x));
+  Payload k_b = MakePayload(FetchVertexColor(ids.y));
+  Payload k_c = MakePayload(FetchVertexColor(ids.z));
+  Payload k_d = MakePayload(FetchVertexColor(ids.w));
+  hit.density = dot(hit.w, density);
+  hit.payload = hit.w.x * k_a + hit.w.y * k_b + hit.w.z * k_c + hit.w.w * k_d;
+#ifdef TETREC_POSITIONS
+  hit.slopes = SlopesInTet(InRayFrame(list_ray.ray, row_a.xyz), InRayFrame(list_ray.ray, row_b.xyz),
+                           InRayFrame(list_ray.ray, row_c.xyz), InRayFrame(list_ray.ray, row_d.xyz),
+                           density, vec4(k_a, k_b, k_c, k_d));
+#endif
   return hit;
+}
+
+// Least of the barycentric weights that the ray's point at z has in a tet.
+float LeastWeight(ListRay list_ray, float z, uint tet) {
+  uvec4 ids = texelFetch(tets, int(2u * tet));
+  vec3 point = list_ray.ray.origin + z * list_ray.ray.direction;
+  vec3 a = texelFetch(vertices, int(2u * ids.x)).xyz - point;
+  vec3 b = texelFetch(vertices, int(2u * ids.y)).xyz - point;
+  vec3 c = texelFetch(vertices, int(2u * ids.z)).xyz - point;
+  vec3 d = texelFetch(vertices, int(2u * ids.w)).xyz - point;
+  vec4 w = VolumesAtOrigin(a, b, c, d);
+  return min(min(w.x, w.y), min(w.z, w.w)) / (w.x + w.y + w.z + w.w);
+}
+
+// The cell between two hits. Cells are not continuous: where swapped hits disagree, it is the one
+// that holds the middle.
+uint TetBetween(ListRay list_ray, Hit hit0, Hit hit1) {
+  uint tet = hit0.behind;
+  if (kCells) {
+    TETREC_RARELY(hit0.behind != hit1.before) {
+      float middle = 0.5 * (hit0.z + hit1.z);
+      bool other = LeastWeight(list_ray, middle, hit1.before) > LeastWeight(list_ray, middle, tet);
+      tet = other ? hit1.before : tet;
+    }
+  }
+  return tet;
 }
 
 // What a ray has before its first fragment: nothing, or its camera in the tet before that.

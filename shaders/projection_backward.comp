@@ -1,24 +1,100 @@
-// Backward pass over a stretch of sorted tets, front to back (see march_backward.comp for the way the
-// part of the loss behind a segment is kept).
+// Backward pass over a stretch of sorted tets, front to back: adds every ray's gradients to the
+// vertices (gradients.glsl). What lies behind a segment is the ray's part of the loss minus the parts
+// up to and with it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "atomic_sum.glsl"
-#define MakePayload(color) dot(gradient.rgb, color)
+
+vec3 g_color;
+
+#define MakePayload(color) dot(g_color, color)
 #include "projection_rays.glsl"
 
 layout(std430, binding = kBindRayColors) readonly buffer RayColors { vec4 ray_colors[]; };
 layout(std430, binding = kBindRayGradients) readonly buffer RayGradients { vec4 ray_gradients[]; };
-layout(std430, binding = kBindRayStates) buffer RayStates { vec2 ray_states[]; };
-layout(std430, binding = kBindVertexGradients) buffer VertexGradients { Sum vertex_gradients[]; };
+layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
-// x: the sum of colour weights, y: dL/ddensity.
-void Deposit(uint id, vec3 g_color, vec2 gradient) {
-  if (gradient.x != 0.0 || gradient.y != 0.0) {
-    AddTo(vertex_gradients[4u * id], g_color.r * gradient.x, 1.0);
-    AddTo(vertex_gradients[4u * id + 1u], g_color.g * gradient.x, 1.0);
-    AddTo(vertex_gradients[4u * id + 2u], g_color.b * gradient.x, 1.0);
-    AddTo(vertex_gradients[4u * id + 3u], gradient.y, 1.0);
+#include "held_vertices.glsl"
+
+// What a ray carries on its way, also from stretch to stretch.
+struct Walk {
+  HeldVertices held;
+  float depth;   // optical, before the segment
+  float behind;  // the part of the loss that lies behind
+};
+layout(std430, binding = kBindRayStates) buffer RayStates { Walk ray_states[]; };
+
+vec4 PayloadOf(uvec4 ids) {
+  return vec4(MakePayload(FetchVertexColor(ids.x)),
+              MakePayload(FetchVertexColor(ids.y)),
+              MakePayload(FetchVertexColor(ids.z)),
+              MakePayload(FetchVertexColor(ids.w)));
+}
+
+#ifdef TETREC_POSITIONS
+struct TetCorner {
+  uint id;
+  vec3 p;
+  float density, payload;
+};
+
+void SortTwo(inout TetCorner a, inout TetCorner b) {
+  TetCorner first = a;
+  bool swaps = b.id < a.id;
+  if (swaps) a = b;
+  if (swaps) b = first;
+}
+
+// Of the end on the face that lacks one vertex. What the tets at a face give to its corners cancels
+// but for a small part, so they must compute the same slopes, to the last bit: by its corners in the
+// order of their ids.
+Slopes SlopesOnTetFace(TetCut cut, bvec4 lacks, vec4 payload) {
+  TetCorner c0 = TetCorner(cut.ids.x, cut.a, cut.density.x, payload.x);
+  TetCorner c1 = TetCorner(cut.ids.y, cut.b, cut.density.y, payload.y);
+  TetCorner c2 = TetCorner(cut.ids.z, cut.c, cut.density.z, payload.z);
+  TetCorner c3 = TetCorner(cut.ids.w, cut.d, cut.density.w, payload.w);
+  if (lacks.x) c0 = c3;
+  if (lacks.y) c1 = c3;
+  if (lacks.z) c2 = c3;
+  SortTwo(c0, c1);
+  SortTwo(c1, c2);
+  SortTwo(c0, c1);
+  return SlopesOnFace(
+      FaceCorners(c0.p, c1.p, c2.p, vec3(c0.density, c1.density, c2.density),
+                  vec3(c0.payload, c1.payload, c2.payload)),
+      vec3(EdgeFunction(c1.p, c2.p), EdgeFunction(c2.p, c0.p), EdgeFunction(c0.p, c1.p)));
+}
+#endif
+
+// Adds the gradients of a segment to the vertices of its tet.
+void Pass(inout Walk walk, TetCut cut, uint tet) {
+  vec4 payload = PayloadOf(cut.ids);
+  float k0 = dot(cut.w0, payload), k1 = dot(cut.w1, payload);
+  float density0 = dot(cut.w0, cut.density), density1 = dot(cut.w1, cut.density);
+  UseCell(tet, density0, density1, k0, k1);
+  float size = cut.z1 - cut.z0;
+  float s0 = density0 * size, s1 = density1 * size;
+  SegmentAdjoint adjoint = SegmentAdjoint(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+  bool thick = IsThickSegment(kIntegral, s0, s1);
+  if (!thick) adjoint = IntegrateUnlessThickWithDerivatives(kIntegral, kSplits, s0, s1);
+  TETREC_RARELY(thick) adjoint = IntegrateThickSegmentWithDerivatives(s0, s1);
+  float t = exp(-walk.depth);
+  walk.behind -= t * (adjoint.w0 * k0 + adjoint.w1 * k1);
+  EndGradients ends =
+      GradientsOfEnds(adjoint, t, walk.behind, size, density0, density1, k0, k1);
+  if (kCells) AddToCell(tet, ends);
+  Hold(walk.held, cut.ids);
+  Deposit(walk.held, cut.w0, ends.entry);
+  Deposit(walk.held, cut.w1, ends.exit);
+#ifdef TETREC_POSITIONS
+  Slopes slopes0 = SlopesOnTetFace(cut, cut.face0, payload);
+  TETREC_RARELY(cut.at_camera) {
+    slopes0 = SlopesInTet(cut.a, cut.b, cut.c, cut.d, cut.density, payload);
   }
+  DepositMove(walk.held, cut.w0, MoveOf(slopes0, ends.entry));
+  DepositMove(walk.held, cut.w1, MoveOf(SlopesOnTetFace(cut, cut.face1, payload), ends.exit));
+#endif
+  walk.depth += 0.5 * (s0 + s1);
 }
 
 void main() {
@@ -26,47 +102,28 @@ void main() {
   Ray ray = MakeMovedRay(tile_ray.index);
   vec4 gradient = ray_gradients[tile_ray.index];
   vec4 result = ray_colors[tile_ray.index];
-  vec2 state = vec2(0.0, dot(gradient.rgb, result.rgb) + gradient.w * exp(-result.w));
-  if (push.is_first == 0u) state = ray_states[tile_ray.index];
-  float depth = state.x;  // optical, before the segment
-  float behind = state.y;
+  g_color = gradient.rgb;
+#ifdef TETREC_POSITIONS
+  world_from_ray = mat3(ray.u, ray.v, ray.direction);
+#endif
+  Walk walk;
+  walk.held = HoldNothing();
+  walk.depth = 0.0;
+  walk.behind = dot(g_color, result.rgb) + gradient.w * exp(-result.w);
+  if (push.is_first == 0u && tile_ray.exists) walk = ray_states[tile_ray.index];
   uint i = tile_ray.range.x;
-  bool go = tile_ray.exists && ray.valid && i < tile_ray.range.y && depth < push.stop_depth;
+  bool go = tile_ray.exists && ray.valid && gradient != vec4(0.0) && i < tile_ray.range.y &&
+            walk.depth < push.stop_depth;
   while (go) {
     uint tet = tet_of_item[i];
     TetCut cut = CutTet(ray, tet);
-    TETREC_RARELY(cut.hit) {
-      vec4 payload = vec4(MakePayload(FetchVertexColor(cut.ids.x)),
-                          MakePayload(FetchVertexColor(cut.ids.y)),
-                          MakePayload(FetchVertexColor(cut.ids.z)),
-                          MakePayload(FetchVertexColor(cut.ids.w)));
-      float k0 = dot(cut.w0, payload), k1 = dot(cut.w1, payload);
-      float size = cut.z1 - cut.z0;
-      float density0 = dot(cut.w0, cut.density), density1 = dot(cut.w1, cut.density);
-      UseCell(tet, density0, density1, k0, k1);
-      float s0 = density0 * size, s1 = density1 * size;
-      SegmentAdjoint adjoint = SegmentAdjoint(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-      bool thick = IsThickSegment(kIntegral, s0, s1);
-      if (!thick) adjoint = IntegrateUnlessThickWithDerivatives(kIntegral, kSplits, s0, s1);
-      TETREC_RARELY(thick) adjoint = IntegrateThickSegmentWithDerivatives(s0, s1);
-      float t = exp(-depth);
-      behind -= t * (adjoint.w0 * k0 + adjoint.w1 * k1);
-      float by_s0 = t * (adjoint.dw0_ds0 * k0 + adjoint.dw1_ds0 * k1);
-      float by_s1 = t * (adjoint.dw0_ds1 * k0 + adjoint.dw1_ds1 * k1);
-      vec2 at_entry = vec2(t * adjoint.w0, size * (by_s0 - 0.5 * behind));
-      vec2 at_exit = vec2(t * adjoint.w1, size * (by_s1 - 0.5 * behind));
-      if (kCells) {
-        Deposit(tet, gradient.rgb, at_entry + at_exit);
-      } else {
-        Deposit(cut.ids.x, gradient.rgb, cut.w0.x * at_entry + cut.w1.x * at_exit);
-        Deposit(cut.ids.y, gradient.rgb, cut.w0.y * at_entry + cut.w1.y * at_exit);
-        Deposit(cut.ids.z, gradient.rgb, cut.w0.z * at_entry + cut.w1.z * at_exit);
-        Deposit(cut.ids.w, gradient.rgb, cut.w0.w * at_entry + cut.w1.w * at_exit);
-      }
-      depth += 0.5 * (s0 + s1);
-    }
+    TETREC_RARELY(cut.hit) { Pass(walk, cut, tet); }
     i += 1u;
-    go = i < tile_ray.range.y && depth < push.stop_depth;
+    go = i < tile_ray.range.y && walk.depth < push.stop_depth;
   }
-  if (tile_ray.exists) ray_states[tile_ray.index] = vec2(depth, behind);
+  if (push.is_last != 0u) {
+    LetGo(walk.held);
+  } else if (tile_ray.exists) {
+    ray_states[tile_ray.index] = walk;
+  }
 }

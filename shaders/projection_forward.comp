@@ -6,6 +6,18 @@
 #include "projection_rays.glsl"
 
 layout(std430, binding = kBindRayColors) buffer RayColors { vec4 ray_colors[]; };
+#ifdef TETREC_COUNT_STEPS
+layout(std430, binding = kBindRayEntries) buffer RayEntries { uvec2 ray_entries[]; };
+layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
+
+// A face as the key that both of its tets give it; 0 on the hull, and where it is no further from the
+// camera than rounding. The tets of a whole ray form a chain from key 0 to key 0, so the keys of the
+// faces where it comes out less those where it went in add up to 0 (mod 2^32), in whatever order.
+uint KeyOf(uint tet, uvec4 neighbors, bvec4 face, bool near) {
+  uint neighbor = face.x ? neighbors.x : face.y ? neighbors.y : face.z ? neighbors.z : neighbors.w;
+  return near || neighbor == kNoTet ? 0u : Hash(min(tet, neighbor)) ^ max(tet, neighbor);
+}
+#endif
 
 void main() {
   TileRay tile_ray = FindTileRay(gl_GlobalInvocationID.x);
@@ -14,6 +26,13 @@ void main() {
   if (push.is_first == 0u) result = ray_colors[tile_ray.index];
   vec3 color = result.rgb;
   float depth = result.a;  // optical
+#ifdef TETREC_COUNT_STEPS
+  uint chain = 0u, passed = 0u, steps = 0u;
+  if (push.is_first == 0u) {
+    chain = ray_entries[tile_ray.index].x;
+    passed = ray_entries[tile_ray.index].y;
+  }
+#endif
   uint i = tile_ray.range.x;
   bool go = tile_ray.exists && ray.valid && i < tile_ray.range.y && depth < push.stop_depth;
   while (go) {
@@ -36,9 +55,27 @@ void main() {
       TETREC_RARELY(thick) segment = IntegrateThickSegment(s0, s1);
       color += exp(-depth) * (segment.w0 * color0 + segment.w1 * color1);
       depth += 0.5 * (s0 + s1);
+#ifdef TETREC_COUNT_STEPS
+      uvec4 neighbors = texelFetch(tets, int(2u * tet + 1u));
+      float far = push.rounding - push.start;
+      chain += KeyOf(tet, neighbors, cut.face1, cut.z1 <= far);
+      chain -= KeyOf(tet, neighbors, cut.face0, cut.z0 <= far);
+      steps += 1u;
+#endif
     }
     i += 1u;
     go = i < tile_ray.range.y && depth < push.stop_depth;
   }
-  if (tile_ray.exists) ray_colors[tile_ray.index] = vec4(color, depth);
+  if (tile_ray.exists) {
+    ray_colors[tile_ray.index] = vec4(color, depth);
+#ifdef TETREC_COUNT_STEPS
+    passed |= min(steps, 1u);
+    ray_entries[tile_ray.index] = uvec2(chain, passed);
+    atomicAdd(counters[kCounterSteps], steps);
+    if (push.is_last != 0u) {
+      atomicAdd(counters[kCounterHitRays], passed);
+      if (chain != 0u && depth < push.stop_depth) atomicAdd(counters[kCounterLostRays], 1u);
+    }
+#endif
+  }
 }

@@ -1,4 +1,5 @@
-// The rays of a rectangle, tile by tile, each with its tile's stretch of the sorted items.
+// The rays of a rectangle, tile by tile, each with a window of its tile's list: of the sorted items
+// push.count at most, from the push.first-th on.
 #define TETREC_NEVER (push.ray_count == 0u)
 
 #include "projection.glsl"
@@ -27,7 +28,9 @@ TileRay FindTileRay(uint thread) {
   TileRay ray;
   ray.exists = column < push.block_columns && row < push.block_rows;
   ray.index = ray.exists ? (row * push.block_columns + column) * kBlockRays + thread % kBlockRays : 0u;
-  ray.range = ray.exists ? tile_ranges[tile] : uvec2(0u);
+  uvec2 list = ray.exists ? tile_ranges[tile] : uvec2(0u);
+  uint begin = min(list.x + push.first, list.y);
+  ray.range = uvec2(begin, begin + min(push.count, list.y - begin));
   return ray;
 }
 

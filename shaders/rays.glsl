@@ -4,7 +4,7 @@
 layout(std430, binding = kBindViews) readonly buffer Views { GpuView views[]; };
 layout(std430, binding = kBindBlocks) readonly buffer Blocks { GpuBlock blocks[]; };
 
-const uint kNoTet = 0xFFFFFFFFu;
+const uint kNoTet = 0xFFFFFFFFu, kNoVertex = 0xFFFFFFFFu;
 
 struct Ray {
   vec3 origin, direction, u, v;

@@ -12,10 +12,13 @@
 
 struct TetCut {
   bool hit;
-  float z0, z1;      // along the ray, from its origin
-  vec4 w0, w1;       // barycentric weights of the ends
+  float z0, z1;       // along the ray, from its origin
+  vec4 w0, w1;        // barycentric weights of the ends
+  bvec4 face0, face1; // of the ends: which vertex they lack
+  bool at_camera;     // where the ray begins, not on face0
   uvec4 ids;
-  vec4 density;      // of the vertices
+  vec3 a, b, c, d;    // the vertices in the ray's frame
+  vec4 density;       // of the vertices
 };
 
 struct Edge {
@@ -29,6 +32,14 @@ Edge MakeEdge(vec3 a, vec3 b) {
   precise float q = a.y * b.x;
   precise float e = p - q;
   return Edge(abs(e), p > q, p == q);
+}
+
+// E(a, b), rounded; exactly -E(b, a).
+float EdgeFunction(vec3 a, vec3 b) {
+  precise float p = a.x * b.y;
+  precise float q = a.y * b.x;
+  precise float e = p - q;
+  return e;
 }
 
 // Rounding is monotonic: products that differ as floats are in the order of the true ones. Of equal
@@ -62,6 +73,7 @@ TetCut CutTet(Ray ray, uint tet) {
   cut.density = vec4(v0.w, v1.w, v2.w, v3.w);
   vec3 a = InRayFrame(ray, v0.xyz), b = InRayFrame(ray, v1.xyz);
   vec3 c = InRayFrame(ray, v2.xyz), d = InRayFrame(ray, v3.xyz);
+  cut.a = a, cut.b = b, cut.c = c, cut.d = d;
   Edge ab = MakeEdge(a, b), ac = MakeEdge(a, c), ad = MakeEdge(a, d);
   Edge bc = MakeEdge(b, c), bd = MakeEdge(b, d), cd = MakeEdge(c, d);
   TETREC_RARELY(ab.tied || ac.tied || ad.tied || bc.tied || bd.tied || cd.tied) {
@@ -79,15 +91,18 @@ TetCut CutTet(Ray ray, uint tet) {
   bool out_c = ab.left && bd.left && !ad.left, in_c = !ab.left && !bd.left && ad.left;
   bool out_d = ac.left && !bc.left && !ab.left, in_d = !ac.left && bc.left && ab.left;
   cut.hit = (in_a || in_b || in_c || in_d) && (out_a || out_b || out_c || out_d);
+  cut.face0 = bvec4(in_a, in_b, in_c, in_d);
+  cut.face1 = bvec4(out_a, out_b, out_c, out_d);
+  cut.at_camera = false;
   cut.z0 = cut.z1 = 0.0;
   cut.w0 = cut.w1 = vec4(0.0);
   TETREC_RARELY(cut.hit) {
     vec4 face_a = vec4(0.0, cd.e, bd.e, bc.e), face_b = vec4(cd.e, 0.0, ad.e, ac.e);
     vec4 face_c = vec4(bd.e, ad.e, 0.0, ab.e), face_d = vec4(bc.e, ac.e, ab.e, 0.0);
     cut.w0 = FaceWeights(in_a ? face_a : in_b ? face_b : in_c ? face_c : face_d,
-                         vec4(in_a, in_b, in_c, in_d));
+                         vec4(cut.face0));
     cut.w1 = FaceWeights(out_a ? face_a : out_b ? face_b : out_c ? face_c : face_d,
-                         vec4(out_a, out_b, out_c, out_d));
+                         vec4(cut.face1));
     vec4 z = vec4(a.z, b.z, c.z, d.z);
     cut.z0 = dot(cut.w0, z);
     cut.z1 = max(cut.z0, dot(cut.w1, z));
@@ -98,6 +113,7 @@ TetCut CutTet(Ray ray, uint tet) {
       float share = cut.hit ? (camera - cut.z0) / (cut.z1 - cut.z0) : 0.0;
       cut.w0 = mix(cut.w0, cut.w1, share);
       cut.z0 = camera;
+      cut.at_camera = true;
     }
   }
   return cut;

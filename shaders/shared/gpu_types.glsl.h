@@ -72,7 +72,9 @@ struct PpllPush {
   uint tile_width;      // [px]
   uint tile_pixels;
   uint shortest, longest;  // lists that the sort takes
-  uint first_cell;         // as in MarchPush
+  // Of fixed-point sums, as in MarchPush.
+  float color_quanta, density_quanta, position_quanta, largest_quanta;
+  uint first_cell;  // as in MarchPush
   uint padding0, padding1;
 };
 
@@ -133,16 +135,18 @@ struct ProjectionPush {
   uint view;
   uint first_x, first_y;           // [px]
   uint block_columns, block_rows;  // of the rectangle
-  uint first, count;               // tets, or items of the tiles' lists
-  uint is_first;                   // of the stretches
+  uint first, count;               // tets, items, or items of each tile's list
+  uint is_first, is_last;          // time that the rays walk
   uint jitter_seed;
   float jitter_px;
   float stop_depth;
   float start;         // rays are cut at their camera, but measured from this distance on
   uint offsets_first;  // tet that the items' offsets begin with
-  uint first_cell;     // as in MarchPush
-  uint padding_b;
+  // Of fixed-point sums, as in MarchPush.
+  float color_quanta, density_quanta, position_quanta, largest_quanta;
+  float rounding;          // of distances along a ray, at most
   vec4 eye_high, eye_low;  // camera centre in the frame of the tets' spheres, as two floats each
+  uint first_cell;         // as in MarchPush
 };
 
 struct SpreadPush {
@@ -156,7 +160,12 @@ struct SpreadPush {
 #define kLargestScore 64.0
 #define kMostScoredRays 16777216
 
-// Counters of the march kernels.
+// What the backward pass of projected tets keeps of a ray between stretches (held_vertices.glsl),
+// without and with positions.
+#define kRayStateBytes 64
+#define kRayStateBytesWithPositions 128
+
+// Counters of the renderers' kernels.
 #define kCounterLostRays 0
 #define kCounterSteps 1
 #define kCounterHitRays 2
@@ -194,7 +203,7 @@ struct SpreadPush {
 #define kBindHighKeys 26           // uint a tet
 #define kBindOffsets 27            // uint a visible tet: items before its own
 #define kBindTileRanges 28         // uvec2 a tile: its stretch of the items
-#define kBindRayStates 29          // vec2 a ray: optical depth, part of the loss behind
+#define kBindRayStates 29          // kRayStateBytes a ray: the walk of projected tets
 #define kBindPositionGradients 30  // vec4 a vertex: dL/dposition | absolute sum
 #define kBindFaces 31              // uint a face: tet << 3 | number of the face in it << 1
 #define kBindLists 32              // uvec2 a ray: first fragment, fragments
@@ -210,7 +219,7 @@ struct SpreadPush {
 static_assert(sizeof(GpuView) == 80 && sizeof(GpuBlock) == 16);
 static_assert(sizeof(MarchPush) <= 128 && sizeof(LossPush) <= 128 && sizeof(AdamPush) <= 128);
 static_assert(sizeof(DssimPush) == 32);
-static_assert(sizeof(ProjectionPush) <= 128 && sizeof(PpllPush) == 80);
+static_assert(sizeof(ProjectionPush) <= 128 && sizeof(PpllPush) == 96);
 }  // namespace tetrec::gpu_types
 #endif
 

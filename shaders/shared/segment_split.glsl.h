@@ -22,6 +22,29 @@
 
 TETREC_BEGIN
 
+// Part i: what it has by itself, and its share of w0 and w1 and of their derivatives by its depth
+// where nothing is before it.
+TETREC_STRUCT SplitPart {
+  Real begin, middle;  // fractions of the segment
+  Real t, w0, w1, dw0, dw1;
+};
+
+// size = 1 / n.
+TETREC_FN TETREC_T(SplitPart) IntegrateSplitPart(int i, Real size, Real s0, Real s1) {
+  TETREC_T(SplitPart) part;
+  part.begin = size * Real(i);
+  part.middle = size * (Real(i) + Real(0.5));
+  Real end = size * Real(i + 1);
+  TETREC_T(ConstantSegment)
+  own = IntegrateConstantSegment(size * (s0 * (Real(1.0) - part.middle) + s1 * part.middle));
+  part.t = own.t;
+  part.w0 = own.w0 * (Real(1.0) - part.begin) + own.w1 * (Real(1.0) - end);
+  part.w1 = own.w0 * part.begin + own.w1 * end;
+  part.dw0 = own.dw0 * (Real(1.0) - part.begin) + own.dw1 * (Real(1.0) - end);
+  part.dw1 = own.dw0 * part.begin + own.dw1 * end;
+  return part;
+}
+
 // n >= 1; s0, s1 >= 0, finite.
 TETREC_FN TETREC_T(SegmentWeights) IntegrateSplitSegment(int n, Real s0, Real s1) {
   Real size = Real(1.0) / Real(n);
@@ -30,12 +53,9 @@ TETREC_FN TETREC_T(SegmentWeights) IntegrateSplitSegment(int n, Real s0, Real s1
   sum.w0 = sum.w1 = Real(0.0);
   int i = 0;
   while (i < n) {
-    Real begin = size * Real(i), end = size * Real(i + 1);
-    Real middle = size * (Real(i) + Real(0.5));
-    TETREC_T(ConstantSegment)
-    part = IntegrateConstantSegment(size * (s0 * (Real(1.0) - middle) + s1 * middle));
-    sum.w0 = sum.w0 + before * (part.w0 * (Real(1.0) - begin) + part.w1 * (Real(1.0) - end));
-    sum.w1 = sum.w1 + before * (part.w0 * begin + part.w1 * end);
+    TETREC_T(SplitPart) part = IntegrateSplitPart(i, size, s0, s1);
+    sum.w0 = sum.w0 + before * part.w0;
+    sum.w1 = sum.w1 + before * part.w1;
     before = before * part.t;
     i += 1;
   }
@@ -51,23 +71,16 @@ TETREC_FN TETREC_T(SegmentAdjoint) IntegrateSplitSegmentWithDerivatives(int n, R
   sum.dw0_ds0 = sum.dw0_ds1 = sum.dw1_ds0 = sum.dw1_ds1 = Real(0.0);
   int i = 0;
   while (i < n) {
-    Real begin = size * Real(i), end = size * Real(i + 1);
-    Real middle = size * (Real(i) + Real(0.5));
-    TETREC_T(ConstantSegment)
-    part = IntegrateConstantSegment(size * (s0 * (Real(1.0) - middle) + s1 * middle));
-    // The part's share of w0 and w1, and what its own depth does to them.
-    Real w0 = before * (part.w0 * (Real(1.0) - begin) + part.w1 * (Real(1.0) - end));
-    Real w1 = before * (part.w0 * begin + part.w1 * end);
-    Real dw0 = before * (part.dw0 * (Real(1.0) - begin) + part.dw1 * (Real(1.0) - end));
-    Real dw1 = before * (part.dw0 * begin + part.dw1 * end);
-    Real own_by_s1 = size * middle, own_by_s0 = size - own_by_s1;
-    Real before_by_s1 = Real(0.5) * begin * begin, before_by_s0 = begin - before_by_s1;
-    sum.w0 = sum.w0 + w0;
-    sum.w1 = sum.w1 + w1;
-    sum.dw0_ds0 = sum.dw0_ds0 + own_by_s0 * dw0 - before_by_s0 * w0;
-    sum.dw0_ds1 = sum.dw0_ds1 + own_by_s1 * dw0 - before_by_s1 * w0;
-    sum.dw1_ds0 = sum.dw1_ds0 + own_by_s0 * dw1 - before_by_s0 * w1;
-    sum.dw1_ds1 = sum.dw1_ds1 + own_by_s1 * dw1 - before_by_s1 * w1;
+    TETREC_T(SplitPart) part = IntegrateSplitPart(i, size, s0, s1);
+    Real own_by_s1 = size * part.middle, own_by_s0 = size - own_by_s1;
+    Real before_by_s1 = Real(0.5) * part.begin * part.begin;
+    Real before_by_s0 = part.begin - before_by_s1;
+    sum.w0 = sum.w0 + before * part.w0;
+    sum.w1 = sum.w1 + before * part.w1;
+    sum.dw0_ds0 = sum.dw0_ds0 + before * (own_by_s0 * part.dw0 - before_by_s0 * part.w0);
+    sum.dw0_ds1 = sum.dw0_ds1 + before * (own_by_s1 * part.dw0 - before_by_s1 * part.w0);
+    sum.dw1_ds0 = sum.dw1_ds0 + before * (own_by_s0 * part.dw1 - before_by_s0 * part.w1);
+    sum.dw1_ds1 = sum.dw1_ds1 + before * (own_by_s1 * part.dw1 - before_by_s1 * part.w1);
     before = before * part.t;
     i += 1;
   }

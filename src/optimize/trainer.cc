@@ -439,7 +439,6 @@ void OptimizeOptions::Check() const {
   if (!(checkpoint_interval_s >= 0)) {
     fail("--checkpoint-interval", checkpoint_interval_s, "at least 0 s");
   }
-  renderer.Check();
   if (!(max_density > 0 && max_density <= 1e30)) fail("--max-density", max_density, "above 0");
 }
 

@@ -23,6 +23,7 @@ struct RayPass {
   const Buffer& counters;            // of kCounterCount
   gpu_types::MarchPush push;
   GradientParts parts = GradientParts::kColorDensity;  // of Backward
+  bool count_steps = false;                            // of Forward: hit rays and steps, too
 };
 
 inline SpecializationConstant ConstantOf(FieldStorage storage) {
@@ -36,6 +37,16 @@ inline std::array<SpecializationConstant, 3> ConstantsOf(const IntegralOptions& 
            {kConstantSplits, integral.splits},
            ConstantOf(storage)}};
 }
+
+// A kernel that sums (shaders/atomic_sum.glsl), in its three kinds.
+struct SummingKernel {
+  std::span<const uint32_t> native, compare_and_swap, fixed_point;
+
+  std::span<const uint32_t> For(const Device& device, bool is_fixed_point) const {
+    if (is_fixed_point) return fixed_point;
+    return device.has_float_atomics ? native : compare_and_swap;
+  }
+};
 
 class Integrator {
  public:

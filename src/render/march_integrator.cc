@@ -34,12 +34,6 @@ MarchIntegrator::MarchIntegrator(const Device& device, const IntegralOptions& in
     return Program(device, name, spirv, WithMesh(std::move(more)), sizeof(gpu_types::MarchPush),
                    constants);
   };
-  const auto with_atomics = [&](std::span<const uint32_t> native,
-                                std::span<const uint32_t> compare_and_swap,
-                                std::span<const uint32_t> fixed) {
-    if (fixed_point) return fixed;
-    return device.has_float_atomics ? native : compare_and_swap;
-  };
   const std::vector<BindingSpec> results = {{kBindRayColors, Access::kWrite},
                                             {kBindRayEntries, Access::kWrite}};
   forward_ = make("march_forward", kMarchForward, results);
@@ -48,25 +42,23 @@ MarchIntegrator::MarchIntegrator(const Device& device, const IntegralOptions& in
                                        {kBindRayEntries, Access::kRead},
                                        {kBindRayGradients, Access::kRead},
                                        {kBindVertexGradients, Access::kReadWrite}};
-  backward_ = make("march_backward",
-                   with_atomics(kMarchBackward, kMarchBackwardCas, kMarchBackwardFixed), backward);
+  const SummingKernel colors{kMarchBackward, kMarchBackwardCas, kMarchBackwardFixed};
+  backward_ = make("march_backward", colors.For(device, fixed_point), backward);
   backward.push_back({kBindPositionGradients, Access::kReadWrite});
-  backward_positions_ = make("march_backward (positions)",
-                             with_atomics(kMarchBackwardPositions, kMarchBackwardPositionsCas,
-                                          kMarchBackwardPositionsFixed),
-                             backward);
-  score_ = make("march_score", with_atomics(kMarchScore, kMarchScoreCas, kMarchScoreFixed),
+  const SummingKernel positions{kMarchBackwardPositions, kMarchBackwardPositionsCas,
+                                kMarchBackwardPositionsFixed};
+  backward_positions_ =
+      make("march_backward (positions)", positions.For(device, fixed_point), backward);
+  const SummingKernel scores{kMarchScore, kMarchScoreCas, kMarchScoreFixed};
+  score_ = make("march_score", scores.For(device, fixed_point),
                 {{kBindRayEntries, Access::kRead},
                  {kBindRayGradients, Access::kRead},
                  {kBindTetScores, Access::kReadWrite}});
 }
 
 void MarchIntegrator::Forward(CommandRecorder& recorder, const RayPass& pass) {
-  Dispatch(recorder, forward_, pass, {&pass.rays.colors, &pass.rays.entries});
-}
-
-void MarchIntegrator::ForwardCounting(CommandRecorder& recorder, const RayPass& pass) {
-  Dispatch(recorder, forward_counting_, pass, {&pass.rays.colors, &pass.rays.entries});
+  Dispatch(recorder, pass.count_steps ? forward_counting_ : forward_, pass,
+           {&pass.rays.colors, &pass.rays.entries});
 }
 
 void MarchIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {

@@ -13,8 +13,6 @@ class MarchIntegrator final : public Integrator {
                   bool fixed_point);
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;
-  // As Forward; counts steps and hit rays too, which makes it a little slower.
-  void ForwardCounting(CommandRecorder& recorder, const RayPass& pass);
   // Records what adds to field.tet_scores, after Forward and the loss.
   void Score(CommandRecorder& recorder, const RayPass& pass);
 

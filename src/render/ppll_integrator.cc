@@ -21,9 +21,12 @@ constexpr uint64_t kFragmentBytes = 8;
 constexpr uint32_t kLongestShellSort = 1024;
 
 // Sorting a list takes less than 30 rounds of loops a fragment up to the lengths that llvmpipe can
-// sort; adding its gradients by compare and swap up to 9 rounds for each of 12 sums.
-uint32_t LongestList(const Device& device) {
-  return MostLoopRounds(device) / (device.has_float_atomics ? 30 : 150);
+// sort. Walking back over one takes up to 10 and those of the segment's parts, and for each of 3
+// vertices that leave one and those of 8 sums: one in fixed point, up to 9 by compare and swap.
+uint32_t LongestList(const Device& device, const RendererOptions& options) {
+  const uint32_t a_sum = options.deterministic ? 1 : device.has_float_atomics ? 0 : 9;
+  return MostLoopRounds(device) /
+         std::max(30u, 10 + uint32_t(options.integral.splits) + 3 * (1 + 8 * a_sum));
 }
 
 // Every face once, as its place in the tet of lower index.
@@ -69,6 +72,7 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
       fragment_capacity_(std::min<uint64_t>(options.fragment_memory,
                                             device.properties.limits.maxStorageBufferRange) /
                          kFragmentBytes),
+      longest_list_(LongestList(device, options)),
       sort_(options.fragment_sort) {
   faces_program_ = MakeRasterProgram(device, "ppll_faces", kPpllFacesVertex, kPpllFacesFragment,
                                      WithMesh({{kBindFaces, Access::kRead},
@@ -87,23 +91,31 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
                                            {kBindFragments, Access::kReadWrite}};
   sort_shell_ = make("ppll_sort (shell)", kPpllSortShell, sorted);
   sort_heap_ = make("ppll_sort (heap)", kPpllSortHeap, sorted);
-  forward_ = make("ppll_forward", kPpllForward,
-                  WithMesh({{kBindLists, Access::kRead},
-                            {kBindListFills, Access::kRead},
-                            {kBindFragments, Access::kRead},
-                            {kBindRayColors, Access::kWrite},
-                            {kBindRayEntries, Access::kWrite},
-                            {kBindCounters, Access::kReadWrite}}),
-                  constants_of_rays);
-  const std::span<const uint32_t> native = kPpllBackward, compare_and_swap = kPpllBackwardCas;
-  backward_ = make("ppll_backward", device.has_float_atomics ? native : compare_and_swap,
-                   WithMesh({{kBindLists, Access::kRead},
-                             {kBindFragments, Access::kRead},
-                             {kBindRayColors, Access::kRead},
-                             {kBindRayEntries, Access::kRead},
-                             {kBindRayGradients, Access::kRead},
-                             {kBindVertexGradients, Access::kReadWrite}}),
-                   constants_of_rays);
+  const std::vector<BindingSpec> forward = WithMesh({{kBindLists, Access::kRead},
+                                                     {kBindListFills, Access::kRead},
+                                                     {kBindFragments, Access::kRead},
+                                                     {kBindRayColors, Access::kWrite},
+                                                     {kBindRayEntries, Access::kWrite},
+                                                     {kBindCounters, Access::kReadWrite}});
+  forward_ = make("ppll_forward", kPpllForward, forward, constants_of_rays);
+  forward_counting_ =
+      make("ppll_forward (counting)", kPpllForwardCounting, forward, constants_of_rays);
+  std::vector<BindingSpec> backward = WithMesh({{kBindLists, Access::kRead},
+                                                {kBindFragments, Access::kRead},
+                                                {kBindRayColors, Access::kRead},
+                                                {kBindRayEntries, Access::kRead},
+                                                {kBindRayGradients, Access::kRead},
+                                                {kBindCounters, Access::kReadWrite},
+                                                {kBindVertexGradients, Access::kReadWrite}});
+  const SummingKernel colors{kPpllBackward, kPpllBackwardCas, kPpllBackwardFixed};
+  backward_ =
+      make("ppll_backward", colors.For(device, options.deterministic), backward, constants_of_rays);
+  backward.push_back({kBindPositionGradients, Access::kReadWrite});
+  const SummingKernel positions{kPpllBackwardPositions, kPpllBackwardPositionsCas,
+                                kPpllBackwardPositionsFixed};
+  backward_positions_ =
+      make("ppll_backward (positions)", positions.For(device, options.deterministic), backward,
+           constants_of_rays);
   fragments_ = Buffer(device, "fragments", kFragmentBytes);
 }
 
@@ -128,6 +140,10 @@ PpllPush PpllIntegrator::PushOf(const RayPass& pass, const FragmentTile& tile) c
           .tile_y = tile.y,
           .tile_width = tile.width,
           .tile_pixels = tile.width * tile.height,
+          .color_quanta = pass.push.color_quanta,
+          .density_quanta = pass.push.density_quanta,
+          .position_quanta = pass.push.position_quanta,
+          .largest_quanta = pass.push.largest_quanta,
           .first_cell = pass.field.first_cell};
 }
 
@@ -186,11 +202,11 @@ void PpllIntegrator::PlanTiles(CommandRecorder& recorder, const RayPass& pass) {
   }
   uint32_t longest = 0;
   for (const FragmentTile& tile : tiles_) longest = std::max(longest, tile.longest_list);
-  if (longest > LongestList(device_)) {
+  if (longest > longest_list_) {
     throw EnvironmentError(fmt::format(
         "one ray passes {} faces; device '{}' runs no loop for more than {}: use fewer tets or "
         "--renderer march",
-        longest, device_.properties.deviceName, LongestList(device_)));
+        longest, device_.properties.deviceName, longest_list_));
   }
   lists_.Upload(lists);
   if (fragments_.bytes() < most * kFragmentBytes) {
@@ -236,7 +252,7 @@ void PpllIntegrator::Forward(CommandRecorder& recorder, const RayPass& pass) {
   PlanTiles(recorder, pass);
   for (const FragmentTile& tile : tiles_) {
     LoadTile(recorder, pass, tile);
-    recorder.Dispatch(forward_,
+    recorder.Dispatch(pass.count_steps ? forward_counting_ : forward_,
                       MeshAnd(pass, {&lists_, &list_fills_, &fragments_, &pass.rays.colors,
                                      &pass.rays.entries, &pass.counters}),
                       PushOf(pass, tile), tile.width * tile.height, kWorkgroupSize);
@@ -245,13 +261,16 @@ void PpllIntegrator::Forward(CommandRecorder& recorder, const RayPass& pass) {
 
 // The tile that Forward loaded last comes first and need not be loaded again.
 void PpllIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
+  const bool with_positions = pass.parts == GradientParts::kColorDensityPosition;
+  std::vector<const Buffer*> buffers =
+      MeshAnd(pass, {&lists_, &fragments_, &pass.rays.colors, &pass.rays.entries,
+                     &pass.rays.gradients, &pass.counters, &pass.field.gradients});
+  if (with_positions) buffers.push_back(&pass.field.position_gradients);
   for (size_t i = tiles_.size(); i-- > 0;) {
     const FragmentTile& tile = tiles_[i];
     if (i + 1 < tiles_.size()) LoadTile(recorder, pass, tile);
-    recorder.Dispatch(backward_,
-                      MeshAnd(pass, {&lists_, &fragments_, &pass.rays.colors, &pass.rays.entries,
-                                     &pass.rays.gradients, &pass.field.gradients}),
-                      PushOf(pass, tile), tile.width * tile.height, kWorkgroupSize);
+    recorder.Dispatch(with_positions ? backward_positions_ : backward_, buffers, PushOf(pass, tile),
+                      tile.width * tile.height, kWorkgroupSize);
   }
 }
 

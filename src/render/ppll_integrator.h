@@ -31,8 +31,10 @@ class PpllIntegrator final : public Integrator {
 
   const Device& device_;
   uint64_t fragment_capacity_;
+  uint32_t longest_list_;  // that the device can walk
   FragmentSort sort_;
-  Program faces_program_, sort_shell_, sort_heap_, forward_, backward_;
+  Program faces_program_, sort_shell_, sort_heap_;
+  Program forward_, forward_counting_, backward_, backward_positions_;
   Buffer faces_, lists_, list_fills_, fragments_;
   uint32_t face_count_ = 0;
   glm::vec4 mesh_ball_{0.0f};

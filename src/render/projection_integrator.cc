@@ -22,10 +22,11 @@ using gpu_types::ScanPush;
 // An item in a list: tile and tet, twice for the sort, and its share of the digit counters.
 constexpr uint64_t kBytesPerItem = 20;
 
-// A tile's list holds a tet once. Walking over one takes up to 10 rounds of loops, and where floats
-// are added by compare and swap 16 sums of up to 9 rounds more.
-uint32_t LongestList(const Device& device) {
-  return MostLoopRounds(device) / (device.has_float_atomics ? 10 : 160);
+// Walking over an item takes up to 16 rounds of loops and those of the segment's parts, and for
+// each of 4 vertices that leave those of 8 sums: one in fixed point, up to 9 by compare and swap.
+uint32_t LongestWalk(const Device& device, const RendererOptions& options) {
+  const uint32_t a_sum = options.deterministic ? 1 : device.has_float_atomics ? 0 : 9;
+  return MostLoopRounds(device) / (16 + uint32_t(options.integral.splits) + 32 * a_sum);
 }
 
 uint32_t CeilDivide(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
@@ -76,13 +77,13 @@ uint32_t ReadWord(const Buffer& buffer, uint64_t index) {
 
 }  // namespace
 
-ProjectionIntegrator::ProjectionIntegrator(const Device& device, VisibilityOrder order,
-                                           const IntegralOptions& integral, FieldStorage storage,
-                                           uint64_t fragment_memory)
+ProjectionIntegrator::ProjectionIntegrator(const Device& device, const RendererOptions& options,
+                                           FieldStorage storage)
     : device_(device),
       keys_(Keys::kCentroid),
-      order_(order),
-      fragment_memory_(fragment_memory),
+      order_(options.order),
+      fragment_memory_(options.fragment_memory),
+      longest_walk_(LongestWalk(device, options)),
       prefix_sum_(device),
       sort_(device),
       zero_(device) {
@@ -91,7 +92,7 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, VisibilityOrder
                               std::span<const SpecializationConstant> constants = {}) {
     return Program(device, name, spirv, std::move(bindings), sizeof(ProjectionPush), constants);
   };
-  const auto constants = ConstantsOf(integral, storage);
+  const auto constants = ConstantsOf(options.integral, storage);
   cull_ = make("projection_cull", kProjectionCull,
                {{kBindViews, Access::kRead},
                 {kBindTets, Access::kTexelRead},
@@ -133,14 +134,25 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, VisibilityOrder
       {kBindItems, Access::kRead},     {kBindTileRanges, Access::kRead}};
   std::vector<BindingSpec> forward = walk, backward = walk;
   forward.push_back({kBindRayColors, Access::kReadWrite});
+  forward_ = make("projection_forward", kProjectionForward, forward, constants);
+  forward.insert(forward.end(),
+                 {{kBindRayEntries, Access::kReadWrite}, {kBindCounters, Access::kReadWrite}});
+  forward_counting_ =
+      make("projection_forward (counting)", kProjectionForwardCounting, forward, constants);
   backward.insert(backward.end(), {{kBindRayColors, Access::kRead},
                                    {kBindRayGradients, Access::kRead},
                                    {kBindRayStates, Access::kReadWrite},
+                                   {kBindCounters, Access::kReadWrite},
                                    {kBindVertexGradients, Access::kReadWrite}});
-  forward_ = make("projection_forward", kProjectionForward, forward, constants);
-  backward_ = device.has_float_atomics
-                  ? make("projection_backward", kProjectionBackward, backward, constants)
-                  : make("projection_backward", kProjectionBackwardCas, backward, constants);
+  const SummingKernel colors{kProjectionBackward, kProjectionBackwardCas, kProjectionBackwardFixed};
+  backward_ =
+      make("projection_backward", colors.For(device, options.deterministic), backward, constants);
+  backward.push_back({kBindPositionGradients, Access::kReadWrite});
+  const SummingKernel positions{kProjectionBackwardPositions, kProjectionBackwardPositionsCas,
+                                kProjectionBackwardPositionsFixed};
+  backward_positions_ = make("projection_backward (positions)",
+                             positions.For(device, options.deterministic), backward, constants);
+  ray_states_ = Buffer(device, "ray states", kRayStateBytesWithPositions);
 }
 
 void ProjectionIntegrator::SetField(const DeviceField& field) {
@@ -180,21 +192,26 @@ void ProjectionIntegrator::Forward(CommandRecorder& recorder, const RayPass& pas
   push_.eye_high = glm::vec4(glm::vec3(from_origin), 0.0f);
   push_.eye_low = glm::vec4(glm::vec3(from_origin - glm::dvec3(glm::vec3(from_origin))), 0.0f);
   // A hundredth less than the way to the mesh: rays are not cut there.
+  push_.rounding = float(1e-5 * radius_);
   push_.start = float(0.99 * std::max(0.0, glm::distance(eye, center_) - radius_));
   SortVisible(recorder, pass);
   ForEachStretch(recorder, [&](const Push& push) { RecordForward(recorder, pass, push); });
 }
 
 void ProjectionIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
-  // A batch before this one may still be using the buffer that is too small.
-  if (ray_states_.bytes() < 8ull * pass.rays.capacity) {
-    Flush(recorder);
-    Grow(device_, ray_states_, "ray states", 8ull * pass.rays.capacity);
+  const bool with_positions = pass.parts == GradientParts::kColorDensityPosition;
+  const uint64_t bytes =
+      uint64_t(with_positions ? kRayStateBytesWithPositions : kRayStateBytes) * pass.rays.capacity;
+  const bool at_once = lists_are_whole_ && whole_longest_list_ <= longest_walk_;
+  if (!at_once && ray_states_.bytes() < bytes) {
+    Flush(recorder);  // a batch before this one may still be using the buffer
+    Grow(device_, ray_states_, "ray states", bytes);
   }
+  const auto composite = [&](const Push& push) { RecordBackward(recorder, pass, push); };
   if (lists_are_whole_) {
-    RecordBackward(recorder, pass, whole_);
+    WalkLists(whole_, whole_longest_list_, composite);
   } else {
-    ForEachStretch(recorder, [&](const Push& push) { RecordBackward(recorder, pass, push); });
+    ForEachStretch(recorder, composite);
   }
 }
 
@@ -250,16 +267,8 @@ void ProjectionIntegrator::UploadRanks(const glm::vec3& eye) {
   if (has_ranks_ && eye == ranked_eye_) return;
   has_ranks_ = true;
   ranked_eye_ = eye;
-  uint64_t tets_in_cycles = 0;
-  std::vector<uint32_t> ranks;
-  if (keys_ == Keys::kPower) {
-    ranks = RankTies(field_->mesh, power_, eye);
-    if (ranks.empty()) tets_in_cycles = power_.tied_faces.size();
-  } else {
-    VisibilityRanks all = RankByVisibility(field_->mesh, eye);
-    ranks = std::move(all.ranks);
-    tets_in_cycles = all.tets_in_cycles;
-  }
+  const auto [ranks, tets_in_cycles] = keys_ == Keys::kPower ? RankTies(field_->mesh, power_, eye)
+                                                             : RankByVisibility(field_->mesh, eye);
   rank_bits_ =
       ranks.empty() ? 0 : int(std::bit_width(*std::max_element(ranks.begin(), ranks.end())));
   if (rank_bits_ > 0) ranks_.Upload(ranks);
@@ -272,15 +281,14 @@ void ProjectionIntegrator::UploadRanks(const glm::vec3& eye) {
   }
 }
 
-void ProjectionIntegrator::ForEachStretch(CommandRecorder& recorder,
-                                          const std::function<void(const Push&)>& composite) {
+void ProjectionIntegrator::ForEachStretch(CommandRecorder& recorder, const Composite& composite) {
   const uint32_t tiles = TileCount(push_);
   const uint64_t most = device_.properties.limits.maxStorageBufferRange / sizeof(uint32_t);
   const uint32_t capacity =
       uint32_t(std::max<uint64_t>(tiles, std::min(most, fragment_memory_ / kBytesPerItem)));
   // So many tets at a time cannot make more items than 32 bits count.
   const uint32_t slice = std::numeric_limits<uint32_t>::max() / tiles;
-  uint32_t stretches = 0, done = 0;
+  uint32_t stretches = 0, done = 0, longest_list = 0;
   Push push = push_;
   do {
     push.offsets_first = push.first = done;
@@ -296,24 +304,53 @@ void ProjectionIntegrator::ForEachStretch(CommandRecorder& recorder,
       sort_.Reserve(stretch.items);
     }
     for (const Stretch& stretch : cut) {
+      push.is_last = done == visible_count_ && &stretch == &cut.back();
       push.first = push.offsets_first + stretch.begin;
       push.count = stretch.end - stretch.begin;
       push.is_first = stretches == 0;
       RecordLists(recorder, push, stretch.items);
-      composite(push);
+      // A list holds a tet once.
+      longest_list = push.count <= longest_walk_ ? push.count : MeasureLongestList(recorder, push);
+      WalkLists(push, longest_list, composite);
       ++stretches;
     }
   } while (done < visible_count_);
   lists_are_whole_ = stretches == 1;
   whole_ = push;
+  whole_longest_list_ = longest_list;
+}
+
+// As many items of every list at a time as the device can walk.
+void ProjectionIntegrator::WalkLists(const Push& push, uint32_t longest_list,
+                                     const Composite& composite) const {
+  Push window = push;
+  window.first = 0;
+  window.count = longest_walk_;
+  bool is_last = false;
+  while (!is_last) {
+    is_last = longest_list - window.first <= longest_walk_;
+    window.is_first = push.is_first && window.first == 0;
+    window.is_last = push.is_last && is_last;
+    composite(window);
+    window.first += longest_walk_;
+  }
+}
+
+uint32_t ProjectionIntegrator::MeasureLongestList(CommandRecorder& recorder,
+                                                  const Push& push) const {
+  Flush(recorder);
+  uint32_t longest = 0;
+  for (const glm::uvec2& range : tile_ranges_.DownloadAs<glm::uvec2>(TileCount(push))) {
+    longest = std::max(longest, range.y - range.x);
+  }
+  return longest;
 }
 
 // One at least. The device is idle.
 std::vector<ProjectionIntegrator::Stretch> ProjectionIntegrator::CutIntoStretches(
     uint32_t tets, uint32_t capacity) const {
   const uint32_t total = ReadWord(offsets_, tets);
-  const uint32_t longest = LongestList(device_);
-  if (total <= capacity && tets <= longest) return {{0, tets, total}};
+  if (total <= capacity) return {{0, tets, total}};
   const auto offsets = offsets_.DownloadAs<uint32_t>(tets + 1ull);
   std::vector<Stretch> stretches;
   uint32_t begin = 0;
@@ -321,8 +358,7 @@ std::vector<ProjectionIntegrator::Stretch> ProjectionIntegrator::CutIntoStretche
     // The last tet whose items still fit; one tet always does.
     const auto past = std::upper_bound(offsets.begin() + begin, offsets.end(),
                                        uint64_t(offsets[begin]) + capacity);
-    const uint32_t end = std::min(uint32_t(past - offsets.begin()) - 1,
-                                  longest < tets - begin ? begin + longest : tets);
+    const uint32_t end = uint32_t(past - offsets.begin()) - 1;
     stretches.push_back({begin, end, offsets[end] - offsets[begin]});
     begin = end;
   }
@@ -343,19 +379,28 @@ void ProjectionIntegrator::RecordLists(CommandRecorder& recorder, Push push, uin
 
 void ProjectionIntegrator::RecordForward(CommandRecorder& recorder, const RayPass& pass,
                                          const Push& push) {
-  const Buffer* buffers[] = {&pass.views,   &pass.rays.blocks, &field_->tets,    &field_->vertices,
-                             &items_.items, &tile_ranges_,     &pass.rays.colors};
-  recorder.Dispatch(forward_, buffers, push, uint64_t(TileCount(push)) * kTileRays, kWorkgroupSize);
+  std::vector<const Buffer*> buffers = {&pass.views,       &pass.rays.blocks, &field_->tets,
+                                        &field_->vertices, &items_.items,     &tile_ranges_,
+                                        &pass.rays.colors};
+  if (pass.count_steps) buffers.insert(buffers.end(), {&pass.rays.entries, &pass.counters});
+  recorder.Dispatch(pass.count_steps ? forward_counting_ : forward_, buffers, push,
+                    uint64_t(TileCount(push)) * kTileRays, kWorkgroupSize);
 }
 
 void ProjectionIntegrator::RecordBackward(CommandRecorder& recorder, const RayPass& pass,
-                                          const Push& push) {
-  const Buffer* buffers[] = {&pass.views,          &pass.rays.blocks,    &field_->tets,
-                             &field_->vertices,    &items_.items,        &tile_ranges_,
-                             &pass.rays.colors,    &pass.rays.gradients, &ray_states_,
-                             &pass.field.gradients};
-  recorder.Dispatch(backward_, buffers, push, uint64_t(TileCount(push)) * kTileRays,
-                    kWorkgroupSize);
+                                          Push push) {
+  push.color_quanta = pass.push.color_quanta;
+  push.density_quanta = pass.push.density_quanta;
+  push.position_quanta = pass.push.position_quanta;
+  push.largest_quanta = pass.push.largest_quanta;
+  const bool with_positions = pass.parts == GradientParts::kColorDensityPosition;
+  std::vector<const Buffer*> buffers = {&pass.views,       &pass.rays.blocks,    &field_->tets,
+                                        &field_->vertices, &items_.items,        &tile_ranges_,
+                                        &pass.rays.colors, &pass.rays.gradients, &ray_states_,
+                                        &pass.counters,    &pass.field.gradients};
+  if (with_positions) buffers.push_back(&pass.field.position_gradients);
+  recorder.Dispatch(with_positions ? backward_positions_ : backward_, buffers, push,
+                    uint64_t(TileCount(push)) * kTileRays, kWorkgroupSize);
 }
 
 }  // namespace tetrec

@@ -15,10 +15,9 @@ namespace tetrec {
 // Every batch must be a rectangle of one view, row of blocks by row.
 class ProjectionIntegrator final : public Integrator {
  public:
-  // Lists of (tile, tet) take at most `fragment_memory` bytes, but room for one tet in all tiles:
-  // where they do not fit, the sorted tets are composited a stretch at a time.
-  ProjectionIntegrator(const Device& device, VisibilityOrder order, const IntegralOptions& integral,
-                       FieldStorage storage, uint64_t fragment_memory);
+  // Lists of (tile, tet) take at most `options.fragment_memory` bytes, but room for one tet in all
+  // tiles: where they do not fit, the sorted tets are composited a stretch at a time.
+  ProjectionIntegrator(const Device& device, const RendererOptions& options, FieldStorage storage);
   void SetField(const DeviceField& field) override;
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;
@@ -36,19 +35,24 @@ class ProjectionIntegrator final : public Integrator {
   void RecordSortBy(CommandRecorder& recorder, const Buffer& keys_of_tets, uint32_t count,
                     int bits);
   void UploadRanks(const glm::vec3& eye);
-  // Makes the lists of one stretch of the sorted tets after another and calls `composite`.
-  void ForEachStretch(CommandRecorder& recorder, const std::function<void(const Push&)>& composite);
+  using Composite = std::function<void(const Push&)>;
+  // Makes the lists of one stretch of the sorted tets after another and lets `composite` walk them.
+  void ForEachStretch(CommandRecorder& recorder, const Composite& composite);
+  void WalkLists(const Push& push, uint32_t longest_list, const Composite& composite) const;
+  uint32_t MeasureLongestList(CommandRecorder& recorder, const Push& push) const;
   std::vector<Stretch> CutIntoStretches(uint32_t tets, uint32_t capacity) const;
   void RecordLists(CommandRecorder& recorder, Push push, uint32_t items);
   void RecordForward(CommandRecorder& recorder, const RayPass& pass, const Push& push);
-  void RecordBackward(CommandRecorder& recorder, const RayPass& pass, const Push& push);
+  void RecordBackward(CommandRecorder& recorder, const RayPass& pass, Push push);
 
   const Device& device_;
   Keys keys_;
   const VisibilityOrder order_;
   const uint64_t fragment_memory_;
+  const uint32_t longest_walk_;  // items of a list that the device can walk at a time
   Program cull_, compact_, centroid_keys_, power_keys_, gather_;
-  Program count_, emit_, ranges_, forward_, backward_;
+  Program count_, emit_, ranges_;
+  Program forward_, forward_counting_, backward_, backward_positions_;
   PrefixSum prefix_sum_;
   RadixSort sort_;
   ZeroFill zero_;
@@ -74,9 +78,10 @@ class ProjectionIntegrator final : public Integrator {
   Buffer offsets_;
   SortList items_;  // (tile, tet)
   Buffer tile_ranges_;
-  Buffer ray_states_;
-  bool lists_are_whole_ = false;  // items_ holds the batch's only stretch, which is whole_
+  Buffer ray_states_;             // where the lists are not walked at once
+  bool lists_are_whole_ = false;  // items_ holds the batch's only stretch
   Push whole_;
+  uint32_t whole_longest_list_ = 0;
 };
 
 }  // namespace tetrec

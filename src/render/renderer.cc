@@ -1,8 +1,6 @@
 // What all renderers share.
 #include "render/renderer.h"
 
-#include "core/error.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -16,13 +14,6 @@ std::vector<glm::vec4> ParametersOf(const RadianceField& field) {
         glm::vec4(field.color_srgb[v], std::log(std::max(field.density[v], kLeastDensity)));
   }
   return parameters;
-}
-
-void RendererOptions::Check() const {
-  if (deterministic && kind != RendererKind::kMarch) {
-    throw UsageError(
-        "--deterministic: only the march renderer sums in fixed point; leave it or --renderer out");
-  }
 }
 
 }  // namespace tetrec

@@ -33,13 +33,16 @@ struct RenderedImage {
 
 // What a renderer counted since it was made.
 struct RenderCounts {
-  uint64_t rays = 0;       // marched
-  uint64_t lost_rays = 0;  // ended neither at the stop depth nor where the hull ends; 0 or a bug
+  uint64_t rays = 0;
+  // Ended neither at the stop depth nor where the mesh ends; 0 or a bug. Of lists and projected
+  // tets those whose tets do not join face to face from where they begin to where they end: told
+  // only where RendererOptions::count_steps is set.
+  uint64_t lost_rays = 0;
   // Of RendererOptions::deterministic: addends too large for the fixed-point sums, clamped there.
   uint64_t clamped_addends = 0;
   // Of Render and MarchBlocks where RendererOptions::count_steps is set, else 0.
-  uint64_t hit_rays = 0;
-  uint64_t steps = 0;  // tets
+  uint64_t hit_rays = 0;  // passed a tet
+  uint64_t steps = 0;     // tets passed
 };
 
 class Renderer {
@@ -185,7 +188,7 @@ struct RendererOptions {
   // forward and backward.
   float stop_transmittance = 1e-3f;
   uint32_t max_steps = 1u << 16;  // tets on one ray
-  bool count_steps = false;       // fill RenderCounts::steps and hit_rays; a little slower
+  bool count_steps = false;       // fill RenderCounts' last ones; a little slower
   // Gradients and scores are summed in 64-bit fixed point: the same bits whatever the number of
   // threads and the order of the rays. Needs a device with 64-bit integer atomics.
   bool deterministic = false;
@@ -193,9 +196,6 @@ struct RendererOptions {
   // stretch of tets at a time, to fit.
   uint64_t fragment_memory = 512ull << 20;
   FragmentSort fragment_sort = FragmentSort::kAuto;
-
-  // Throws UsageError where options do not go together.
-  void Check() const;
 };
 
 // Throws EnvironmentError where there is no such device.

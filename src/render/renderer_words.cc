@@ -57,6 +57,18 @@ void RendererWords::Apply(RendererOptions& options) const {
     throw UsageError(
         fmt::format("--order {}: only --renderer projection sorts tets; leave it out", order));
   }
+  const bool has_lists =
+      options.kind == RendererKind::kPpll || options.kind == RendererKind::kProjection;
+  if (options.fragment_memory != RendererOptions().fragment_memory && !has_lists) {
+    throw UsageError(
+        fmt::format("--fragment-memory {}: only --renderer ppll and projection make lists; leave "
+                    "it out",
+                    fragment_memory_mib));
+  }
+  if (options.fragment_sort != FragmentSort::kAuto && options.kind != RendererKind::kPpll) {
+    throw UsageError(fmt::format(
+        "--fragment-sort {}: only --renderer ppll sorts lists of fragments; leave it out", sort));
+  }
 }
 
 }  // namespace tetrec

@@ -93,6 +93,54 @@ std::vector<uint32_t> ByCentroidDistance(const TetMesh& mesh, const dvec3& eye) 
   return order;
 }
 
+// The longest ways to each tet, from tet to farther tet over the faces with which `for_each_face`
+// calls its argument. Where they close to a cycle, the nearest tet that waits is let through, and
+// what it frees follows.
+template <class ForEachFace>
+VisibilityRanks RankOver(const TetMesh& mesh, const ForEachFace& for_each_face, const dvec3& eye) {
+  const size_t tets = mesh.tets.size();
+  std::vector<uint8_t> waits_for(tets, 0);  // nearer neighbours that are not ranked yet
+  std::vector<uint32_t> behind(4 * tets);   // farther neighbours, up to four a tet
+  std::vector<uint8_t> behind_count(tets, 0);
+  for_each_face([&](const InnerFace& face) {
+    CallNearFar(mesh, face, eye, [&](uint32_t nearer, uint32_t farther) {
+      behind[4 * size_t(nearer) + behind_count[nearer]++] = farther;
+      ++waits_for[farther];
+    });
+  });
+  VisibilityRanks result;
+  result.ranks.assign(tets, 0);
+  std::vector<bool> is_ranked(tets, false);
+  std::vector<uint32_t> ready;
+  for (uint32_t t = 0; t < tets; ++t) {
+    if (waits_for[t] == 0) ready.push_back(t);
+  }
+  size_t ranked = 0;
+  const auto rank_ready = [&] {
+    while (!ready.empty()) {
+      const uint32_t t = ready.back();
+      ready.pop_back();
+      is_ranked[t] = true;
+      ++ranked;
+      for (int i = 0; i < behind_count[t]; ++i) {
+        const uint32_t next = behind[4 * size_t(t) + i];
+        if (is_ranked[next]) continue;  // let through before
+        result.ranks[next] = std::max(result.ranks[next], result.ranks[t] + 1);
+        if (--waits_for[next] == 0) ready.push_back(next);
+      }
+    }
+  };
+  rank_ready();
+  if (ranked == tets) return result;
+  for (uint32_t t : ByCentroidDistance(mesh, eye)) {
+    if (is_ranked[t]) continue;
+    ++result.tets_in_cycles;
+    ready.push_back(t);
+    rank_ready();
+  }
+  return result;
+}
+
 }  // namespace
 
 PowerOrder MeasurePowerOrder(const TetMesh& mesh) {
@@ -130,66 +178,17 @@ PowerOrder MeasurePowerOrder(const TetMesh& mesh) {
   return order;
 }
 
-std::vector<uint32_t> RankTies(const TetMesh& mesh, const PowerOrder& order, const glm::vec3& eye) {
-  // Lengths of the longest ways to each tet; groups are small, so few rounds settle them.
-  std::vector<uint32_t> ranks(mesh.tets.size(), 0);
-  bool changed = true;
-  size_t rounds = 0;
-  while (changed && rounds <= order.tied_faces.size()) {
-    changed = false;
-    for (const InnerFace& face : order.tied_faces) {
-      CallNearFar(mesh, face, dvec3(eye), [&](uint32_t nearer, uint32_t farther) {
-        if (ranks[farther] > ranks[nearer]) return;
-        ranks[farther] = ranks[nearer] + 1;
-        changed = true;
-      });
-    }
-    ++rounds;
-  }
-  if (changed) ranks.clear();
-  return ranks;
+VisibilityRanks RankTies(const TetMesh& mesh, const PowerOrder& order, const glm::vec3& eye) {
+  if (order.tied_faces.empty()) return {};
+  const auto for_each_tie = [&](const auto& body) {
+    for (const InnerFace& face : order.tied_faces) body(face);
+  };
+  return RankOver(mesh, for_each_tie, dvec3(eye));
 }
 
-VisibilityRanks RankByVisibility(const TetMesh& mesh, const glm::vec3& eye_in_world) {
-  const dvec3 eye(eye_in_world);
-  const size_t tets = mesh.tets.size();
-  std::vector<uint8_t> waits_for(tets, 0);  // nearer neighbours that are not ranked yet
-  std::vector<uint32_t> behind(4 * tets);   // farther neighbours, up to four a tet
-  std::vector<uint8_t> behind_count(tets, 0);
-  ForEachInnerFace(mesh, [&](const InnerFace& face) {
-    CallNearFar(mesh, face, eye, [&](uint32_t nearer, uint32_t farther) {
-      behind[4 * size_t(nearer) + behind_count[nearer]++] = farther;
-      ++waits_for[farther];
-    });
-  });
-  VisibilityRanks result;
-  result.ranks.assign(tets, kNoTet);
-  std::vector<uint32_t> ready;
-  for (uint32_t t = 0; t < tets; ++t) {
-    if (waits_for[t] == 0) ready.push_back(t);
-  }
-  uint32_t rank = 0;
-  const auto rank_ready = [&] {
-    while (!ready.empty()) {
-      const uint32_t t = ready.back();
-      ready.pop_back();
-      result.ranks[t] = rank++;
-      for (int i = 0; i < behind_count[t]; ++i) {
-        const uint32_t next = behind[4 * size_t(t) + i];
-        if (--waits_for[next] == 0 && result.ranks[next] == kNoTet) ready.push_back(next);
-      }
-    }
-  };
-  rank_ready();
-  if (rank == tets) return result;
-  // Cycles: the nearest tet that waits is let through, and what it frees follows.
-  for (uint32_t t : ByCentroidDistance(mesh, eye)) {
-    if (result.ranks[t] != kNoTet) continue;
-    ++result.tets_in_cycles;
-    ready.push_back(t);
-    rank_ready();
-  }
-  return result;
+VisibilityRanks RankByVisibility(const TetMesh& mesh, const glm::vec3& eye) {
+  return RankOver(
+      mesh, [&](const auto& body) { ForEachInnerFace(mesh, body); }, dvec3(eye));
 }
 
 }  // namespace tetrec

@@ -28,14 +28,14 @@ struct PowerOrder {
 
 PowerOrder MeasurePowerOrder(const TetMesh& mesh);
 
-// (T) among tets on one sphere the smaller is in front; 0 for all others. Empty where they cover
-// each other in a cycle.
-std::vector<uint32_t> RankTies(const TetMesh& mesh, const PowerOrder& order, const glm::vec3& eye);
-
+// Of two tets at a face the one of lower rank is in front; not all ranks differ.
 struct VisibilityRanks {
   std::vector<uint32_t> ranks;  // (T) 0 is in front
   uint64_t tets_in_cycles = 0;  // ranked although a tet that covers them is not, nearest first
 };
+
+// Among tets on one sphere; 0 for all others, and no ranks at all where no tets tie.
+VisibilityRanks RankTies(const TetMesh& mesh, const PowerOrder& order, const glm::vec3& eye);
 
 // Topological order of the relation "in front across a shared face" (Williams 1992, "Visibility
 // ordering meshed polyhedra"); right for every convex mesh where the relation has no cycle. The eye

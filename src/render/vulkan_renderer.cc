@@ -91,8 +91,7 @@ std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
     return std::make_unique<PpllIntegrator>(device, options, storage);
   }
   if (options.kind == RendererKind::kProjection) {
-    return std::make_unique<ProjectionIntegrator>(device, options.order, options.integral, storage,
-                                                  options.fragment_memory);
+    return std::make_unique<ProjectionIntegrator>(device, options, storage);
   }
   return nullptr;
 }
@@ -222,8 +221,6 @@ class VulkanRenderer final : public TrainingRenderer {
   FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient,
                               GradientParts parts) override {
     const bool with_positions = parts == GradientParts::kColorDensityPosition;
-    TETREC_CHECK(!with_positions || integrator_ == &march_,
-                 "only the march renderer gives gradients by positions");
     WaitAll();
     const int width = view.camera.width, height = view.camera.height;
     TETREC_CHECK(pixel_gradient.size() == size_t(width) * height, "one gradient a pixel");
@@ -383,13 +380,10 @@ class VulkanRenderer final : public TrainingRenderer {
   std::vector<glm::vec4> MarchBatch(std::span<const RayBlock> blocks) {
     RayBatch& rays = rays_[0];
     PutBlocks(rays, blocks);
-    const RayPass pass = RenderPass(blocks, {});
+    RayPass pass = RenderPass(blocks, {});
+    pass.count_steps = options_.count_steps;
     render_recorder_.Begin();
-    if (options_.count_steps && integrator_ == &march_) {
-      march_.ForwardCounting(render_recorder_, pass);
-    } else {
-      integrator_->Forward(render_recorder_, pass);
-    }
+    integrator_->Forward(render_recorder_, pass);
     render_recorder_.EndAndSubmit();
     render_recorder_.Wait();
     // The device's 32-bit counters would run over in pictures of many steps.

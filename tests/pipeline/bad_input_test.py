@@ -75,9 +75,10 @@ class BadInputTest(StageCase):
         tetrahedra = self.tiny_tetrahedra()
         self.assert_done(self.run_stage("optimize", tetrahedra, "-o", out, "--iterations", 2, "--time-limit", 0))
         field = (out / "field.tetf").read_bytes()
-        result = self.run_stage("optimize", tetrahedra, "-o", out, "--iterations", 2, "--time-limit", 0,
-                                "--deterministic", "--renderer", "projection")
-        self.assert_fails(result, 2, "--deterministic")
+        for option, value in (("--order", "centroid"), ("--fragment-memory", 64), ("--fragment-sort", "heap")):
+            result = self.run_stage("optimize", tetrahedra, "-o", out, "--iterations", 2, "--time-limit", 0,
+                                    option, value)
+            self.assert_fails(result, 2, option)
         self.assertEqual((out / "field.tetf").read_bytes(), field)
 
     def test_a_deterministic_optimize_refuses_a_limit_of_time(self):

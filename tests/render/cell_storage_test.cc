@@ -121,6 +121,26 @@ TEST_P(EveryRenderersCells, PicturesAndGradientsAreThoseOfTheReference) {
   }
 }
 
+TEST_P(EveryRenderersCells, PositionGradientsAreThoseOfTheReference) {
+  for (bool deterministic : {false, true}) {
+    TrainingRenderer& renderer =
+        MakeRenderer({.stop_transmittance = 0.0f, .deterministic = deterministic});
+    const RadianceField field = RandomCells(60, 31, 4.0f);
+    renderer.SetField(field);
+    for (const RenderView& view : ThreeViews(25, 17)) {
+      const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, 7);
+      const std::vector<glm::vec4> g_float(g.begin(), g.end());
+      const FieldGradient gradient =
+          renderer.Backpropagate(view, g_float, GradientParts::kColorDensityPosition);
+      const ReferenceGradient truth = BackpropagateReference(field, view, g, 0.0);
+      EXPECT_LT(RelativeError(gradient.density, truth.density), 3e-5);
+      // Faces seen at a flat angle magnify rounding.
+      EXPECT_LT(RelativeError(gradient.position, truth.position), 1e-3);
+      EXPECT_LT(RelativeError(gradient.absolute_position, truth.absolute_position), 1e-3);
+    }
+  }
+}
+
 // Equal rows interpolate to themselves, up to the rounding of weights.
 TEST_P(EveryRenderersCells, AreAsVerticesThatAllAgree) {
   const RadianceField vertices =
@@ -219,26 +239,6 @@ TEST(CellReference, GradientsAgreeWithFiniteDifferences) {
 }
 
 using CellMarch = RendererTest;
-
-TEST_F(CellMarch, PositionGradientsAreThoseOfTheReference) {
-  for (bool deterministic : {false, true}) {
-    TrainingRenderer& renderer =
-        MakeRenderer({.stop_transmittance = 0.0f, .deterministic = deterministic});
-    const RadianceField field = RandomCells(60, 31, 4.0f);
-    renderer.SetField(field);
-    for (const RenderView& view : ThreeViews(25, 17)) {
-      const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, 7);
-      const std::vector<glm::vec4> g_float(g.begin(), g.end());
-      const FieldGradient gradient =
-          renderer.Backpropagate(view, g_float, GradientParts::kColorDensityPosition);
-      const ReferenceGradient truth = BackpropagateReference(field, view, g, 0.0);
-      EXPECT_LT(RelativeError(gradient.density, truth.density), 3e-5);
-      // Faces seen at a flat angle magnify rounding.
-      EXPECT_LT(RelativeError(gradient.position, truth.position), 1e-3);
-      EXPECT_LT(RelativeError(gradient.absolute_position, truth.absolute_position), 1e-3);
-    }
-  }
-}
 
 TEST_F(CellMarch, ScoresShareOutTheSquaredResidualOfEveryRay) {
   TrainingRenderer& renderer = MakeRenderer({.stop_transmittance = 0.0f});

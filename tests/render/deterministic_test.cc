@@ -36,8 +36,8 @@ class WithEnvironment {
   std::optional<std::string> before_;
 };
 
-// The renderer of such a test, or a skip where the device cannot add 64-bit integers.
-class DeterministicTest : public RendererTest {
+// Every renderer, or a skip where the device cannot add 64-bit integers.
+class DeterministicTest : public EveryRendererTest {
  protected:
   void SetUp() override {
     RendererTest::SetUp();
@@ -49,6 +49,8 @@ class DeterministicTest : public RendererTest {
     }
   }
 };
+
+INSTANTIATE_TEST_SUITE_P(Deterministic, DeterministicTest, kEveryRenderer, RendererName);
 
 template <class T>
 bool SameBits(const std::vector<T>& a, const std::vector<T>& b) {
@@ -83,16 +85,21 @@ struct Learned {
 };
 
 // What a few steps make of a field, with the blocks of every step in another order for another
-// `order`. At `read_back_at` the state is read and set again.
+// `order`; steps of tiles have one order only. At `read_back_at` the state is read and set again.
 Learned Learn(TrainingRenderer& renderer, uint32_t order, uint32_t read_back_at = 0) {
   const RadianceField start = RandomField(300, 71, 6.0f);
   renderer.SetField(start);
   SetGreyTargets(renderer);
   std::vector<RayBlock> blocks = BlocksOfThreeViews();
-  for (uint32_t i = 1; i <= 8; ++i) {
+  for (uint32_t i = 1; i <= 9; ++i) {
     std::mt19937 random(order + i);
     if (order > 0) std::shuffle(blocks.begin(), blocks.end(), random);
-    renderer.Step({.blocks = blocks, .background_srgb = glm::vec3(0.3f), .adam_step = i});
+    const auto tile = AllBlocks(ThreeViews(kWidth, kHeight)[i % 3].camera, i % 3);
+    renderer.Step({.blocks = renderer.NeedsTiles() ? tile : blocks,
+                   .background_srgb = glm::vec3(0.3f),
+                   .jitter_px = renderer.NeedsTiles() ? 1.0f : 0.0f,
+                   .seed = i,
+                   .adam_step = i});
     if (i == read_back_at) renderer.SetVertexState(start.mesh, renderer.ReadVertexState());
   }
   renderer.ClearScores();
@@ -101,26 +108,55 @@ Learned Learn(TrainingRenderer& renderer, uint32_t order, uint32_t read_back_at 
   return {renderer.ReadVertexState(), scores};
 }
 
-TEST_F(DeterministicTest, OrderOfTheRaysDoesNotChangeABit) {
+// Lists that do not fit into the memory are made and walked a part at a time: other parts, another
+// order.
+TEST_P(DeterministicTest, OrderOfTheRaysAndMemoryDoNotChangeABit) {
   TrainingRenderer& renderer = MakeRenderer({.deterministic = true});
   const Learned natural = Learn(renderer, 0);
   for (uint32_t order : {100u, 200u}) {
-    const Learned shuffled = Learn(renderer, order);
+    TrainingRenderer& other = MakeRenderer({.deterministic = true, .fragment_memory = 300 * order});
+    const Learned shuffled = Learn(other, order);
     ExpectSameBits(natural.state, shuffled.state);
     EXPECT_TRUE(SameBits(natural.scores, shuffled.scores));
+    EXPECT_EQ(other.counts().clamped_addends, 0u);
   }
-  EXPECT_EQ(renderer.counts().clamped_addends, 0u);
 }
 
 // Else the test above would show nothing.
-TEST_F(DeterministicTest, OrderOfTheRaysChangesBitsOfFloatSums) {
+TEST_P(DeterministicTest, OrderOfTheRaysAndMemoryChangeBitsOfFloatSums) {
   TrainingRenderer& renderer = MakeRenderer();
-  EXPECT_FALSE(
-      SameBits(Learn(renderer, 0).state.parameters, Learn(renderer, 100).state.parameters));
+  TrainingRenderer& other = MakeRenderer({.fragment_memory = 300 * 100});
+  EXPECT_FALSE(SameBits(Learn(renderer, 0).state.parameters, Learn(other, 100).state.parameters));
+}
+
+// Rays are the same bits whatever the order in which fragments come.
+TEST_P(DeterministicTest, PicturesAndGradientsAreTheSameBitsEveryTime) {
+  const RadianceField field = RandomField(300, 79, 8.0f);
+  std::vector<RenderedImage> images;
+  std::vector<FieldGradient> gradients;
+  for (const char* threads : {"1", "2", "4"}) {
+    const WithEnvironment environment("LP_NUM_THREADS", threads);
+    TrainingRenderer& renderer = MakeRenderer({.deterministic = true});
+    renderer.SetField(field);
+    for (const RenderView& view : ThreeViews(37, 27)) {
+      images.push_back(renderer.Render(view, 2));
+      const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, 80);
+      gradients.push_back(renderer.Backpropagate(view, std::vector<glm::vec4>(g.begin(), g.end()),
+                                                 GradientParts::kColorDensityPosition));
+    }
+  }
+  for (size_t i = 3; i < images.size(); ++i) {
+    EXPECT_TRUE(SameBits(images[i].color_srgb, images[i % 3].color_srgb));
+    EXPECT_TRUE(SameBits(images[i].transmittance, images[i % 3].transmittance));
+    EXPECT_TRUE(SameBits(gradients[i].color_srgb, gradients[i % 3].color_srgb));
+    EXPECT_TRUE(SameBits(gradients[i].density, gradients[i % 3].density));
+    EXPECT_TRUE(SameBits(gradients[i].position, gradients[i % 3].position));
+    EXPECT_TRUE(SameBits(gradients[i].absolute_position, gradients[i % 3].absolute_position));
+  }
 }
 
 // lavapipe's number of threads; other devices do not read it.
-TEST_F(DeterministicTest, NumberOfThreadsDoesNotChangeABit) {
+TEST_P(DeterministicTest, NumberOfThreadsDoesNotChangeABit) {
   std::vector<Learned> learned;
   for (const char* threads : {"1", "2", "4"}) {
     const WithEnvironment environment("LP_NUM_THREADS", threads);
@@ -132,7 +168,7 @@ TEST_F(DeterministicTest, NumberOfThreadsDoesNotChangeABit) {
   }
 }
 
-TEST_F(DeterministicTest, StateReadAndSetAgainDoesNotChangeABit) {
+TEST_P(DeterministicTest, StateReadAndSetAgainDoesNotChangeABit) {
   TrainingRenderer& renderer = MakeRenderer({.deterministic = true});
   const Learned through = Learn(renderer, 0), resumed = Learn(renderer, 0, 3);
   ExpectSameBits(through.state, resumed.state);
@@ -149,7 +185,7 @@ double RelativeError(const std::vector<glm::dvec4>& values, const std::vector<gl
 }
 
 // Loss gradients as small as those of a mean over many rays, and large ones.
-TEST_F(DeterministicTest, GradientsAreThoseOfTheReferenceAtEveryScale) {
+TEST_P(DeterministicTest, GradientsAreThoseOfTheReferenceAtEveryScale) {
   const RadianceField field = RandomField(100, 72, 8.0f);
   TrainingRenderer& renderer = MakeRenderer({.stop_transmittance = 0.0f, .deterministic = true});
   renderer.SetField(field);
@@ -175,13 +211,13 @@ TEST_F(DeterministicTest, GradientsAreThoseOfTheReferenceAtEveryScale) {
   EXPECT_EQ(renderer.counts().clamped_addends, 0u);
 }
 
-TEST_F(DeterministicTest, AddendsTooLargeAreCounted) {
+TEST_P(DeterministicTest, AddendsTooLargeAreCounted) {
   RadianceField field = RandomField(20, 74, 6.0f);
   for (glm::vec3& color : field.color_srgb) color *= 1e6f;
   TrainingRenderer& renderer = MakeRenderer({.deterministic = true});
   renderer.SetField(field);
   SetGreyTargets(renderer);
-  renderer.Step({.blocks = BlocksOfThreeViews()});
+  renderer.Step({.blocks = AllBlocks(ThreeViews(kWidth, kHeight)[0].camera)});
   const VertexState state = renderer.ReadVertexState();
   EXPECT_GT(renderer.counts().clamped_addends, 0u);
   for (const glm::vec4& row : state.parameters) {

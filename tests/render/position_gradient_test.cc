@@ -1,5 +1,5 @@
-// Gradients by the vertices' positions: reference against finite differences, march against
-// reference, limits, and an inverse problem that they solve.
+// Gradients by the vertices' positions: reference against finite differences, every renderer
+// against reference, limits, and an inverse problem that they solve.
 #include "reference_loss.h"
 #include "scenes.h"
 
@@ -37,6 +37,22 @@ double Norm(const std::vector<glm::dvec3>& values) {
   double sum = 0;
   for (const glm::dvec3& value : values) sum += glm::dot(value, value);
   return std::sqrt(sum);
+}
+
+// Over the vertices, relative in the norm.
+struct PositionError {
+  double position, absolute;
+};
+
+PositionError ErrorOf(const FieldGradient& gradient, const ReferenceGradient& truth) {
+  std::vector<glm::dvec3> error;
+  double absolute_error = 0, absolute = 0;
+  for (size_t v = 0; v < truth.position.size(); ++v) {
+    error.push_back(glm::dvec3(gradient.position[v]) - truth.position[v]);
+    absolute_error += std::pow(gradient.absolute_position[v] - truth.absolute_position[v], 2);
+    absolute += std::pow(truth.absolute_position[v], 2);
+  }
+  return {Norm(error) / Norm(truth.position), std::sqrt(absolute_error / absolute)};
 }
 
 // Every coordinate of every `stride`-th vertex.
@@ -121,7 +137,7 @@ TEST(ReferenceRenderer, InnerVerticesOfAConstantFieldHaveNoPositionGradient) {
   }
 }
 
-TEST_F(RendererTest, PositionGradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
+TEST_P(EveryRendererTest, PositionGradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
   struct Case {
     int points;
     float max_density;
@@ -145,25 +161,60 @@ TEST_F(RendererTest, PositionGradientsAreThoseOfTheReferenceWithEitherKindOfAtom
               renderer.Backpropagate(view, std::vector<glm::vec4>(g.begin(), g.end()),
                                      GradientParts::kColorDensityPosition);
           const ReferenceGradient truth = BackpropagateReference(field, view, g, stop);
-          std::vector<glm::dvec3> error;
-          double absolute_error = 0, absolute = 0;
-          for (size_t v = 0; v < truth.position.size(); ++v) {
-            error.push_back(glm::dvec3(gradient.position[v]) - truth.position[v]);
-            absolute_error +=
-                std::pow(gradient.absolute_position[v] - truth.absolute_position[v], 2);
-            absolute += std::pow(truth.absolute_position[v], 2);
-          }
+          const PositionError error = ErrorOf(gradient, truth);
           // Float coordinates err by 1e-6 of a box's side; faces seen at a flat angle and steep
           // densities enlarge that 30-fold here.
-          EXPECT_LE(Norm(error), 1e-4 * Norm(truth.position));
-          EXPECT_LE(std::sqrt(absolute_error), 1e-4 * std::sqrt(absolute));
+          EXPECT_LE(error.position, 1e-4);
+          EXPECT_LE(error.absolute, 1e-4);
         }
       }
     }
   }
 }
 
-TEST_F(RendererTest, PositionGradientsCostTheOthersNothing) {
+TEST_P(EveryRendererTest, PositionGradientsOfEveryIntegralAreThoseOfTheReference) {
+  for (const char* words : {"mean", "split:1", "split:4", "split:16"}) {
+    for (int points : {20, 300}) {
+      SCOPED_TRACE(::testing::Message() << words << ", " << points << " points");
+      const RadianceField field = RandomField(points, 75, 40.0f);
+      const IntegralOptions integral = ParseIntegral(words);
+      TrainingRenderer& renderer = MakeRenderer({.integral = integral, .stop_transmittance = 0.0f});
+      renderer.SetField(field);
+      for (const RenderView& view : ThreeViews(21, 15)) {
+        const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, 76);
+        const FieldGradient gradient = renderer.Backpropagate(
+            view, std::vector<glm::vec4>(g.begin(), g.end()), GradientParts::kColorDensityPosition);
+        const PositionError error =
+            ErrorOf(gradient, BackpropagateReference(field, view, g, 0.0, integral));
+        EXPECT_LE(error.position, 1e-4);
+        EXPECT_LE(error.absolute, 1e-4);
+      }
+    }
+  }
+}
+
+// A list of tets that does not fit is composited a part at a time: passages of tets go on from one
+// part to the next.
+TEST_F(RendererTest, PositionGradientsInLittleMemoryAreTheSame) {
+  const RadianceField field = RandomField(300, 77, 10.0f);
+  for (RendererKind kind : {RendererKind::kPpll, RendererKind::kProjection}) {
+    for (uint64_t bytes : {2'000ull, 20'000ull}) {
+      TrainingRenderer& renderer =
+          MakeRenderer({.kind = kind, .stop_transmittance = 0.0f, .fragment_memory = bytes});
+      renderer.SetField(field);
+      for (const RenderView& view : ThreeViews(21, 15)) {
+        const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, 78);
+        const FieldGradient gradient = renderer.Backpropagate(
+            view, std::vector<glm::vec4>(g.begin(), g.end()), GradientParts::kColorDensityPosition);
+        const PositionError error = ErrorOf(gradient, BackpropagateReference(field, view, g, 0.0));
+        EXPECT_LE(error.position, 1e-4) << NameOf(kind) << ", " << bytes << " bytes";
+        EXPECT_LE(error.absolute, 1e-4) << NameOf(kind) << ", " << bytes << " bytes";
+      }
+    }
+  }
+}
+
+TEST_P(EveryRendererTest, PositionGradientsCostTheOthersNothing) {
   TrainingRenderer& renderer = MakeRenderer();
   renderer.SetField(RandomField(100, 68, 10.0f));
   const RenderView view = ThreeViews(21, 15)[0];
@@ -184,7 +235,7 @@ TEST_F(RendererTest, PositionGradientsCostTheOthersNothing) {
 }
 
 // One ray's gradient is its own absolute sum; of many, opposite ones cancel in one of the two only.
-TEST_F(RendererTest, AbsoluteSumsAreTheLengthsOfTheRaysOwnGradients) {
+TEST_P(EveryRendererTest, AbsoluteSumsAreTheLengthsOfTheRaysOwnGradients) {
   const RadianceField field = RandomField(20, 69, 6.0f);
   TrainingRenderer& renderer = MakeRenderer();
   renderer.SetField(field);
@@ -223,7 +274,7 @@ void ExpectFinite(const FieldGradient& gradient) {
   }
 }
 
-TEST_F(RendererTest, PositionGradientsStayFiniteInTheLimits) {
+TEST_P(EveryRendererTest, PositionGradientsStayFiniteInTheLimits) {
   // Points on a lattice: many rays of a camera on it run in faces and through vertices.
   std::vector<glm::vec3> lattice;
   for (int i = 0; i < 4 * 4 * 4; ++i) {
@@ -352,7 +403,7 @@ TEST(ReferenceRenderer, VerticesOfASmallTetAreFoundFromRays) {
   }
 }
 
-TEST_F(RendererTest, VerticesOfASmallTetAreFoundFromRays) {
+TEST_P(EveryRendererTest, VerticesOfASmallTetAreFoundFromRays) {
   const InverseProblem problem;
   TrainingRenderer& renderer = MakeRenderer({.stop_transmittance = 0.0f});
   for (uint32_t seed : {1u, 2u}) {

@@ -12,8 +12,6 @@
 namespace tetrec::test {
 namespace {
 
-const Scene kScenes[] = {{0, 1, 45, 33}, {20, 3, 45, 33}, {100, 4, 37, 27}, {300, 5, 37, 27}};
-
 // As of the march (march_reference_test.cc): coordinates err by 2e-7 of the distance, lengths by
 // 1e-6, densities are up to 10, colours up to 1.
 constexpr double kPictureTolerance = 2e-5;
@@ -28,23 +26,6 @@ double LargestDifference(const RenderedImage& image, const ReferenceImage& truth
                   std::abs(double(image.transmittance[i]) - std::exp(-truth.optical_depth[i]))});
   }
   return largest;
-}
-
-TEST_F(RendererTest, ProjectedTetsShowThePicturesOfTheReference) {
-  for (const Scene& scene : kScenes) {
-    for (float stop : {0.0f, 1e-3f}) {
-      const RadianceField field = RandomField(scene.points, scene.seed, 10.0f);
-      RendererOptions options = kProjection;
-      options.stop_transmittance = stop;
-      TrainingRenderer& renderer = MakeRenderer(options);
-      renderer.SetField(field);
-      for (const RenderView& view : ThreeViews(scene.width, scene.height)) {
-        EXPECT_LT(LargestDifference(renderer.Render(view, 1), RenderReference(field, view, stop)),
-                  kPictureTolerance)
-            << scene.points << " points, seed " << scene.seed << ", stop " << stop;
-      }
-    }
-  }
 }
 
 // Largest difference over largest value, of colours and of densities.
@@ -64,29 +45,6 @@ double GradientError(const FieldGradient& gradient, const ReferenceGradient& tru
 
 // Hundreds of rays are added in float, in any order; pictures agree to 1e-5.
 constexpr double kGradientTolerance = 3e-5;
-
-TEST_F(RendererTest, GradientsOfProjectedTetsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
-  for (bool float_atomics : {true, false}) {
-    for (const Scene& scene : kScenes) {
-      for (float stop : {0.0f, 1e-3f}) {
-        const RadianceField field = RandomField(scene.points, scene.seed, 10.0f);
-        RendererOptions options = kProjection;
-        options.device.float_atomics = float_atomics;
-        options.stop_transmittance = stop;
-        TrainingRenderer& renderer = MakeRenderer(options);
-        renderer.SetField(field);
-        for (const RenderView& view : ThreeViews(scene.width, scene.height)) {
-          const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, scene.seed);
-          const FieldGradient gradient =
-              renderer.Backpropagate(view, std::vector<glm::vec4>(g.begin(), g.end()));
-          EXPECT_LT(GradientError(gradient, BackpropagateReference(field, view, g, stop)),
-                    kGradientTolerance)
-              << scene.points << " points, stop " << stop << ", atomics " << float_atomics;
-        }
-      }
-    }
-  }
-}
 
 bool SameBits(const RenderedImage& a, const RenderedImage& b) {
   return a.color_srgb == b.color_srgb && a.transmittance == b.transmittance;
@@ -242,7 +200,7 @@ TEST(VisibilityOrder, PowerAndRanksPutTheNearerOfTwoNeighboursFirst) {
   for (const glm::vec3& eye : {glm::vec3(2.0f, 1.0f, 3.0f), glm::vec3(0.1f, 0.4f, 0.5f)}) {
     const VisibilityRanks ranks = RankByVisibility(mesh, eye);
     EXPECT_EQ(ranks.tets_in_cycles, 0u);
-    const std::vector<uint32_t> tie_ranks = RankTies(mesh, power, eye);
+    const std::vector<uint32_t> tie_ranks = RankTies(mesh, power, eye).ranks;
     const auto key = [&](uint32_t t) {
       const double by_power = power.spheres[t].w - 2.0 * glm::dot(glm::dvec3(power.spheres[t]),
                                                                   glm::dvec3(eye) - power.origin);
@@ -272,7 +230,7 @@ TEST(VisibilityOrder, TiesOfALatticeAreBrokenByWhatCoversWhat) {
   const PowerOrder power = MeasurePowerOrder(mesh);
   EXPECT_EQ(power.bad_faces, 0u);
   const glm::vec3 eye(0.3f, 1.4f, -2.0f);
-  const std::vector<uint32_t> ranks = RankTies(mesh, power, eye);
+  const std::vector<uint32_t> ranks = RankTies(mesh, power, eye).ranks;
   ASSERT_EQ(ranks.size(), mesh.tets.size());
   EXPECT_GT(power.tied_faces.size(), 27u);  // each cube has inner faces
   for (const InnerFace& face : power.tied_faces) {

@@ -1,0 +1,113 @@
+// Gradients of the loss by what a segment of a ray has at its ends, and their sums at the vertices.
+//
+// With g = dL/dcolour and h = dL/dtransmittance of a ray, its part of the loss is
+// S = sum_i T_i (w0 g.c0 + w1 g.c1)_i + h T_end, all scalars; a "payload" is g . colour. A density
+// change in segment i scales what lies behind it by d(-tau): -1/2 for s0 and s1 each.
+//
+// TETREC_POSITIONS: gradients by the vertices' positions too. A ray meets the face of corners p_j,
+// weights w_j, at z, where density and colour are q. Across the ray z and q are linear functions on
+// the face; moving p_j by m moves them along with weight w_j:
+//   dq/dp_j = -w_j (dq/dx, dq/dy, 0), dz/dp_j = -w_j (dz/dx, dz/dy, -1),
+// in the world's frame w_j [((g.d)/(n.d)) n - g] and w_j n/(n.d), g the slope of q in the face. A
+// begin at a camera stays there: dz = 0, dq/dp_j = -w_j grad q.
+//
+// The including kernel declares `push`, `counters` and g_color, dL/dcolour of the ray.
+
+layout(std430, binding = kBindVertexGradients) buffer VertexGradients { Sum vertex_gradients[]; };
+
+// Gradients by (z, density, payload) of the ends of a segment. That by payload is the weight of the
+// end's colour: dL/dcolour is g times it.
+struct EndGradients {
+  vec3 entry, exit;
+};
+
+// `behind`: the part of the loss that lies behind the segment; t: the transmittance before it.
+EndGradients GradientsOfEnds(SegmentAdjoint adjoint, float t, float behind, float size,
+                             float density0, float density1, float payload0, float payload1) {
+  float by_s0 = t * (adjoint.dw0_ds0 * payload0 + adjoint.dw1_ds0 * payload1) - 0.5 * behind;
+  float by_s1 = t * (adjoint.dw0_ds1 * payload0 + adjoint.dw1_ds1 * payload1) - 0.5 * behind;
+  float by_size = density0 * by_s0 + density1 * by_s1;
+  return EndGradients(vec3(-by_size, size * by_s0, t * adjoint.w0),
+                      vec3(by_size, size * by_s1, t * adjoint.w1));
+}
+
+// x: dL/ddensity, y: the sum of colour weights.
+void AddToVertex(uint id, vec2 gradient) {
+  if (gradient.x != 0.0 || gradient.y != 0.0) {
+    AddTo(vertex_gradients[4u * id], g_color.r * gradient.y, push.color_quanta);
+    AddTo(vertex_gradients[4u * id + 1u], g_color.g * gradient.y, push.color_quanta);
+    AddTo(vertex_gradients[4u * id + 2u], g_color.b * gradient.y, push.color_quanta);
+    AddTo(vertex_gradients[4u * id + 3u], gradient.x, push.density_quanta);
+  }
+}
+
+// All of a segment's, where cells have the attributes.
+void AddToCell(uint tet, EndGradients ends) { AddToVertex(tet, ends.entry.yz + ends.exit.yz); }
+
+#ifdef TETREC_POSITIONS
+layout(std430, binding = kBindPositionGradients) buffer PositionGradients {
+  Sum position_gradients[];
+};
+
+mat3 world_from_ray;
+
+// What a passage of the tets around a vertex gives to its position, ray's frame.
+void AddMoveToVertex(uint id, vec3 move) {
+  if (move != vec3(0.0)) {
+    vec3 in_world = world_from_ray * move;
+    AddTo(position_gradients[4u * id], in_world.x, push.position_quanta);
+    AddTo(position_gradients[4u * id + 1u], in_world.y, push.position_quanta);
+    AddTo(position_gradients[4u * id + 2u], in_world.z, push.position_quanta);
+    AddTo(position_gradients[4u * id + 3u], length(move.xy), push.position_quanta);
+  }
+}
+
+// -dz/dp, -ddensity/dp, -dpayload/dp of the end of a segment by a corner of weight 1, ray's frame.
+struct Slopes {
+  vec3 z, density, payload;
+};
+
+// The corners of a face in the ray's frame, and what they carry.
+struct FaceCorners {
+  vec3 a, b, c;
+  vec3 density, payload;
+};
+
+// Of an end on a face, e its edge functions (b, c), (c, a), (a, b). None where the face is seen
+// edge-on: below this share of its size squared, its area across the ray is rounding. The same bits
+// wherever the same corners come in the same order.
+Slopes SlopesOnFace(FaceCorners face, vec3 e) {
+  vec2 a = face.a.xy, b = face.b.xy, c = face.c.xy;
+  precise float size = dot(a, a) + dot(b, b) + dot(c, c);
+  precise float area = e.x + e.y + e.z;
+  precise float scale = abs(area) > 1e-6 * size ? 1.0 / area : 0.0;
+  precise vec3 by_x = scale * vec3(b.y - c.y, c.y - a.y, a.y - b.y);  // of the weights of a, b, c
+  precise vec3 by_y = scale * vec3(c.x - b.x, a.x - c.x, b.x - a.x);
+  vec3 z = vec3(face.a.z, face.b.z, face.c.z);
+  precise Slopes slopes;
+  slopes.z = vec3(dot(by_x, z), dot(by_y, z), -1.0);
+  slopes.density = vec3(dot(by_x, face.density), dot(by_y, face.density), 0.0);
+  slopes.payload = vec3(dot(by_x, face.payload), dot(by_y, face.payload), 0.0);
+  return slopes;
+}
+
+// Of a begin at the camera inside the tet (p, a, b, c), what it carries in that order; none in a tet
+// that is flat up to rounding.
+Slopes SlopesInTet(vec3 p, vec3 a, vec3 b, vec3 c, vec4 density, vec4 payload) {
+  a -= p, b -= p, c -= p;
+  float volume = dot(a, cross(b, c));
+  bool is_flat = abs(volume) <= 1e-6 * length(a) * length(b) * length(c);
+  float scale = is_flat ? 0.0 : 1.0 / volume;
+  mat3 by_corner = scale * mat3(cross(b, c), cross(c, a), cross(a, b));
+  Slopes slopes;
+  slopes.z = vec3(0.0);
+  slopes.density = by_corner * (density.yzw - density.x);
+  slopes.payload = by_corner * (payload.yzw - payload.x);
+  return slopes;
+}
+
+// What moves the corners, from dL/d(z, density, payload) of the end of a segment.
+vec3 MoveOf(Slopes slopes, vec3 end) {
+  return -(end.x * slopes.z + end.y * slopes.density + end.z * slopes.payload);
+}
+#endif
