@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"
+#include "thread_index.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(std430, binding = kBindParameters) readonly buffer Parameters { vec4 parameters[]; };
@@ -10,7 +11,7 @@ layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
 layout(push_constant) uniform Push { SpreadPush push; };
 
 void main() {
-  uint v = gl_GlobalInvocationID.x;
+  uint v = ThreadIndex();
   if (v < push.vertex_count) {
     vec4 parameter = parameters[v];
     vertices[2u * v].w = exp(parameter.a);

@@ -41,14 +41,17 @@ struct Moments {
 };
 
 struct MarchPush {
+  vec4 mesh_ball;  // centre, radius: holds the mesh
   uint ray_count;
   uint hull_faces;
+  uint tree_leaves;  // of the tree of boxes over the faces, where there is one
   uint max_steps;  // a ray that needs more is counted as lost
   uint jitter_seed;
   float jitter_px;   // rays are moved inside their pixel by up to half of this
   float stop_depth;  // rays stop at this optical depth (-log of transmittance)
   // Of fixed-point sums: quanta a unit of gradient, and the largest addend.
   float color_quanta, density_quanta, position_quanta, largest_quanta;
+  uint padding;
 };
 
 // One pass over a tile of a batch with per-pixel lists.
@@ -137,6 +140,10 @@ struct SpreadPush {
 #define kLargestScore 64.0
 #define kMostScoredRays 16777216
 
+// Of march kernels, beside those of the integral (integral.glsl.h): not 0 where the boundary may have
+// any shape.
+#define kConstantAnyBoundary 2
+
 // Counters of the march kernels.
 #define kCounterLostRays 0
 #define kCounterSteps 1
@@ -147,7 +154,9 @@ struct SpreadPush {
 // Bindings.
 #define kBindTets 0      // texels uvec4: vertex ids, neighbours
 #define kBindVertices 1  // texels vec4: position | density, colour | 0
-#define kBindHull 2      // texels: per hull face plane (n, w) and ids (a, b, c, tet) as bits
+// texels: per boundary face plane (n, w) and ids (a, b, c, tet) as bits; where the boundary has a tree
+// of boxes per node (min, first) and (max, second), node 0 none (mesh/boundary.h)
+#define kBindHull 2
 #define kBindViews 3
 #define kBindBlocks 4
 #define kBindRayColors 5     // vec4 a ray: colour before the background | optical depth

@@ -83,6 +83,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   CheckFinite(result.state.second_moment, name, "a second moment");
   CheckNotNegative(result.state.second_moment, name);
   CheckTetMesh(result.mesh);
+  CheckConvexDomain(result.mesh);
   return result;
 }
 

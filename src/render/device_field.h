@@ -5,22 +5,34 @@
 #include "render/renderer.h"
 
 #include <span>
+#include <string>
 
 namespace tetrec {
 
-// 32 bytes a tet, 32 a vertex, and 64 more a vertex to learn (80 in fixed point); the hull as one
-// plane and one triangle a boundary face (gpu_types.glsl.h tells the layouts).
+// 32 bytes a tet, 32 a vertex, and 64 more a vertex to learn (80 in fixed point); one plane and one
+// triangle a boundary face, and where the boundary is not convex or has many faces a tree of boxes
+// over them (gpu_types.glsl.h tells the layouts).
 struct DeviceField {
-  TetMesh mesh;  // the host's copy
+  TetMesh mesh;            // the host's copy
+  std::string not_convex;  // why the boundary is not convex; empty where it is
+  glm::vec4 ball{0.0f};    // centre, radius: holds the mesh
   Buffer tets, vertices, hull;
   Buffer parameters, moments, gradients;
   Buffer position_gradients;  // vec4 a vertex: xyz | absolute sum; absent until asked for
   Buffer tet_scores;
   uint32_t vertex_count = 0, tet_count = 0, hull_faces = 0;
+  uint32_t tree_leaves = 0;  // of the tree of boxes; 0 where there is none
   bool fixed_point = false;  // gradients, position_gradients, tet_scores: int64 in place of float
   uint32_t most_tets_at_vertex = 0;
   double diagonal = 0;  // of the mesh's bounds [world units]
 };
+
+// What a field takes on the device for one tet, vertex, boundary face, at most: position gradients
+// and a tree of boxes are counted in.
+struct DeviceFieldBytes {
+  uint64_t of_tet, of_vertex, of_face;
+};
+DeviceFieldBytes BytesOf(bool fixed_point);
 
 // Gradients and scores start at zero; so do the moments where `state` has none. Density and colour
 // of `vertices` are yet to be spread from the parameters (spread.comp).

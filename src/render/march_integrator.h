@@ -4,12 +4,16 @@
 #include "gpu/program.h"
 #include "render/integrator.h"
 
+#include <array>
+#include <optional>
+
 namespace tetrec {
 
 class MarchIntegrator final : public Integrator {
  public:
   // `fixed_point`: sums as in DeviceField::fixed_point.
   MarchIntegrator(const Device& device, const IntegralOptions& integral, bool fixed_point);
+  void SetField(const DeviceField& field) override;
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;
   // As Forward; counts steps and hit rays too, which makes it a little slower.
@@ -18,7 +22,17 @@ class MarchIntegrator final : public Integrator {
   void Score(CommandRecorder& recorder, const RayPass& pass);
 
  private:
-  Program forward_, forward_counting_, backward_, backward_positions_, score_;
+  struct Kernels {
+    Program forward, forward_counting, backward, backward_positions, score;
+  };
+  Kernels MakeKernels(bool any_boundary) const;
+
+  const Device& device_;
+  IntegralOptions integral_;
+  bool fixed_point_;
+  // For convex boundaries of few faces, for any boundary; made when first needed.
+  std::array<std::optional<Kernels>, 2> kernels_;
+  const Kernels* current_ = nullptr;
 };
 
 }  // namespace tetrec

@@ -19,6 +19,7 @@ class ProjectionIntegrator final : public Integrator {
   // where they do not fit, the sorted tets are composited a stretch at a time.
   ProjectionIntegrator(const Device& device, VisibilityOrder order, const IntegralOptions& integral,
                        uint64_t fragment_memory);
+  uint64_t BytesFor(const TetMesh& mesh) const override;
   void SetField(const DeviceField& field) override;
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;

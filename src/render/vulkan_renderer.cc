@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "embedded_shaders.h"
 #include "mesh/locate.h"
+#include "render/field_checks.h"
 #include "render/fixed_point.h"
 #include "render/march_integrator.h"
 #include "render/ppll_integrator.h"
@@ -114,20 +115,24 @@ class VulkanRenderer final : public TrainingRenderer {
   ~VulkanRenderer() override { WaitAll(); }
 
   void SetField(const RadianceField& field) override {
+    CheckField(field);
     SetVertexState(field.mesh, {ParametersOf(field), {}, {}});
   }
 
   void SetVertexState(const TetMesh& mesh, const VertexState& state) override {
+    CheckRenderable(mesh, state);
     WaitAll();
     field_ = {};  // frees the old mesh before the new one takes memory
+    CheckMemory(mesh, BytesFor(mesh), MeasureFreeMemory(*device_));
     field_ = UploadField(*device_, mesh, state, options_.deterministic);
     render_recorder_.Begin();
     const Buffer* buffers[] = {&field_.parameters, &field_.vertices};
-    render_recorder_.Dispatch(spread_, buffers, SpreadPush{field_.vertex_count},
-                              field_.vertex_count, kWorkgroupSize);
+    render_recorder_.DispatchMany(spread_, buffers, SpreadPush{field_.vertex_count},
+                                  field_.vertex_count, kWorkgroupSize);
     render_recorder_.EndAndSubmit();
     render_recorder_.Wait();
-    integrator_->SetField(field_);
+    march_.SetField(field_);
+    if (other_) other_->SetField(field_);
     UploadViews();
   }
 
@@ -279,6 +284,16 @@ class VulkanRenderer final : public TrainingRenderer {
   nlohmann::json DescribeDevice() const override { return tetrec::DescribeDevice(*device_); }
 
  private:
+  // At most. On a software device the host's copies count, too.
+  uint64_t BytesFor(const TetMesh& mesh) const {
+    const uint64_t on_device = FieldBytes(mesh, options_.deterministic) + march_.BytesFor(mesh) +
+                               (other_ ? other_->BytesFor(mesh) : 0);
+    const bool on_host = device_->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    const uint64_t copies = mesh.tets.size() * (sizeof(glm::uvec4) * 4) +
+                            mesh.positions.size() * (sizeof(glm::vec3) + sizeof(glm::vec4) * 2);
+    return on_device + (on_host ? copies : 0);
+  }
+
   void WaitAll() const {
     for (const auto& recorder : recorders_) recorder->Wait();
   }
@@ -332,14 +347,15 @@ class VulkanRenderer final : public TrainingRenderer {
     uint32_t tet = 0;
     for (size_t i = 0; i < views_.size(); ++i) {
       tet = FindTet(field_.mesh, views_[i].cam_from_world.Inverse().translation,
-                    tet == kNoTet ? 0 : tet);
+                    tet == kNoTet ? 0 : tet, field_.not_convex.empty());
       gpu_views_.push_back(MakeGpuView(views_[i], 1, first_pixels_[i], tet));
     }
     training_views_ = MakeBuffer(*device_, "views", gpu_views_);
   }
 
   void UploadRenderView(const RenderView& view, int samples) {
-    const uint32_t tet = FindTet(field_.mesh, view.cam_from_world.Inverse().translation);
+    const uint32_t tet = FindTet(field_.mesh, view.cam_from_world.Inverse().translation, 0,
+                                 field_.not_convex.empty());
     gpu_render_view_ = MakeGpuView(view, samples, 0, tet);
     render_view_.Upload(&gpu_render_view_, sizeof(gpu_render_view_));
   }
@@ -396,8 +412,10 @@ class VulkanRenderer final : public TrainingRenderer {
             blocks,
             view,
             counters_,
-            MarchPush{.ray_count = rays.count,
+            MarchPush{.mesh_ball = field_.ball,
+                      .ray_count = rays.count,
                       .hull_faces = field_.hull_faces,
+                      .tree_leaves = field_.tree_leaves,
                       .max_steps = options_.max_steps,
                       .jitter_seed = step.seed,
                       .jitter_px = step.jitter_px,
@@ -437,7 +455,7 @@ class VulkanRenderer final : public TrainingRenderer {
         .density_quantum = 1.0f / fixed.density_quanta};
     const Buffer* buffers[] = {&field_.gradients, &field_.parameters, &field_.moments,
                                &field_.vertices};
-    recorder.Dispatch(adam_, buffers, push, field_.vertex_count, kWorkgroupSize);
+    recorder.DispatchMany(adam_, buffers, push, field_.vertex_count, kWorkgroupSize);
   }
 
   RendererOptions options_;
