@@ -8,6 +8,7 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #endif
 #include "shared/gpu_types.glsl.h"
+#include "thread_index.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 #ifdef TETREC_FIXED_POINT
@@ -41,7 +42,7 @@ vec4 TakeGradient(uint v) {
 }
 
 void main() {
-  uint v = gl_GlobalInvocationID.x;
+  uint v = ThreadIndex();
   if (v < push.row_count) {
     vec4 parameter = parameters[v];
     vec4 gradient = TakeGradient(v);

@@ -95,6 +95,23 @@ void Deposit(inout Walk walk, Segment segment, SegmentAdjoint adjoint) {
   walk.depth += 0.5 * (segment.s0 + segment.s1);
 }
 
+// Lets the corners of a triangle by which the ray leaves the mesh go.
+void FlushTriangle(inout Walk walk, MarchState state, Segment segment) {
+  if (!kCells) {
+    AddToVertex(state.a.id, walk.grad_a);
+    AddToVertex(state.b.id, walk.grad_b);
+    AddToVertex(state.c.id, walk.grad_c);
+    walk.grad_a = walk.grad_b = walk.grad_c = vec2(0.0);
+  }
+#ifdef TETREC_POSITIONS
+  vec3 move = MoveOf(SlopesOnTriangle(state), walk.end);
+  AddMoveToVertex(state.a.id, walk.move_a + segment.w_exit.x * move);
+  AddMoveToVertex(state.b.id, walk.move_b + segment.w_exit.y * move);
+  AddMoveToVertex(state.c.id, walk.move_c + segment.w_exit.z * move);
+  walk.move_a = walk.move_b = walk.move_c = walk.end = vec3(0.0);
+#endif
+}
+
 void main() {
   uint index = gl_GlobalInvocationID.x;
   bool exists = index < push.ray_count;
@@ -111,6 +128,9 @@ void main() {
   state.tet = kNoTet;
   BeginMarch(ray, entry, go, state, begin);
   bool hit = go;
+  Crossing last = Crossing(0.0, kMiss);
+  if (kAnyBoundary != 0 && hit) last = FirstCrossing(ray, entry, state);
+  bool is_whole = true;
 
   Walk walk;
   walk.depth = 0.0;
@@ -171,18 +191,20 @@ void main() {
       segment.w_apex = 0.0;
       go = go && walk.depth < push.stop_depth;
     }
+    if (kAnyBoundary != 0) {
+      TETREC_RARELY(last.face != kMiss && state.tet == kNoTet && walk.depth < push.stop_depth &&
+                    steps < push.max_steps) {
+        FlushTriangle(walk, state, segment);
+        EnterAgain(ray, last, is_whole, state, begin);
+        if (last.face != kMiss) {
+          segment.w_exit = begin.w;
+          segment.k1 = begin.payload;
+          z0 = max(z0, begin.z);
+          segment.density1 = begin.density;
+          go = true;
+        }
+      }
+    }
   }
-  if (hit && !kCells) {
-    AddToVertex(state.a.id, walk.grad_a);
-    AddToVertex(state.b.id, walk.grad_b);
-    AddToVertex(state.c.id, walk.grad_c);
-  }
-#ifdef TETREC_POSITIONS
-  if (hit) {
-    vec3 move = MoveOf(SlopesOnTriangle(state), walk.end);
-    AddMoveToVertex(state.a.id, walk.move_a + segment.w_exit.x * move);
-    AddMoveToVertex(state.b.id, walk.move_b + segment.w_exit.y * move);
-    AddMoveToVertex(state.c.id, walk.move_c + segment.w_exit.z * move);
-  }
-#endif
+  if (hit) FlushTriangle(walk, state, segment);
 }

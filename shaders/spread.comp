@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"
+#include "thread_index.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(std430, binding = kBindParameters) readonly buffer Parameters { vec4 parameters[]; };
@@ -12,7 +13,7 @@ layout(push_constant) uniform Push { SpreadPush push; };
 #include "storage.glsl"
 
 void main() {
-  uint v = gl_GlobalInvocationID.x;
+  uint v = ThreadIndex();
   if (v < push.row_count) {
     vec4 parameter = parameters[v];
     vertices[DensityRow(v)].w = exp(parameter.a);

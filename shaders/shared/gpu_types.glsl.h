@@ -42,13 +42,15 @@ struct Moments {
 
 // Specialization constant beside those of integral.glsl.h: whether vertices or tets have density
 // and colour.
-#define kConstantStorage 2
+#define kConstantStorage 3
 #define kStorageVertex 0
 #define kStorageCell 1
 
 struct MarchPush {
+  vec4 mesh_ball;  // centre, radius: holds the mesh
   uint ray_count;
   uint hull_faces;
+  uint tree_leaves;  // of the tree of boxes over the faces, where there is one
   uint max_steps;  // a ray that needs more is counted as lost
   uint jitter_seed;
   float jitter_px;   // rays are moved inside their pixel by up to half of this
@@ -165,7 +167,11 @@ struct SpreadPush {
 #define kRayStateBytes 64
 #define kRayStateBytesWithPositions 128
 
-// Counters of the renderers' kernels.
+// Of march kernels, beside those of the integral (integral.glsl.h): not 0 where the boundary may have
+// any shape.
+#define kConstantAnyBoundary 2
+
+// Counters of the march kernels.
 #define kCounterLostRays 0
 #define kCounterSteps 1
 #define kCounterHitRays 2
@@ -175,7 +181,9 @@ struct SpreadPush {
 // Bindings.
 #define kBindTets 0      // texels uvec4: vertex ids, neighbours
 #define kBindVertices 1  // texels vec4: position | density, colour | 0 a vertex (storage.glsl)
-#define kBindHull 2      // texels: per hull face plane (n, w) and ids (a, b, c, tet) as bits
+// texels: per boundary face plane (n, w) and ids (a, b, c, tet) as bits; where the boundary has a tree
+// of boxes per node (min, first) and (max, second), node 0 none (mesh/boundary.h)
+#define kBindHull 2
 #define kBindViews 3
 #define kBindBlocks 4
 #define kBindRayColors 5     // vec4 a ray: colour before the background | optical depth

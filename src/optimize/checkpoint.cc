@@ -98,6 +98,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   CheckFinite(result.state.second_moment, name, "a second moment", row);
   CheckNotNegative(result.state.second_moment, name, row);
   CheckTetMesh(result.mesh);
+  CheckConvexDomain(result.mesh);
   return result;
 }
 

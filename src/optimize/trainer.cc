@@ -465,6 +465,7 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   const fs::path scene_folder = PreviousStage(start_folder, {"sfm", "import"});
   const Scene scene = ReadScene(scene_folder);
   const RadianceField start = ReadField(start_folder / "field.tetf");
+  CheckConvexDomain(start.mesh);  // refinement fills it with tets anew
   Trainer trainer(options, scene_folder, scene, stage);
   WriteField(stage.Output("field.tetf"), trainer.Run(start));
   WriteWorld(stage.Output("world.json"), scene, scene_folder);

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "geometry/bounds3.h"
+#include "mesh/boundary.h"
 #include "render/fixed_point.h"
 #include "shared/gpu_types.glsl.h"
 
@@ -36,29 +37,63 @@ std::vector<glm::vec4> VertexRows(const TetMesh& mesh, FieldStorage storage) {
 }
 
 // Of a sum.
-uint64_t SumBytes(const DeviceField& field) { return field.fixed_point ? 8 : 4; }
+uint64_t SumBytes(bool fixed_point) { return fixed_point ? 8 : 4; }
+uint64_t SumBytes(const DeviceField& field) { return SumBytes(field.fixed_point); }
+
+// A convex boundary of more faces is searched by its tree of boxes too.
+constexpr size_t kFewFaces = 64;
 
 // Plane (outward normal, offset) and (a, b, c, tet) as bits, two rows a boundary face.
-std::vector<glm::vec4> HullRows(const TetMesh& mesh) {
+std::vector<glm::vec4> HullRows(const TetMesh& mesh, std::span<const BoundaryFace> faces) {
   std::vector<glm::vec4> rows;
-  for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    for (int face = 0; face < 4; ++face) {
-      if (mesh.neighbors[t][face] != kNoTet) continue;
-      const auto& corner = kFaceVertices[face];
-      const uint32_t a = mesh.tets[t][corner[0]], b = mesh.tets[t][corner[1]],
-                     c = mesh.tets[t][corner[2]];
-      const glm::dvec3 pa(mesh.positions[a]), pb(mesh.positions[b]), pc(mesh.positions[c]);
-      const glm::dvec3 outward = glm::normalize(glm::cross(pb - pa, pc - pa));
-      rows.emplace_back(outward, float(glm::dot(outward, pa)));
-      // Wound inwards: positive in the frame of a ray that enters.
-      rows.emplace_back(std::bit_cast<float>(a), std::bit_cast<float>(c), std::bit_cast<float>(b),
-                        std::bit_cast<float>(uint32_t(t)));
-    }
+  rows.reserve(2 * faces.size());
+  for (const BoundaryFace& face : faces) {
+    const auto& corner = kFaceVertices[face.face];
+    const glm::uvec4& tet = mesh.tets[face.tet];
+    const uint32_t a = tet[corner[0]], b = tet[corner[1]], c = tet[corner[2]];
+    const glm::dvec3 pa(mesh.positions[a]), pb(mesh.positions[b]), pc(mesh.positions[c]);
+    const glm::dvec3 outward = glm::normalize(glm::cross(pb - pa, pc - pa));
+    rows.emplace_back(outward, float(glm::dot(outward, pa)));
+    // Wound inwards: positive in the frame of a ray that enters.
+    rows.emplace_back(std::bit_cast<float>(a), std::bit_cast<float>(c), std::bit_cast<float>(b),
+                      std::bit_cast<float>(face.tet));
   }
   return rows;
 }
 
+void AppendTree(std::vector<glm::vec4>& rows, const BoxTree& tree) {
+  rows.reserve(rows.size() + 2 * tree.nodes.size());
+  for (const BoxNode& node : tree.nodes) {
+    rows.emplace_back(node.min, std::bit_cast<float>(node.first));
+    rows.emplace_back(node.max, std::bit_cast<float>(node.second));
+  }
+}
+
+void UploadBoundary(const Device& device, DeviceField& field) {
+  std::vector<BoundaryFace> faces = BoundaryFaces(field.mesh);
+  field.not_convex = WhyNotConvex(field.mesh, faces);
+  field.hull_faces = uint32_t(faces.size());
+  BoxTree tree;
+  if (!field.not_convex.empty() || faces.size() > kFewFaces) tree = BuildBoxTree(field.mesh, faces);
+  field.tree_leaves = tree.leaves;
+  std::vector<glm::vec4> rows = HullRows(field.mesh, faces);
+  AppendTree(rows, tree);
+  field.hull = MakeBuffer(device, "hull", rows, VK_FORMAT_R32G32B32A32_SFLOAT);
+}
+
 }  // namespace
+
+DeviceFieldBytes BytesOf(FieldStorage storage, bool fixed_point) {
+  const uint64_t sum = SumBytes(fixed_point);
+  const bool cells = storage == FieldStorage::kCell;
+  // Rows of 16 bytes: 2 a tet; 2 a vertex and 4 sums; parameters, 2 of moments and 4 sums for each
+  // that has attributes, one more where that is a tet; 2 a face, and at most as many nodes of 2 as
+  // there are faces, twice.
+  const uint64_t attributes = 3 * 16 + 4 * sum;
+  return {.of_tet = 2 * 16 + sum + (cells ? 16 + attributes : 0),
+          .of_vertex = 2 * 16 + 4 * sum + (cells ? 0 : attributes),
+          .of_face = 2 * 16 + 2 * 2 * 16};
+}
 
 DeviceField UploadField(const Device& device, const TetMesh& mesh, const VertexState& state,
                         bool fixed_point) {
@@ -68,18 +103,18 @@ DeviceField UploadField(const Device& device, const TetMesh& mesh, const VertexS
   field.mesh = mesh;
   field.fixed_point = fixed_point;
   field.most_tets_at_vertex = MostTetsAtVertex(mesh);
-  field.diagonal = BoundsOf(mesh.positions).Diagonal();
+  const Bounds3 bounds = BoundsOf(mesh.positions);
+  field.diagonal = bounds.Diagonal();
+  field.ball = glm::vec4(bounds.Center(), 1.001f * 0.5f * float(field.diagonal));
   field.vertex_count = uint32_t(mesh.positions.size());
   field.tet_count = uint32_t(mesh.tets.size());
   field.storage = state.storage;
   field.row_count = uint32_t(state.parameters.size());
   field.first_cell = 2 * field.vertex_count;
-  const std::vector<glm::vec4> hull = HullRows(mesh);
-  field.hull_faces = uint32_t(hull.size() / 2);
   field.tets = MakeBuffer(device, "tets", TetRows(mesh), VK_FORMAT_R32G32B32A32_UINT);
   field.vertices = MakeBuffer(device, "vertices", VertexRows(mesh, state.storage),
                               VK_FORMAT_R32G32B32A32_SFLOAT);
-  field.hull = MakeBuffer(device, "hull", hull, VK_FORMAT_R32G32B32A32_SFLOAT);
+  UploadBoundary(device, field);
   field.parameters = MakeBuffer(device, "parameters", state.parameters);
   std::vector<Moments> moments(field.row_count);
   for (size_t v = 0; v < state.first_moment.size(); ++v) {

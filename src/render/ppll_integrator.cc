@@ -3,7 +3,6 @@
 
 #include "core/error.h"
 #include "embedded_shaders.h"
-#include "geometry/bounds3.h"
 #include "gpu/raster_program.h"
 
 #include <fmt/format.h>
@@ -39,12 +38,6 @@ std::vector<uint32_t> UniqueFaces(const TetMesh& mesh) {
     }
   }
   return faces;
-}
-
-// A ball around the mesh: centre, radius.
-glm::vec4 BallAround(const TetMesh& mesh) {
-  const Bounds3 bounds = BoundsOf(mesh.positions);
-  return glm::vec4(bounds.Center(), 1.001f * 0.5f * float(bounds.Diagonal()));
 }
 
 // What every kernel reads, and `more`.
@@ -119,12 +112,17 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
   fragments_ = Buffer(device, "fragments", kFragmentBytes);
 }
 
+// A tet has 4 faces at most of its own, 4 bytes each.
+uint64_t PpllIntegrator::BytesFor(const TetMesh& mesh) const {
+  return mesh.tets.size() * 16 + fragment_capacity_ * kFragmentBytes;
+}
+
 void PpllIntegrator::SetField(const DeviceField& field) {
   TETREC_CHECK(field.tet_count < 1u << 28, "6 vertices for each of 2 faces a tet, in 32 bits");
   const std::vector<uint32_t> faces = UniqueFaces(field.mesh);
   face_count_ = uint32_t(faces.size());
   faces_ = MakeBuffer(device_, "faces", faces);
-  mesh_ball_ = BallAround(field.mesh);
+  mesh_ball_ = field.ball;
   tiles_.clear();
 }
 

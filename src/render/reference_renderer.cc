@@ -276,6 +276,8 @@ void AddRayGradient(const RadianceField& field, std::span<const Segment> segment
                                           {-by_length, length * by_s0, before * a.w0});
     const dvec3 end_move = MoveGradient(field, segment.tet, segment.end_face, direction, g,
                                         {by_length, length * by_s1, before * a.w1});
+    // Behind a gap a vertex begins another passage.
+    if (field.mesh.neighbors[segment.tet][segment.end_face] == kNoTet) passages.Leave();
     passages.Enter(field.mesh.tets[segment.tet]);
     for (int j = 0; j < 4; ++j) {
       const uint32_t id = field.mesh.tets[segment.tet][j];

@@ -3,6 +3,7 @@
 #include "embedded_shaders.h"
 #include "mesh/locate.h"
 #include "render/dssim_loss.h"
+#include "render/field_checks.h"
 #include "render/fixed_point.h"
 #include "render/march_integrator.h"
 #include "render/ppll_integrator.h"
@@ -104,7 +105,7 @@ class VulkanRenderer final : public TrainingRenderer {
         loss_(LossProgram(*device_)),
         adam_(AdamProgram(*device_, storage_, options.deterministic)),
         spread_(SpreadProgram(*device_, storage_)),
-        march_(*device_, options.integral, storage_, options.deterministic),
+        march_(*device_, options.integral, options.deterministic),
         other_(MakeOtherIntegrator(*device_, options, storage_)),
         integrator_(other_ ? other_.get() : &march_),
         recorders_{std::make_unique<CommandRecorder>(*device_),
@@ -119,21 +120,25 @@ class VulkanRenderer final : public TrainingRenderer {
   ~VulkanRenderer() override { WaitAll(); }
 
   void SetField(const RadianceField& field) override {
+    CheckField(field);
     SetVertexState(field.mesh, {ParametersOf(field), {}, {}, field.storage});
   }
 
   void SetVertexState(const TetMesh& mesh, const VertexState& state) override {
+    CheckRenderable(mesh, state);
     WaitAll();
     field_ = {};  // frees the old mesh before the new one takes memory
+    CheckMemory(mesh, BytesFor(mesh, state.storage), MeasureFreeMemory(*device_));
     UseStorage(state.storage);
     field_ = UploadField(*device_, mesh, state, options_.deterministic);
     render_recorder_.Begin();
     const Buffer* buffers[] = {&field_.parameters, &field_.vertices};
-    render_recorder_.Dispatch(spread_, buffers, SpreadPush{field_.row_count, field_.first_cell},
-                              field_.row_count, kWorkgroupSize);
+    render_recorder_.DispatchMany(spread_, buffers, SpreadPush{field_.row_count, field_.first_cell},
+                                  field_.row_count, kWorkgroupSize);
     render_recorder_.EndAndSubmit();
     render_recorder_.Wait();
-    integrator_->SetField(field_);
+    march_.SetField(field_);
+    if (other_) other_->SetField(field_);
     UploadViews();
   }
 
@@ -284,6 +289,16 @@ class VulkanRenderer final : public TrainingRenderer {
   nlohmann::json DescribeDevice() const override { return tetrec::DescribeDevice(*device_); }
 
  private:
+  // At most. On a software device the host's copies count, too.
+  uint64_t BytesFor(const TetMesh& mesh, FieldStorage storage) const {
+    const uint64_t on_device = FieldBytes(mesh, storage, options_.deterministic) + march_.BytesFor(mesh) +
+                               (other_ ? other_->BytesFor(mesh) : 0);
+    const bool on_host = device_->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    const uint64_t copies = mesh.tets.size() * (sizeof(glm::uvec4) * 4) +
+                            mesh.positions.size() * (sizeof(glm::vec3) + sizeof(glm::vec4) * 2);
+    return on_device + (on_host ? copies : 0);
+  }
+
   void WaitAll() const {
     for (const auto& recorder : recorders_) recorder->Wait();
   }
@@ -294,7 +309,6 @@ class VulkanRenderer final : public TrainingRenderer {
     storage_ = storage;
     adam_ = AdamProgram(*device_, storage, options_.deterministic);
     spread_ = SpreadProgram(*device_, storage);
-    march_ = MarchIntegrator(*device_, options_.integral, storage, options_.deterministic);
     other_ = MakeOtherIntegrator(*device_, options_, storage);
     integrator_ = other_ ? other_.get() : &march_;
   }
@@ -348,14 +362,15 @@ class VulkanRenderer final : public TrainingRenderer {
     uint32_t tet = 0;
     for (size_t i = 0; i < views_.size(); ++i) {
       tet = FindTet(field_.mesh, views_[i].cam_from_world.Inverse().translation,
-                    tet == kNoTet ? 0 : tet);
+                    tet == kNoTet ? 0 : tet, field_.not_convex.empty());
       gpu_views_.push_back(MakeGpuView(views_[i], 1, first_pixels_[i], tet));
     }
     training_views_ = MakeBuffer(*device_, "views", gpu_views_);
   }
 
   void UploadRenderView(const RenderView& view, int samples) {
-    const uint32_t tet = FindTet(field_.mesh, view.cam_from_world.Inverse().translation);
+    const uint32_t tet = FindTet(field_.mesh, view.cam_from_world.Inverse().translation, 0,
+                                 field_.not_convex.empty());
     gpu_render_view_ = MakeGpuView(view, samples, 0, tet);
     render_view_.Upload(&gpu_render_view_, sizeof(gpu_render_view_));
   }
@@ -409,8 +424,10 @@ class VulkanRenderer final : public TrainingRenderer {
             blocks,
             view,
             counters_,
-            MarchPush{.ray_count = rays.count,
+            MarchPush{.mesh_ball = field_.ball,
+                      .ray_count = rays.count,
                       .hull_faces = field_.hull_faces,
+                      .tree_leaves = field_.tree_leaves,
                       .max_steps = options_.max_steps,
                       .jitter_seed = step.seed,
                       .jitter_px = step.jitter_px,
@@ -470,7 +487,7 @@ class VulkanRenderer final : public TrainingRenderer {
         .first_cell = field_.first_cell};
     const Buffer* buffers[] = {&field_.gradients, &field_.parameters, &field_.moments,
                                &field_.vertices};
-    recorder.Dispatch(adam_, buffers, push, field_.row_count, kWorkgroupSize);
+    recorder.DispatchMany(adam_, buffers, push, field_.row_count, kWorkgroupSize);
   }
 
   RendererOptions options_;
