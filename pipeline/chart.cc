@@ -1,9 +1,8 @@
 // tetrec-chart: held-out PSNR against seconds, for one or more runs.
 #include "eval/chart.h"
 
-#include "core/error.h"
+#include "core/plain_command.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 namespace {
@@ -38,22 +37,8 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", out, "Folder to write; made where it does not exist")->required();
   app.add_flag("--linear-x", linear_x, "Linear instead of logarithmic seconds");
   app.add_option("--title", options.title, "Title; default: what the runs were measured on");
-  try {
-    app.parse(argc, argv);
+  return tetrec::RunPlainCommand(app, argc, argv, [&] {
     options.log_x = !linear_x;
     Chart(runs, options, out);
-    return 0;
-  } catch (const CLI::CallForHelp&) {
-    fmt::print("{}", app.help());
-    return 0;
-  } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "tetrec-chart: {} (see --help)\n", error.what());
-    return 2;
-  } catch (const tetrec::Error& error) {
-    fmt::print(stderr, "tetrec-chart: {}\n", error.what());
-    return error.exit_code();
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "tetrec-chart: bug: {}\n", error.what());
-    return 1;
-  }
+  });
 }

@@ -1,4 +1,4 @@
-// One step of Adam (Kingma and Ba 2015) on every vertex, and the field that the renderers read.
+// One step of Adam (shared/adam.glsl.h) on every vertex, and the field that the renderers read.
 //
 // Parameters: colour as it is, and the logarithm of density; dL/dlog(sigma) = sigma dL/dsigma.
 // Clears the gradient for the next step.
@@ -7,6 +7,7 @@
 #ifdef TETREC_FIXED_POINT
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #endif
+#include "shared/adam.glsl.h"
 #include "shared/gpu_types.glsl.h"
 #include "thread_index.glsl"
 
@@ -48,15 +49,24 @@ void main() {
     vec4 gradient = TakeGradient(v);
     gradient.a *= vertices[DensityRow(v)].w;
     Moments m = moments[v];
-    m.first = push.beta1 * m.first + (1.0 - push.beta1) * gradient;
-    m.second = push.beta2 * m.second + (1.0 - push.beta2) * gradient * gradient;
+    AdamRates rates =
+        AdamRates(push.beta1, push.beta2, push.epsilon, push.second_moment_correction);
     vec4 rate = vec4(vec3(push.color_rate), push.density_rate);
-    parameter -= rate * m.first / (sqrt(m.second * push.second_moment_correction) + push.epsilon);
+    uint i = 0u;
+    while (i < 4u) {
+      AdamState state =
+          AdamStep(AdamState(parameter[i], m.first[i], m.second[i]), rates, rate[i], gradient[i]);
+      parameter[i] = state.parameter;
+      m.first[i] = state.first;
+      m.second[i] = state.second;
+      i += 1u;
+    }
     // Seen vertices tend to empty: what the pictures do not ask for again and again goes.
     if (gradient != vec4(0.0)) parameter.a -= push.density_decay;
-    parameter.rgb = clamp(parameter.rgb, 0.0, 1.0);
-    // As ParametersOf: below, density and its gradient would be 0 for ever.
-    parameter.a = clamp(parameter.a, -80.0, push.max_log_density);
+    parameter.r = ClampColor(parameter.r);
+    parameter.g = ClampColor(parameter.g);
+    parameter.b = ClampColor(parameter.b);
+    parameter.a = ClampLogDensity(parameter.a, push.max_log_density);
     moments[v] = m;
     parameters[v] = parameter;
     vertices[DensityRow(v)].w = exp(parameter.a);

@@ -1,12 +1,12 @@
 // Compares every ray with its target pixel: writes dL/dcolour and dL/dtransmittance, and one partial
 // sum of the loss and of the squared error a workgroup.
 //
-// The picture is colour + T background; the target is premultiplied + (1 - alpha) background.
-// L2: mean of squares, L1: mean of absolute values, over rays and channels.
+// The loss is a mean over rays and channels (shared/loss.glsl.h).
 // TETREC_PICTURES: writes what is compared too, for the kernels of D-SSIM.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"
+#include "shared/loss.glsl.h"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(std430, binding = kBindViews) readonly buffer Views { GpuView views[]; };
@@ -35,7 +35,6 @@ void main() {
       vec4 target = texelFetch(targets, int(size_pixel.z + y * size_pixel.x + x));
       vec4 color = ray_colors[index];
       float transmittance = exp(-color.a);
-      vec3 residual = color.rgb - target.rgb + (transmittance - (1.0 - target.a)) * push.background.rgb;
 #ifdef TETREC_PICTURES
       vec3 shown = color.rgb + transmittance * push.background.rgb;
       vec3 wanted = target.rgb + (1.0 - target.a) * push.background.rgb;
@@ -43,11 +42,14 @@ void main() {
       pictures[push.ray_count + index] = vec2(shown.g, wanted.g);
       pictures[2u * push.ray_count + index] = vec2(shown.b, wanted.b);
 #endif
-      bool squared = push.loss == kLossL2;
-      gradient.rgb = push.gradient_scale * (squared ? 2.0 * residual : sign(residual));
+      uint c = 0u;
+      while (c < 3u) {
+        float residual = ResidualOf(color[c], transmittance, target[c], target.a, push.background[c]);
+        gradient[c] = push.gradient_scale * LossSlope(int(push.loss), residual);
+        sum += vec2(LossOf(int(push.loss), residual), residual * residual);
+        c += 1u;
+      }
       gradient.a = dot(gradient.rgb, push.background.rgb);
-      float square = dot(residual, residual);
-      sum = vec2(squared ? square : dot(abs(residual), vec3(1.0)), square);
     }
     ray_gradients[index] = gradient;
   }

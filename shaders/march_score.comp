@@ -13,9 +13,6 @@ layout(std430, binding = kBindRayEntries) readonly buffer RayEntries { Entry ray
 layout(std430, binding = kBindRayGradients) readonly buffer RayGradients { vec4 ray_gradients[]; };
 layout(std430, binding = kBindTetScores) buffer TetScores { Sum tet_scores[]; };
 
-// Additions are what this pass costs; shares below this decide no split.
-const float kLeastShare = 1e-3;
-
 void main() {
   uint index = gl_GlobalInvocationID.x;
   bool exists = index < push.ray_count;
@@ -49,7 +46,7 @@ void main() {
     float tau = 0.5 * (density0 + density1) * (z1 - z0);
     float t = exp(-depth);
     float share = t * (1.0 - exp(-tau));
-    if (share > kLeastShare) AddTo(tet_scores[tet], error * share, kScoreQuanta);
+    if (share > kLeastScoredShare) AddTo(tet_scores[tet], error * share, kScoreQuanta);
     depth += tau;
     z0 = z1;
     density0 = density1;

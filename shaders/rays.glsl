@@ -1,6 +1,8 @@
 // The rays of a batch: 4 x 2 blocks of pixels of the views that they name. The including kernel
 // declares `push` with jitter_seed and jitter_px. Every ray is moved inside its pixel by its own
 // jitter; with TETREC_ONE_JITTER all rays of the batch are moved alike, as rasterisation needs.
+#include "shared/random.glsl.h"
+
 layout(std430, binding = kBindViews) readonly buffer Views { GpuView views[]; };
 layout(std430, binding = kBindBlocks) readonly buffer Blocks { GpuBlock blocks[]; };
 
@@ -12,15 +14,6 @@ struct Ray {
   uint start_tet;   // tet that holds the camera, or kNoTet
   uint pixel;       // index into the targets
 };
-
-// PCG hash (Jarzynski and Olano 2020, "Hash functions for GPU rendering").
-uint Hash(uint x) {
-  x = x * 747796405u + 2891336453u;
-  x = ((x >> ((x >> 28u) + 4u)) ^ x) * 277803737u;
-  return (x >> 22u) ^ x;
-}
-
-float UnitFloat(uint x) { return float(x >> 8) * (1.0 / 16777216.0); }
 
 vec2 Jitter(uint index) {
 #ifdef TETREC_ONE_JITTER

@@ -87,8 +87,6 @@ struct LossPush {
   uint padding;
   vec4 background;  // rgb [display sRGB], stands behind field and target
 };
-#define kLossL2 0
-#define kLossL1 1
 
 // D-SSIM of a batch of tiles, all alike.
 struct DssimPush {
@@ -161,6 +159,8 @@ struct SpreadPush {
 #define kScoreQuanta 4294967296.0
 #define kLargestScore 64.0
 #define kMostScoredRays 16777216
+// Of a ray's opacity; additions are what scoring costs, and smaller shares decide no split.
+#define kLeastScoredShare 1e-3
 
 // What the backward pass of projected tets keeps of a ray between stretches (held_vertices.glsl),
 // without and with positions.

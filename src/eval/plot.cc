@@ -52,10 +52,11 @@ bool HasPoints(const std::string& data) {
 
 std::string Curve(const PlotSeries& series, size_t index) {
   const int color = series.color % 8;
-  return fmt::format("'{}' using 1:2 {} with {} lc rgb '{}' lw 2 dt {} pt {} ps 0.5 title {}",
+  return fmt::format("'{}' using 1:2 {} with {} lc rgb '{}' lw 2 dt {} pt {} ps {} title {}",
                      DataName(index), series.on_second_axis ? "axes x1y2" : "axes x1y1",
                      series.marks ? "linespoints" : "lines", kPalette[color],
-                     series.on_second_axis ? 2 : 1, kMarks[color], Quoted(series.legend));
+                     series.on_second_axis || series.dashed ? 2 : 1, kMarks[color],
+                     series.x.size() == 1 ? 1.2 : 0.5, Quoted(series.legend));
 }
 
 // 1, 2 and 5 times the powers of ten around the data: gnuplot labels only the powers.

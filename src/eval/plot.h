@@ -14,6 +14,7 @@ struct PlotSeries {
   int color = 0;                // index into a palette of 8, safe for the colour-blind; wraps
   bool on_second_axis = false;  // y axis on the right
   bool marks = true;            // a mark at each point
+  bool dashed = false;          // as those on the second axis are
 };
 
 struct Plot {

@@ -129,6 +129,9 @@ Buffer::Buffer(const Device& device, std::string name, uint64_t bytes, VkFormat 
   handle_ = allocation.buffer;
   memory_ = allocation.memory;
   mapped_ = allocation.mapped;
+  MemoryUse& use = *device.memory_use;
+  use.bytes += bytes_;
+  use.most_bytes = std::max(use.most_bytes, use.bytes);
   if (is_texel) {
     VkBufferViewCreateInfo view{.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
                                 .buffer = handle_,
@@ -141,6 +144,7 @@ Buffer::Buffer(const Device& device, std::string name, uint64_t bytes, VkFormat 
 
 Buffer::~Buffer() {
   if (device_ == nullptr) return;
+  device_->memory_use->bytes -= bytes_;
   vkDestroyBufferView(device_->handle, view_, nullptr);
   vkDestroyBuffer(device_->handle, handle_, nullptr);
   vkFreeMemory(device_->handle, memory_, nullptr);

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace tetrec {
 
 CommandRecorder::CommandRecorder(const Device& device) : device_(device) {
@@ -19,6 +21,7 @@ CommandRecorder::CommandRecorder(const Device& device) : device_(device) {
 
 CommandRecorder::~CommandRecorder() {
   if (submitted_) vkWaitForFences(device_.handle, 1, &fence_, VK_TRUE, UINT64_MAX);
+  vkDestroyQueryPool(device_.handle, queries_, nullptr);
   vkDestroyFence(device_.handle, fence_, nullptr);
   vkFreeCommandBuffers(device_.handle, device_.command_pool, 1, &handle_);
 }
@@ -34,6 +37,49 @@ void CommandRecorder::Begin() {
   // Work of an earlier submission may still be running on the same buffers.
   WorkBarrier();
   barriers_ = 0;
+  if (device_.kernel_times) BeginTiming();
+}
+
+// The pool grows to what the last recording would have needed.
+void CommandRecorder::BeginTiming() {
+  const uint32_t needed = uint32_t(timed_.size()) + 1;
+  if (needed > query_capacity_) {
+    vkDestroyQueryPool(device_.handle, queries_, nullptr);
+    query_capacity_ = std::max(1024u, 2 * needed);
+    const VkQueryPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                     .queryType = VK_QUERY_TYPE_TIMESTAMP,
+                                     .queryCount = query_capacity_};
+    TETREC_VK(vkCreateQueryPool(device_.handle, &pool, nullptr, &queries_));
+  }
+  timed_.clear();
+  vkCmdResetQueryPool(handle_, queries_, 0, query_capacity_);
+  vkCmdWriteTimestamp2(handle_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, 0);
+}
+
+void CommandRecorder::WriteTimestamp(const std::string& name) {
+  if (!device_.kernel_times) return;
+  timed_.push_back(name);
+  if (timed_.size() < query_capacity_) {
+    vkCmdWriteTimestamp2(handle_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
+                         uint32_t(timed_.size()));
+  }
+}
+
+// All commands before a timestamp are done when it is written: differences do not overlap.
+void CommandRecorder::CollectTimes() {
+  const size_t count = std::min<size_t>(timed_.size() + 1, query_capacity_);
+  std::vector<uint64_t> ticks(count);
+  TETREC_VK(vkGetQueryPoolResults(device_.handle, queries_, 0, uint32_t(count), count * 8,
+                                  ticks.data(), 8,
+                                  VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
+  const uint64_t mask = ~0ull >> (64 - device_.timestamp_bits);
+  const double seconds_per_tick = 1e-9 * double(device_.properties.limits.timestampPeriod);
+  for (size_t i = 1; i < count; ++i) {
+    KernelTimes::Entry& entry = device_.kernel_times->by_name[timed_[i - 1]];
+    ++entry.calls;
+    entry.seconds += seconds_per_tick * double((ticks[i] - ticks[i - 1]) & mask);
+  }
+  device_.kernel_times->untimed_calls += timed_.size() + 1 - count;
 }
 
 VkPipelineStageFlags2 CommandRecorder::WorkStages() const {
@@ -122,6 +168,7 @@ void CommandRecorder::DispatchBytes(const Program& program, std::span<const Buff
                fmt::format("dispatch of {}: {} workgroups", program.name(), groups));
   Bind(program, buffers, push, push_bytes);
   vkCmdDispatch(handle_, uint32_t(columns), uint32_t(rows), 1);
+  WriteTimestamp(program.name());
 }
 
 void CommandRecorder::DrawBytes(const Program& program, std::span<const Buffer* const> buffers,
@@ -144,11 +191,13 @@ void CommandRecorder::DrawBytes(const Program& program, std::span<const Buffer* 
   vkCmdBeginRendering(handle_, &rendering);
   vkCmdDraw(handle_, vertices, 1, 0, 0);
   vkCmdEndRendering(handle_);
+  WriteTimestamp(program.name());
 }
 
 void CommandRecorder::FillZero(const Buffer& buffer) {
   if (written_.contains(buffer.handle()) || read_.contains(buffer.handle())) WorkBarrier();
   vkCmdFillBuffer(handle_, buffer.handle(), 0, VK_WHOLE_SIZE, 0);
+  WriteTimestamp("fill");
   written_.insert(buffer.handle());
 }
 
@@ -169,6 +218,7 @@ void CommandRecorder::Wait() {
   TETREC_VK(vkWaitForFences(device_.handle, 1, &fence_, VK_TRUE, UINT64_MAX));
   TETREC_VK(vkResetFences(device_.handle, 1, &fence_));
   submitted_ = false;
+  if (device_.kernel_times) CollectTimes();
 }
 
 }  // namespace tetrec

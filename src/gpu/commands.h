@@ -6,6 +6,7 @@
 
 #include <set>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace tetrec {
@@ -65,6 +66,11 @@ class CommandRecorder {
   void Bind(const Program& program, std::span<const Buffer* const> buffers, const void* push,
             uint32_t push_bytes);
   VkPipelineStageFlags2 WorkStages() const;
+  void BeginTiming();
+  // After a command.
+  void WriteTimestamp(const std::string& name);
+  // Of a submission that is done.
+  void CollectTimes();
   void WorkBarrier();
   void Barrier(VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access);
 
@@ -74,6 +80,10 @@ class CommandRecorder {
   bool submitted_ = false;
   uint32_t barriers_ = 0;
   std::set<VkBuffer> read_, written_;
+  // Of Device::kernel_times: one timestamp before the first command and one after each.
+  VkQueryPool queries_ = VK_NULL_HANDLE;
+  uint32_t query_capacity_ = 0;
+  std::vector<std::string> timed_;  // names of the commands since Begin
 };
 
 }  // namespace tetrec

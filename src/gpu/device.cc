@@ -185,6 +185,13 @@ uint32_t ChooseQueueFamily(VkPhysicalDevice device, bool& has_graphics) {
   throw EnvironmentError("the Vulkan device has no compute queue: choose another with --device");
 }
 
+uint32_t TimestampBits(VkPhysicalDevice device, uint32_t family) {
+  uint32_t count = family + 1;
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+  return families[family].timestampValidBits;
+}
+
 bool HasExtension(VkPhysicalDevice device, const char* name) {
   uint32_t count = 0;
   TETREC_VK(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr));
@@ -328,6 +335,10 @@ std::unique_ptr<Device> CreateDevice(const DeviceOptions& options) {
     }
   }
   CreateLogicalDevice(*device);
+  device->timestamp_bits = TimestampBits(device->physical, device->queue_family);
+  if (options.time_kernels && device->timestamp_bits > 0) {
+    device->kernel_times = std::make_unique<KernelTimes>();
+  }
   VkCommandPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
                                .queueFamilyIndex = device->queue_family};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gpu/device_options.h"
+#include "gpu/kernel_times.h"
 
 #include <nlohmann/json.hpp>
 #include <vulkan/vulkan.h>
@@ -12,6 +13,11 @@
 #include <vector>
 
 namespace tetrec {
+
+// Of a device's buffers.
+struct MemoryUse {
+  uint64_t bytes = 0, most_bytes = 0;  // now, and at most since the device was made
+};
 
 struct Device {
   VkInstance instance = VK_NULL_HANDLE;
@@ -29,6 +35,9 @@ struct Device {
   bool has_raster = false;         // can draw without attachments, its fragments writing to buffers
   PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
   std::vector<std::string> validation_messages;  // empty means clean
+  const std::unique_ptr<MemoryUse> memory_use = std::make_unique<MemoryUse>();
+  std::unique_ptr<KernelTimes> kernel_times;  // null unless asked for and possible
+  uint32_t timestamp_bits = 0;                // that count; 0: the queue has no timestamps
 
   Device() = default;
   Device(const Device&) = delete;

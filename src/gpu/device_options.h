@@ -10,6 +10,7 @@ struct DeviceOptions {
   std::string device = "auto";
   bool validation = false;     // core and synchronization validation; messages are counted
   bool float_atomics = true;   // false: compare and swap even where the device adds floats natively
+  bool time_kernels = false;   // by timestamps; nothing where the device has none
   bool int64_atomics = false;  // needed; a device without them is an EnvironmentError
 };
 

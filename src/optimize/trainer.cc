@@ -10,6 +10,7 @@
 #include "optimize/random.h"
 #include "optimize/refine.h"
 #include "optimize/training_set.h"
+#include "render/kernel_table.h"
 #include "render/picture.h"
 #include "scene/image.h"
 #include "shared/gpu_types.glsl.h"
@@ -362,6 +363,7 @@ class Trainer {
             watched_.empty()
                 ? ""
                 : fmt::format("; {:.2f} dB on {} watched views", psnr, watched_.size()));
+    LogKernelTimes(options_.renderer, *renderer_);
   }
 
   RadianceField ToField(const VertexState& state) const {

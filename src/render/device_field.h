@@ -11,8 +11,8 @@ namespace tetrec {
 
 // 32 bytes a tet, 32 a vertex, and 64 more a row of attributes to learn (80 in fixed point); 16
 // more a tet where cells have the attributes; one plane and one triangle a boundary face, and where
-// the boundary is not convex or has many faces a tree of boxes over them (gpu_types.glsl.h tells the
-// layouts).
+// the boundary is not convex or has many faces a tree of boxes over them (gpu_types.glsl.h tells
+// the layouts).
 struct DeviceField {
   TetMesh mesh;            // the host's copy
   std::string not_convex;  // why the boundary is not convex; empty where it is

@@ -1,11 +1,14 @@
-// The renderer that judges the others: double precision on the CPU, no neighbour links, no rounding
-// tricks, a picture of a small mesh in seconds.
+// The renderer that judges the others: on the CPU, no neighbour links, no rounding tricks. Every
+// ray is cut with every tet whose box it meets, so the mesh need not be convex or connected, only
+// free of overlap; only of a ray that lies in the plane of a face up to rounding both sides may
+// claim a stretch, or none. The same bits for any number of threads.
 #pragma once
 
 #include "render/renderer.h"
 
 #include <glm/glm.hpp>
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -35,8 +38,7 @@ struct ReferenceGradient {
 };
 
 // One ray through every pixel's centre. A ray ends after the tet in which its transmittance falls
-// to `stop_transmittance`; 0 means never. Every ray is cut with every tet, so the mesh need not be
-// convex or connected, only free of overlap.
+// to `stop_transmittance`; 0 means never.
 ReferenceImage RenderReference(const RadianceField& field, const RenderView& view,
                                double stop_transmittance, const IntegralOptions& integral = {});
 
@@ -46,5 +48,8 @@ ReferenceGradient BackpropagateReference(const RadianceField& field, const Rende
                                          std::span<const glm::dvec4> pixel_gradient,
                                          double stop_transmittance,
                                          const IntegralOptions& integral = {});
+
+// The same as a renderer that learns, in the precision of `options`; no Vulkan is touched.
+std::unique_ptr<TrainingRenderer> CreateReferenceRenderer(const RendererOptions& options);
 
 }  // namespace tetrec

@@ -5,6 +5,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "render/kernel_table.h"
 #include "render/picture.h"
 #include "scene/image.h"
 #include "scene/scene.h"
@@ -104,6 +105,7 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   stage.Seconds("render", render_seconds);
   LogInfo("{} pictures, {} rays, {} lost; {:.1f} s on the device, {:.1f} s in all", views.size(),
           WithThousands(counts.rays), counts.lost_rays, render_seconds, timer.seconds());
+  LogKernelTimes(options.renderer, *renderer);
 }
 
 }  // namespace tetrec

@@ -1,6 +1,9 @@
 // What all renderers share.
 #include "render/renderer.h"
 
+#include "render/reference_renderer.h"
+#include "render/vulkan_renderer.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,6 +17,11 @@ std::vector<glm::vec4> ParametersOf(const RadianceField& field) {
         glm::vec4(field.color_srgb[v], std::log(std::max(field.density[v], kLeastDensity)));
   }
   return parameters;
+}
+
+std::unique_ptr<TrainingRenderer> CreateRenderer(const RendererOptions& options) {
+  if (options.kind == RendererKind::kReference) return CreateReferenceRenderer(options);
+  return CreateVulkanRenderer(options);
 }
 
 }  // namespace tetrec

@@ -40,9 +40,22 @@ struct RenderCounts {
   uint64_t lost_rays = 0;
   // Of RendererOptions::deterministic: addends too large for the fixed-point sums, clamped there.
   uint64_t clamped_addends = 0;
+  uint64_t device_bytes = 0;  // most that buffers took at one time; the reference has none
   // Of Render and MarchBlocks where RendererOptions::count_steps is set, else 0.
   uint64_t hit_rays = 0;  // passed a tet
   uint64_t steps = 0;     // tets passed
+};
+
+struct KernelTime {
+  std::string name;
+  uint64_t calls = 0;
+  double seconds = 0;
+};
+
+struct KernelReport {
+  bool has_timestamps = false;  // asked for, and the device has them
+  std::vector<KernelTime> kernels;
+  uint64_t untimed_calls = 0;
 };
 
 class Renderer {
@@ -53,6 +66,8 @@ class Renderer {
   virtual RenderedImage Render(const RenderView& view, int samples) = 0;
   virtual RenderCounts counts() const = 0;
   virtual nlohmann::json DescribeDevice() const = 0;
+  // Since the renderer was made, of what has been waited for.
+  virtual KernelReport KernelTimes() const { return {}; }
 };
 
 // dL/d(colour, density) of every row of the field, dL/dposition of every vertex.
@@ -164,7 +179,11 @@ enum class RendererKind {
   kMarch,       // from tet to tet through neighbour links
   kPpll,        // rasterised faces in per-pixel linked lists, sorted
   kProjection,  // projected tets in sorted order
+  kReference,   // every tet near the ray is cut, on the CPU: slow, and touches no Vulkan
 };
+
+// Of kReference; the others compute in float.
+enum class Precision { kDouble, kFloat };
 
 // In which order projected tets are composited.
 enum class VisibilityOrder {
@@ -182,6 +201,7 @@ enum class FragmentSort {
 struct RendererOptions {
   RendererKind kind = RendererKind::kMarch;
   VisibilityOrder order = VisibilityOrder::kExact;  // of projection
+  Precision precision = Precision::kDouble;         // of the reference
   DeviceOptions device;
   IntegralOptions integral;
   // A ray ends behind the tet in which its transmittance falls to this; 0: never. The same rule

@@ -12,7 +12,10 @@ namespace {
 
 const std::map<std::string, RendererKind> kRenderers = {{"march", RendererKind::kMarch},
                                                         {"ppll", RendererKind::kPpll},
-                                                        {"projection", RendererKind::kProjection}};
+                                                        {"projection", RendererKind::kProjection},
+                                                        {"reference", RendererKind::kReference}};
+const std::map<std::string, Precision> kPrecisions = {{"double", Precision::kDouble},
+                                                      {"float", Precision::kFloat}};
 const std::map<std::string, FragmentSort> kSorts = {
     {"auto", FragmentSort::kAuto}, {"shell", FragmentSort::kShell}, {"heap", FragmentSort::kHeap}};
 const std::map<std::string, VisibilityOrder> kOrders = {{"exact", VisibilityOrder::kExact},
@@ -24,8 +27,11 @@ void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOpt
   CLI::App& app = command.app();
   app.add_option("--renderer", words.renderer,
                  "march (from tet to tet, by far the fastest), ppll (rasterised faces in per-pixel "
-                 "lists, sorted) or projection (projected tets, sorted); the pictures are the same")
+                 "lists, sorted), projection (projected tets, sorted) or reference (on the CPU "
+                 "without Vulkan, for small scenes); the pictures are the same")
       ->check(CLI::IsMember(&kRenderers));
+  app.add_option("--precision", words.precision, "of the reference renderer: double or float")
+      ->check(CLI::IsMember(&kPrecisions));
   app.add_option("--order", words.order,
                  "of projected tets: exact, or centroid (by the depth of their centroids, "
                  "approximate)")
@@ -43,6 +49,9 @@ void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOpt
       app.add_option("--fragment-sort", words.sort,
                      "of ppll: how lists are sorted: shell, heap, or auto (by their length)")
           ->check(CLI::IsMember(&kSorts)));
+  command.DoesNotChangeResults(
+      app.add_flag("--time-kernels", options.device.time_kernels,
+                   "ends the log with the device's time in each kernel, by timestamps"));
   command.DoesNotChangeResults(app.add_option("--device", options.device.device,
                                               "Vulkan device: auto, cpu, gpu or a number"));
 }
@@ -50,6 +59,7 @@ void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOpt
 void RendererWords::Apply(RendererOptions& options) const {
   options.kind = kRenderers.at(renderer);
   options.order = kOrders.at(order);
+  options.precision = kPrecisions.at(precision);
   options.integral = ParseIntegral(integral);
   options.fragment_memory = fragment_memory_mib << 20;
   options.fragment_sort = kSorts.at(sort);
@@ -68,6 +78,10 @@ void RendererWords::Apply(RendererOptions& options) const {
   if (options.fragment_sort != FragmentSort::kAuto && options.kind != RendererKind::kPpll) {
     throw UsageError(fmt::format(
         "--fragment-sort {}: only --renderer ppll sorts lists of fragments; leave it out", sort));
+  }
+  if (options.precision != Precision::kDouble && options.kind != RendererKind::kReference) {
+    throw UsageError(fmt::format(
+        "--precision {}: only --renderer reference has a choice; leave it out", precision));
   }
 }
 

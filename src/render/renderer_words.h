@@ -10,15 +10,16 @@ namespace tetrec {
 
 // What the command line gives as words.
 struct RendererWords {
-  std::string renderer = "march", order = "exact", integral = "exact", sort = "auto";
+  std::string renderer = "march", order = "exact", integral = "exact", sort = "auto",
+              precision = "double";
   uint64_t fragment_memory_mib = 512;
 
   // Throws UsageError where the words do not go together.
   void Apply(RendererOptions& options) const;
 };
 
-// The options that every stage that renders has: --renderer, --order,
-// --integral, --fragment-memory, --fragment-sort, --device.
+// The options that every stage that renders has: --renderer, --precision, --order,
+// --integral, --fragment-memory, --fragment-sort, --time-kernels, --device.
 void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOptions& options);
 
 }  // namespace tetrec

@@ -1,13 +1,17 @@
 // Renderers on Vulkan compute: pictures, gradients, training steps over any integrator.
+#include "render/vulkan_renderer.h"
+
 #include "core/error.h"
 #include "embedded_shaders.h"
 #include "mesh/locate.h"
+#include "render/adam_push.h"
 #include "render/dssim_loss.h"
 #include "render/field_checks.h"
 #include "render/fixed_point.h"
 #include "render/march_integrator.h"
 #include "render/ppll_integrator.h"
 #include "render/projection_integrator.h"
+#include "shared/loss.glsl.h"
 
 #include <fmt/format.h>
 
@@ -279,6 +283,7 @@ class VulkanRenderer final : public TrainingRenderer {
     WaitAll();
     RenderCounts counts = counts_;
     AddCounters(counts);
+    counts.device_bytes = device_->memory_use->most_bytes;
     return counts;
   }
 
@@ -288,11 +293,23 @@ class VulkanRenderer final : public TrainingRenderer {
 
   nlohmann::json DescribeDevice() const override { return tetrec::DescribeDevice(*device_); }
 
+  KernelReport KernelTimes() const override {
+    WaitAll();
+    KernelReport report;
+    if (!device_->kernel_times) return report;
+    report.has_timestamps = true;
+    report.untimed_calls = device_->kernel_times->untimed_calls;
+    for (const auto& [name, entry] : device_->kernel_times->by_name) {
+      report.kernels.push_back({name, entry.calls, entry.seconds});
+    }
+    return report;
+  }
+
  private:
   // At most. On a software device the host's copies count, too.
   uint64_t BytesFor(const TetMesh& mesh, FieldStorage storage) const {
-    const uint64_t on_device = FieldBytes(mesh, storage, options_.deterministic) + march_.BytesFor(mesh) +
-                               (other_ ? other_->BytesFor(mesh) : 0);
+    const uint64_t on_device = FieldBytes(mesh, storage, options_.deterministic) +
+                               march_.BytesFor(mesh) + (other_ ? other_->BytesFor(mesh) : 0);
     const bool on_host = device_->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     const uint64_t copies = mesh.tets.size() * (sizeof(glm::uvec4) * 4) +
                             mesh.positions.size() * (sizeof(glm::vec3) + sizeof(glm::vec4) * 2);
@@ -469,22 +486,10 @@ class VulkanRenderer final : public TrainingRenderer {
   }
 
   void RecordAdam(CommandRecorder& recorder, const TrainingStep& step, const FixedPoint& fixed) {
-    const AdamOptions& adam = step.adam;
-    const double t = step.adam_step;
-    const float first_correction = float(1.0 / (1.0 - std::pow(double(adam.beta1), t)));
-    const AdamPush push{
-        .row_count = field_.row_count,
-        .beta1 = adam.beta1,
-        .beta2 = adam.beta2,
-        .epsilon = adam.epsilon,
-        .color_rate = adam.color_rate * first_correction,
-        .density_rate = adam.density_rate * first_correction,
-        .second_moment_correction = float(1.0 / (1.0 - std::pow(double(adam.beta2), t))),
-        .max_log_density = std::log(adam.max_density),
-        .density_decay = adam.density_decay * adam.density_rate,
-        .color_quantum = 1.0f / fixed.color_quanta,
-        .density_quantum = 1.0f / fixed.density_quanta,
-        .first_cell = field_.first_cell};
+    AdamPush push = MakeAdamPush(step, field_.row_count);
+    push.color_quantum = 1.0f / fixed.color_quanta;
+    push.density_quantum = 1.0f / fixed.density_quanta;
+    push.first_cell = field_.first_cell;
     const Buffer* buffers[] = {&field_.gradients, &field_.parameters, &field_.moments,
                                &field_.vertices};
     recorder.DispatchMany(adam_, buffers, push, field_.row_count, kWorkgroupSize);
@@ -517,7 +522,7 @@ class VulkanRenderer final : public TrainingRenderer {
 
 }  // namespace
 
-std::unique_ptr<TrainingRenderer> CreateRenderer(const RendererOptions& options) {
+std::unique_ptr<TrainingRenderer> CreateVulkanRenderer(const RendererOptions& options) {
   return std::make_unique<VulkanRenderer>(options);
 }
 

@@ -2,20 +2,19 @@
 // each form of the segment integral (compare these with
 // --benchmark_enable_random_interleaving=true), and a long march that counts lost rays
 // (--lost_rays=N rays, a million unless told).
+#include "bench/bench_scene.h"
+#include "bench/stopwatch.h"
 #include "field/change_storage.h"
-#include "mesh/delaunay.h"
 #include "render/renderer.h"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -27,63 +26,12 @@ constexpr int kPicture = 256;  // [px] a side
 constexpr int kViews = 32;
 constexpr int kGrid = 26;  // jittered points a side: 17,576, about 110,000 tets
 
-// A soft ball, density up to 25, in a sea of nothing, on a jittered grid in the unit cube.
-RadianceField MakeField(int grid) {
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> jitter(0.1, 0.9);
-  std::vector<glm::vec3> points;
-  for (int i = 0; i < 8; ++i) points.emplace_back(i & 1, i >> 1 & 1, i >> 2);
-  for (int i = 0; i < grid * grid * grid; ++i) {
-    const glm::dvec3 cell(i % grid, i / grid % grid, i / grid / grid);
-    const glm::dvec3 offset(jitter(random), jitter(random), jitter(random));
-    points.emplace_back((cell + offset) / double(grid));
-  }
-  RadianceField field;
-  field.mesh = BuildDelaunay(points).mesh;
-  for (const glm::vec3& p : field.mesh.positions) {
-    const float radius = glm::length(p - glm::vec3(0.5f));
-    field.density.push_back(25.0f * std::clamp((0.4f - radius) / 0.1f, 0.0f, 1.0f));
-    field.color_srgb.push_back(0.5f + 0.5f * glm::sin(20.0f * p));
-  }
-  return field;
-}
-
-// Looks from `eye` at `target`.
-RenderView MakeView(const glm::dvec3& eye, const glm::dvec3& target) {
-  const glm::dvec3 forward = glm::normalize(target - eye);
-  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.02, -0.97, 0.2)));
-  const glm::dmat3 cam_from_world =
-      glm::transpose(glm::dmat3(right, glm::cross(forward, right), forward));
-  const double focal = 1.25 * kPicture;
-  return {{kPicture, kPicture, focal, focal, 0.5 * kPicture, 0.5 * kPicture},
-          {cam_from_world, -(cam_from_world * eye)}};
-}
-
-// Around the cube, two sides away from its centre, spread by the golden angle.
-std::vector<RenderView> ViewsFromOutside() {
-  std::vector<RenderView> views;
-  for (int i = 0; i < kViews; ++i) {
-    const double z = 1.0 - (2.0 * i + 1.0) / kViews, turn = i * std::numbers::phi * 2 * M_PI;
-    const glm::dvec3 side(std::sqrt(1 - z * z) * std::cos(turn),
-                          std::sqrt(1 - z * z) * std::sin(turn), z);
-    views.push_back(MakeView(0.5 + 2.0 * side, glm::dvec3(0.5)));
-  }
-  return views;
-}
-
 std::vector<RayBlock> AllBlocks(uint32_t view) {
   std::vector<RayBlock> blocks;
   for (uint32_t y = 0; y < kPicture; y += kRayBlockHeight) {
     for (uint32_t x = 0; x < kPicture; x += kRayBlockWidth) blocks.push_back({view, x, y});
   }
   return blocks;
-}
-
-double ProcessCpuSeconds() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return double(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * double(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
 // Reports rays a second from its birth to Report.
@@ -105,7 +53,7 @@ class RayClock {
 };
 
 const RadianceField& BenchField() {
-  static const RadianceField field = MakeField(kGrid);
+  static const RadianceField field = BallField(kGrid);
   return field;
 }
 
@@ -113,7 +61,7 @@ const RadianceField& BenchField() {
 // measure.
 struct Stage {
   const RadianceField& field = BenchField();
-  std::vector<RenderView> views = ViewsFromOutside();
+  std::vector<RenderView> views = ViewsAroundCube(kViews, kPicture);
   std::unique_ptr<TrainingRenderer> renderer;
 
   explicit Stage(const std::string& integral) {
@@ -203,24 +151,6 @@ void StepOnRandomBlocks(benchmark::State& state) {
   RunSteps(state, Stage::Get(), batches);
 }
 
-struct Seconds {
-  double wall, cpu;
-};
-
-template <class Body>
-Seconds Measure(const Body& body) {
-  const double cpu = ProcessCpuSeconds();
-  const auto wall = std::chrono::steady_clock::now();
-  body();
-  return {std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(),
-          ProcessCpuSeconds() - cpu};
-}
-
-double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + long(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
-
 // Tets that the rays of each view pass, with the early stop.
 std::vector<double> StepsOfViews(const Stage& stage) {
   RendererOptions options;
@@ -300,8 +230,8 @@ void LostRays(benchmark::State& state, uint64_t rays) {
     for (int i = 0; renderer->counts().rays < rays; ++i) {
       auto& place = i % 2 == 0 ? inside : around;
       const glm::dvec3 eye(place(random), place(random), place(random));
-      renderer->MarchBlocks(MakeView(eye, {inside(random), inside(random), inside(random)}),
-                            blocks);
+      renderer->MarchBlocks(
+          SquareView(eye, {inside(random), inside(random), inside(random)}, kPicture), blocks);
     }
   }
   const RenderCounts counts = renderer->counts();

@@ -91,6 +91,28 @@ class EndToEndTest(StageCase):
         errors = sorted(abs(math.dist(p, (0, 0, 0)) - RADIUS) for p in positions)
         self.assertLess(errors[len(errors) // 2], 3 * PIXEL)
 
+    def test_the_reference_learns_and_renders_without_a_vulkan_driver(self):
+        run = self.folder / "run"
+        tetrahedra = self.tiny_tetrahedra()
+        none = {"VK_ICD_FILENAMES": "/nowhere.json", "VK_DRIVER_FILES": "/nowhere.json"}
+        self.assert_fails(self.run_stage("optimize", tetrahedra, "-o", run / "march", "--time-limit", 0,
+                                         "--iterations", 1, environment=none), 4, "Vulkan")
+        fields = []
+        for name in ("a", "b"):
+            fields.append(self.folder / name / "3_field")
+            self.assert_done(self.run_stage(
+                "optimize", tetrahedra, "-o", fields[-1], "--renderer", "reference", "--time-limit", 0,
+                "--iterations", 60, "--rays", 512, "--rounds", 1, environment=none))
+        # Without being asked for --deterministic.
+        self.assertEqual((fields[0] / "field.tetf").read_bytes(), (fields[1] / "field.tetf").read_bytes())
+        rows = list(csv.DictReader((fields[0] / "metrics.csv").read_text().splitlines()))
+        losses = [float(row["loss"]) for row in rows if row["loss"]]
+        self.assertLess(losses[-1], 0.6 * losses[0])
+        self.assertEqual(self.manifest(fields[0])["device"]["name"], "CPU, double precision")
+        self.assert_done(self.run_stage("render", fields[0], "-o", run / "4_views", "--renderer", "reference",
+                                        "--precision", "float", "--samples", 1, environment=none))
+        self.assertEqual(self.manifest(run / "4_views")["counts"]["rays"], 4 * SIZE * SIZE)
+
     def test_ten_photos_become_a_scene_and_a_mesh(self):
         photos = self.folder / "photos"
         photos.mkdir()

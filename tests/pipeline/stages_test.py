@@ -10,7 +10,7 @@ STAGES = ("sfm", "import", "tetrahedralize", "optimize", "render", "surface", "e
 class StagesTest(StageCase):
 
     def test_every_stage_has_help_and_ends_with_0(self):
-        for stage in (*STAGES, "chart"):
+        for stage in (*STAGES, "chart", "bench"):
             with self.subTest(stage):
                 result = self.run_stage(stage, "--help")
                 self.assert_done(result)
@@ -31,6 +31,11 @@ class StagesTest(StageCase):
                                             "--integral", words)
                     self.assert_fails(result, 2, "--integral", words)
                     self.assertFalse((self.folder / "out").exists())
+
+    def test_precision_is_the_references_alone(self):
+        for stage in ("optimize", "render"):
+            result = self.run_stage(stage, self.folder, "-o", self.folder / "out", "--precision", "float")
+            self.assert_fails(result, 2, "--precision float", "--renderer reference")
 
     def test_a_missing_input_folder_is_bad_data(self):
         for stage in STAGES:

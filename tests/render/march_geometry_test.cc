@@ -139,6 +139,10 @@ TEST_P(ChordTest, HoldsTowardsCornersAndEdgesOfTheBox) {
 
 // Straight through along an edge of the mesh and in a face of it: both mesh vertices on one ray.
 TEST_P(ChordTest, HoldsAlongEdgesOfTheMesh) {
+  if (GetParam() == RendererKind::kReference) {
+    GTEST_SKIP() << "the reference cuts every tet by itself: of a ray in the plane of a face up to "
+                    "rounding both sides may claim a stretch, or none";
+  }
   const TetMesh mesh = RandomBoxMesh(40, 36);
   SetMesh(mesh);
   // Triangles seen edge-on hardly say where along them the ray passes.

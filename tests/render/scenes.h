@@ -154,9 +154,10 @@ class RendererTest : public ::testing::Test {
 };
 
 inline std::string NameOf(RendererKind kind) {
-  return kind == RendererKind::kMarch  ? "March"
-         : kind == RendererKind::kPpll ? "Ppll"
-                                       : "Projection";
+  return kind == RendererKind::kMarch        ? "March"
+         : kind == RendererKind::kPpll       ? "Ppll"
+         : kind == RendererKind::kProjection ? "Projection"
+                                             : "Reference";
 }
 
 // Tests that every renderer must pass.
@@ -168,8 +169,8 @@ class EveryRendererTest : public RendererTest, public ::testing::WithParamInterf
   }
 };
 
-inline const auto kEveryRenderer =
-    ::testing::Values(RendererKind::kMarch, RendererKind::kPpll, RendererKind::kProjection);
+inline const auto kEveryRenderer = ::testing::Values(
+    RendererKind::kMarch, RendererKind::kPpll, RendererKind::kProjection, RendererKind::kReference);
 
 inline std::string RendererName(const ::testing::TestParamInfo<RendererKind>& info) {
   return NameOf(info.param);

@@ -1,0 +1,44 @@
+// One step of Adam (Kingma and Ba 2015) on one parameter.
+#ifndef TETREC_ADAM_GLSL_H_
+#define TETREC_ADAM_GLSL_H_
+
+#ifdef __cplusplus
+#include "shared/glsl_subset.h"
+#else
+#include "glsl_subset.h"
+#endif
+
+TETREC_BEGIN
+
+TETREC_STRUCT AdamState { Real parameter, first, second; };
+
+TETREC_STRUCT AdamRates {
+  Real beta1, beta2, epsilon;
+  Real second_moment_correction;  // 1 / (1 - beta2^t)
+};
+
+// `rate` holds the correction of the first moment, 1 / (1 - beta1^t).
+TETREC_FN TETREC_T(AdamState)
+    AdamStep(TETREC_T(AdamState) state, TETREC_T(AdamRates) rates, Real rate, Real gradient) {
+  TETREC_T(AdamState) next;
+  next.first = rates.beta1 * state.first + (Real(1.0) - rates.beta1) * gradient;
+  next.second = rates.beta2 * state.second + (Real(1.0) - rates.beta2) * gradient * gradient;
+  next.parameter =
+      state.parameter -
+      rate * next.first / (sqrt(next.second * rates.second_moment_correction) + rates.epsilon);
+  return next;
+}
+
+// Colour stays in the pictures' range.
+TETREC_FN Real ClampColor(Real color) {
+  return color < Real(0.0) ? Real(0.0) : color > Real(1.0) ? Real(1.0) : color;
+}
+
+// As ParametersOf: below e^-80, density and its gradient would be 0 for ever.
+TETREC_FN Real ClampLogDensity(Real log_density, Real largest) {
+  return log_density < Real(-80.0) ? Real(-80.0) : log_density > largest ? largest : log_density;
+}
+
+TETREC_END
+
+#endif  // TETREC_ADAM_GLSL_H_

@@ -1,0 +1,38 @@
+// The loss of one channel of one ray.
+#ifndef TETREC_LOSS_GLSL_H_
+#define TETREC_LOSS_GLSL_H_
+
+#ifdef __cplusplus
+#include "shared/glsl_subset.h"
+#else
+#include "glsl_subset.h"
+#endif
+
+#define kLossL2 0
+#define kLossL1 1
+
+TETREC_BEGIN
+
+// The picture is color + transmittance background; the target, premultiplied by its alpha, stands
+// before the same background.
+TETREC_FN Real ResidualOf(Real color, Real transmittance, Real target, Real target_alpha,
+                          Real background) {
+  return color - target + (transmittance - (Real(1.0) - target_alpha)) * background;
+}
+
+// L2: the square, L1: the absolute value.
+TETREC_FN Real LossOf(int loss, Real residual) {
+  if (loss == kLossL2) return residual * residual;
+  return residual < Real(0.0) ? -residual : residual;
+}
+
+// dloss/dresidual; 0 where L1 has none.
+TETREC_FN Real LossSlope(int loss, Real residual) {
+  if (loss == kLossL2) return Real(2.0) * residual;
+  if (residual == Real(0.0)) return Real(0.0);
+  return residual < Real(0.0) ? Real(-1.0) : Real(1.0);
+}
+
+TETREC_END
+
+#endif  // TETREC_LOSS_GLSL_H_

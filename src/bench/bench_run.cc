@@ -1,0 +1,345 @@
+// Measures renderers, orders and integrals on the same meshes and views.
+#include "bench/bench_run.h"
+
+#include "bench/stopwatch.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "core/progress.h"
+#include "render/renderer_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <random>
+
+namespace tetrec {
+namespace {
+
+constexpr int kViews = 4, kErrorViews = 2;
+
+using RendererPointer = std::unique_ptr<TrainingRenderer>;
+
+std::vector<RayBlock> BlocksOf(const RenderView& view) {
+  std::vector<RayBlock> blocks;
+  for (int y = 0; y < view.camera.height; y += kRayBlockHeight) {
+    for (int x = 0; x < view.camera.width; x += kRayBlockWidth) {
+      blocks.push_back({0, uint32_t(x), uint32_t(y)});
+    }
+  }
+  return blocks;
+}
+
+std::vector<glm::vec4> RandomGradient(const RenderView& view, uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<float> normal;
+  std::vector<glm::vec4> gradient(size_t(view.camera.width) * size_t(view.camera.height));
+  for (glm::vec4& g : gradient) {
+    for (int i = 0; i < 4; ++i) g[i] = normal(random);
+  }
+  return gradient;
+}
+
+// Sums of squares of a difference and of what it is compared with.
+struct Squares {
+  double difference = 0, truth = 0;
+
+  void Add(double value, double true_value) {
+    difference += (value - true_value) * (value - true_value);
+    truth += true_value * true_value;
+  }
+  double Relative() const { return truth > 0 ? std::sqrt(difference / truth) : 0.0; }
+};
+
+// Whether a renderer's backward pass has the part by positions.
+GradientParts PartsOf(const RendererOptions& options) {
+  const bool has = options.kind == RendererKind::kMarch || options.kind == RendererKind::kReference;
+  return has ? GradientParts::kColorDensityPosition : GradientParts::kColorDensity;
+}
+
+// Pictures and gradients of a mesh.
+struct Shown {
+  std::vector<RenderedImage> images;
+  std::vector<FieldGradient> gradients;
+};
+
+Shown Show(TrainingRenderer& renderer, const std::vector<RenderView>& views, GradientParts parts,
+           uint64_t seed) {
+  Shown shown;
+  for (const RenderView& view : views) {
+    shown.images.push_back(renderer.Render(view, 1));
+    shown.gradients.push_back(renderer.Backpropagate(view, RandomGradient(view, seed), parts));
+  }
+  return shown;
+}
+
+BenchErrors ErrorsOf(const Shown& shown, const Shown& truth) {
+  BenchErrors errors;
+  double squares = 0, count = 0;
+  Squares color, density, position;
+  for (size_t i = 0; i < truth.images.size(); ++i) {
+    const RenderedImage &a = shown.images[i], &b = truth.images[i];
+    for (size_t p = 0; p < b.color_srgb.size(); ++p) {
+      for (int c = 0; c < 3; ++c) {
+        const double over_black = double(a.color_srgb[p][c]) - b.color_srgb[p][c];
+        const double over_white = over_black + double(a.transmittance[p]) - b.transmittance[p];
+        errors.largest = std::max({errors.largest, std::abs(over_black), std::abs(over_white)});
+        squares += over_black * over_black + over_white * over_white;
+        count += 2;
+      }
+    }
+    const FieldGradient &g = shown.gradients[i], &h = truth.gradients[i];
+    for (size_t v = 0; v < h.density.size(); ++v) {
+      density.Add(g.density[v], h.density[v]);
+      for (int c = 0; c < 3; ++c) {
+        color.Add(g.color_srgb[v][c], h.color_srgb[v][c]);
+        if (!g.position.empty()) position.Add(g.position[v][c], h.position[v][c]);
+      }
+    }
+  }
+  errors.rms = std::sqrt(squares / count);
+  errors.color = color.Relative();
+  errors.density = density.Relative();
+  errors.position = position.Relative();
+  return errors;
+}
+
+RendererPointer MakeWith(const RadianceField& field, RendererOptions options) {
+  RendererPointer renderer = CreateRenderer(options);
+  renderer->SetField(field);
+  return renderer;
+}
+
+// Neither the yardstick nor what it measures stops early: there a rounding decides which tet is a
+// ray's last, and a share of a thousandth with it.
+RendererPointer MakeForErrors(const RadianceField& field, RendererOptions options) {
+  options.stop_transmittance = 0.0f;
+  return MakeWith(field, options);
+}
+
+// Tets that the rays of each view pass.
+std::vector<double> StepsOf(const RadianceField& field, const std::vector<RenderView>& views,
+                            RendererOptions options) {
+  options.kind = RendererKind::kMarch;
+  options.count_steps = true;
+  const RendererPointer renderer = MakeWith(field, options);
+  std::vector<double> steps;
+  uint64_t before = 0;
+  for (const RenderView& view : views) {
+    renderer->MarchBlocks(view, BlocksOf(view));
+    steps.push_back(double(renderer->counts().steps - before));
+    before = renderer->counts().steps;
+  }
+  return steps;
+}
+
+void Add(BenchTime& time, const Seconds& seconds) {
+  time.wall.push_back(1e3 * seconds.wall);
+  time.cpu.push_back(1e3 * seconds.cpu);
+}
+
+// One variant on one mesh and size, in its turns.
+struct Case {
+  BenchRow row;
+  double seconds = 0;  // that all its turns took
+  double last_turn = 0;
+  bool warm = false;
+
+  bool WantsTurn(const BenchOptions& options) const {
+    if (row.skipped_seconds) return false;
+    const int turns = int(row.forward.wall.size());
+    if (turns == 0) return true;
+    return turns < options.repeat && seconds + last_turn <= options.case_seconds;
+  }
+
+  // The first turn warms up: buffers grow, the mesh comes into the caches. It counts where there is
+  // time for no other.
+  void TakeTurn(TrainingRenderer& renderer, const RenderView& view,
+                std::span<const glm::vec4> gradient, const BenchOptions& options) {
+    const GradientParts parts = PartsOf(row.variant.options);
+    const auto blocks = BlocksOf(view);
+    BenchRow turn;
+    const Seconds all = Measure([&] {
+      Add(turn.forward, Measure([&] { renderer.MarchBlocks(view, blocks); }));
+      Add(turn.backward, Measure([&] { renderer.Backpropagate(view, gradient); }));
+      if (parts == GradientParts::kColorDensity) return;
+      Add(turn.positions, Measure([&] { renderer.Backpropagate(view, gradient, parts); }));
+    });
+    seconds += all.wall;
+    last_turn = all.wall;
+    if (!std::exchange(warm, true) && 2 * all.wall <= options.case_seconds) return;
+    const auto append = [](BenchTime& to, const BenchTime& from) {
+      to.wall.insert(to.wall.end(), from.wall.begin(), from.wall.end());
+      to.cpu.insert(to.cpu.end(), from.cpu.begin(), from.cpu.end());
+    };
+    append(row.forward, turn.forward);
+    append(row.backward, turn.backward);
+    append(row.positions, turn.positions);
+  }
+};
+
+// No more than the turn of a smaller picture times the pixels, or of a smaller mesh times the tets.
+double MostSeconds(const std::vector<Case>& done, const BenchRow& row) {
+  double most = 0;
+  for (const Case& other : done) {
+    const BenchVariant &a = other.row.variant, &b = row.variant;
+    const bool same = a.renderer == b.renderer && a.order == b.order && a.integral == b.integral;
+    const bool smaller = other.row.tets <= row.tets && other.row.size <= row.size;
+    if (!same || !smaller) continue;
+    const double by_last = other.row.skipped_seconds.value_or(other.last_turn);
+    const double bound = by_last * (row.rays / other.row.rays) *
+                         std::max(1.0, double(row.tets) / double(other.row.tets));
+    most = most == 0 ? bound : std::min(most, bound);
+  }
+  return most;
+}
+
+class Bench {
+ public:
+  Bench(const BenchOptions& options, std::function<std::vector<RenderView>(int size)> views)
+      : options_(options), variants_(VariantsOf(options)), views_(std::move(views)) {}
+
+  void RunOn(const RadianceField& field) {
+    LogInfo("{} tets, {} vertices", WithThousands(field.mesh.tets.size()),
+            WithThousands(field.mesh.positions.size()));
+    const std::vector<BenchErrors> errors = MeasureErrors(field);
+    std::vector<RendererPointer> renderers;
+    for (const BenchVariant& variant : variants_) {
+      renderers.push_back(MakeWith(field, variant.options));
+    }
+    if (device_.empty()) device_ = renderers[0]->DescribeDevice()["name"].get<std::string>();
+    for (int size : options_.sizes) RunOn(field, size, errors, renderers);
+  }
+
+  std::vector<BenchRow> Rows() const {
+    std::vector<BenchRow> rows;
+    for (const Case& one : done_) rows.push_back(one.row);
+    return rows;
+  }
+  const std::string& device() const { return device_; }
+
+ private:
+  std::vector<BenchErrors> MeasureErrors(const RadianceField& field) const {
+    std::vector<RenderView> views = views_(options_.error_size);
+    views.resize(std::min<size_t>(views.size(), kErrorViews));
+    RendererOptions exact = options_.renderer;
+    exact.kind = RendererKind::kReference;
+    const Timer timer;
+    const Shown truth = Show(*MakeForErrors(field, exact), views, PartsOf(exact), options_.seed);
+    std::vector<BenchErrors> errors;
+    for (const BenchVariant& variant : variants_) {
+      const RendererPointer renderer = MakeForErrors(field, variant.options);
+      errors.push_back(
+          ErrorsOf(Show(*renderer, views, PartsOf(variant.options), options_.seed), truth));
+    }
+    LogInfo("errors measured in {:.1f} s", timer.seconds());
+    return errors;
+  }
+
+  void RunOn(const RadianceField& field, int size, const std::vector<BenchErrors>& errors,
+             const std::vector<RendererPointer>& renderers) {
+    const Timer timer;
+    const std::vector<RenderView> views = views_(size);
+    const std::vector<double> steps = StepsOf(field, views, options_.renderer);
+    const std::vector<glm::vec4> gradient = RandomGradient(views[0], options_.seed);
+    std::vector<Case> cases(variants_.size());
+    for (size_t i = 0; i < cases.size(); ++i) {
+      BenchRow& row = cases[i].row;
+      row.variant = variants_[i];
+      row.tets = field.mesh.tets.size();
+      row.vertices = field.mesh.positions.size();
+      row.size = size;
+      row.rays = double(size) * size;
+      row.errors = errors[i];
+      for (double count : steps) row.steps_per_ray += count / row.rays / double(steps.size());
+      const double most = MostSeconds(done_, row);
+      if (most > options_.longest_turn) row.skipped_seconds = most;
+    }
+    bool again = true;
+    for (size_t turn = 0; again; ++turn) {
+      again = false;
+      for (size_t i = 0; i < cases.size(); ++i) {
+        if (!cases[i].WantsTurn(options_)) continue;
+        cases[i].TakeTurn(*renderers[i], views[turn % views.size()], gradient, options_);
+        again = true;
+      }
+    }
+    for (size_t i = 0; i < cases.size(); ++i) {
+      cases[i].row.device_bytes = renderers[i]->counts().device_bytes;
+      done_.push_back(cases[i]);
+    }
+    LogInfo("{} x {} px: {:.1f} s", size, size, timer.seconds());
+  }
+
+  const BenchOptions& options_;
+  std::vector<BenchVariant> variants_;
+  std::function<std::vector<RenderView>(int size)> views_;
+  std::vector<Case> done_;
+  std::string device_;
+};
+
+}  // namespace
+
+void BenchOptions::Check() const {
+  const auto fail = [](const char* option, auto value, const char* want) {
+    throw UsageError(fmt::format("{} is {}, must be {}", option, value, want));
+  };
+  for (uint64_t count : tets) {
+    if (count < 1 || count > 100'000'000) fail("--tets", count, "1 to 100000000");
+  }
+  for (int size : sizes) {
+    if (size < 8 || size > 8192) fail("--size", size, "8 to 8192 px");
+  }
+  if (repeat < 1) fail("--repeat", repeat, "at least 1");
+  if (error_size < 8 || error_size > 1024) fail("--error-size", error_size, "8 to 1024 px");
+  if (!(case_seconds > 0)) fail("--case-seconds", case_seconds, "above 0 s");
+  if (!(longest_turn > 0)) fail("--longest-turn", longest_turn, "above 0 s");
+  VariantsOf(*this);
+}
+
+std::vector<BenchVariant> VariantsOf(const BenchOptions& options) {
+  std::vector<BenchVariant> variants;
+  for (const std::string& renderer : options.renderers) {
+    const bool all = options.all_pairs || renderer == options.renderers.front();
+    const bool sorts_tets = renderer == "projection";
+    for (const std::string& order : sorts_tets ? options.orders : std::vector<std::string>{""}) {
+      for (const std::string& integral : options.integrals) {
+        if (!all && integral != options.integrals.back()) continue;
+        RendererWords words;
+        words.renderer = renderer;
+        words.integral = integral;
+        if (sorts_tets) words.order = order;
+        words.fragment_memory_mib = options.renderer.fragment_memory >> 20;
+        BenchVariant variant{renderer, order, integral, options.renderer};
+        words.Apply(variant.options);
+        variants.push_back(std::move(variant));
+      }
+    }
+  }
+  return variants;
+}
+
+BenchResult RunBench(const BenchOptions& options, const RadianceField* field,
+                     const std::vector<RenderView>& views) {
+  BenchOptions sorted = options;
+  std::sort(sorted.sizes.begin(), sorted.sizes.end());
+  std::sort(sorted.tets.begin(), sorted.tets.end());
+  Bench bench(sorted, [&](int size) {
+    if (field == nullptr) return ViewsAroundCube(kViews, size);
+    std::vector<RenderView> chosen;
+    const size_t count = std::min<size_t>(kViews, views.size());
+    for (size_t i = 0; i < count; ++i) {
+      chosen.push_back(SquareMiddle(views[i * views.size() / count], size));
+    }
+    return chosen;
+  });
+  if (field != nullptr && sorted.tets.empty()) bench.RunOn(*field);
+  for (uint64_t tets : sorted.tets) {
+    bench.RunOn(field != nullptr ? Resample(*field, tets, options.seed) : BallFieldOfTets(tets));
+  }
+  return {bench.device(), field != nullptr ? "field" : "ball in a cube", options, bench.Rows()};
+}
+
+}  // namespace tetrec

@@ -1,0 +1,144 @@
+// What benchmarks render: fields of a wanted size and cameras around or inside them.
+#include "bench/bench_scene.h"
+
+#include "mesh/delaunay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+namespace tetrec {
+namespace {
+
+// Of Delaunay meshes of points without structure.
+constexpr double kTetsPerPoint = 6.63;
+
+// (V) true for vertices of boundary faces.
+std::vector<bool> OnHull(const TetMesh& mesh) {
+  std::vector<bool> on_hull(mesh.positions.size(), false);
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    for (int face = 0; face < 4; ++face) {
+      if (mesh.neighbors[t][face] != kNoTet) continue;
+      for (int corner : kFaceVertices[face]) on_hull[mesh.tets[t][corner]] = true;
+    }
+  }
+  return on_hull;
+}
+
+// Points with what the field is there.
+struct Samples {
+  std::vector<glm::vec3> positions, color_srgb;
+  std::vector<float> density;
+
+  void Add(const glm::vec3& position, const glm::vec3& color, float sigma) {
+    positions.push_back(position);
+    color_srgb.push_back(color);
+    density.push_back(sigma);
+  }
+};
+
+RadianceField MeshOf(const Samples& samples) {
+  DelaunayResult delaunay = BuildDelaunay(samples.positions);
+  RadianceField field{std::move(delaunay.mesh), {}, {}};
+  for (uint32_t point : delaunay.point_of_vertex) {
+    field.density.push_back(samples.density[point]);
+    field.color_srgb.push_back(samples.color_srgb[point]);
+  }
+  return field;
+}
+
+}  // namespace
+
+RadianceField BallField(int grid) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> jitter(0.1, 0.9);
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 8; ++i) points.emplace_back(i & 1, i >> 1 & 1, i >> 2);
+  for (int i = 0; i < grid * grid * grid; ++i) {
+    const glm::dvec3 cell(i % grid, i / grid % grid, i / grid / grid);
+    const glm::dvec3 offset(jitter(random), jitter(random), jitter(random));
+    points.emplace_back((cell + offset) / double(grid));
+  }
+  RadianceField field;
+  field.mesh = BuildDelaunay(points).mesh;
+  for (const glm::vec3& p : field.mesh.positions) {
+    const float radius = glm::length(p - glm::vec3(0.5f));
+    field.density.push_back(25.0f * std::clamp((0.4f - radius) / 0.1f, 0.0f, 1.0f));
+    field.color_srgb.push_back(0.5f + 0.5f * glm::sin(20.0f * p));
+  }
+  return field;
+}
+
+RadianceField BallFieldOfTets(uint64_t tets) {
+  return BallField(std::max(1, int(std::lround(std::cbrt(double(tets) / kTetsPerPoint)))));
+}
+
+RadianceField Resample(const RadianceField& field, uint64_t tets, uint64_t seed) {
+  const TetMesh& mesh = field.mesh;
+  // As many tets a point as the field's own mesh has.
+  const size_t vertices = mesh.positions.size();
+  const size_t wanted = size_t(double(tets) * double(vertices) / double(mesh.tets.size()));
+  std::mt19937_64 random(seed);
+  Samples samples;
+  const auto keep = [&](size_t v) {
+    samples.Add(mesh.positions[v], field.color_srgb[v], field.density[v]);
+  };
+  const std::vector<bool> on_hull = OnHull(mesh);
+  std::vector<uint32_t> inner;
+  for (uint32_t v = 0; v < vertices; ++v) {
+    if (on_hull[v]) {
+      keep(v);
+    } else {
+      inner.push_back(v);
+    }
+  }
+  std::shuffle(inner.begin(), inner.end(), random);
+  for (size_t i = 0; i < inner.size() && samples.density.size() < wanted; ++i) keep(inner[i]);
+  while (samples.density.size() < wanted) {
+    const glm::uvec4& tet = mesh.tets[random() % mesh.tets.size()];
+    const uint32_t a = tet[random() % 4], b = tet[random() % 4];
+    if (a == b) continue;
+    // The field is linear along an edge.
+    samples.Add(0.5f * (mesh.positions[a] + mesh.positions[b]),
+                0.5f * (field.color_srgb[a] + field.color_srgb[b]),
+                0.5f * (field.density[a] + field.density[b]));
+  }
+  return MeshOf(samples);
+}
+
+RenderView SquareView(const glm::dvec3& eye, const glm::dvec3& target, int size) {
+  const glm::dvec3 forward = glm::normalize(target - eye);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.02, -0.97, 0.2)));
+  const glm::dmat3 cam_from_world =
+      glm::transpose(glm::dmat3(right, glm::cross(forward, right), forward));
+  const double focal = 1.25 * size;
+  return {{size, size, focal, focal, 0.5 * size, 0.5 * size},
+          {cam_from_world, -(cam_from_world * eye)}};
+}
+
+std::vector<RenderView> ViewsAroundCube(int count, int size) {
+  std::vector<RenderView> views;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / count, turn = i * std::numbers::phi * 2 * M_PI;
+    const glm::dvec3 side(std::sqrt(1 - z * z) * std::cos(turn),
+                          std::sqrt(1 - z * z) * std::sin(turn), z);
+    views.push_back(SquareView(0.5 + 2.0 * side, glm::dvec3(0.5), size));
+  }
+  return views;
+}
+
+RenderView SquareMiddle(const RenderView& view, int size) {
+  const double scale = double(size) / std::min(view.camera.width, view.camera.height);
+  RenderView square = view;
+  square.camera = {size,
+                   size,
+                   scale * view.camera.fx,
+                   scale * view.camera.fy,
+                   0.5 * size + scale * (view.camera.cx - 0.5 * view.camera.width),
+                   0.5 * size + scale * (view.camera.cy - 0.5 * view.camera.height)};
+  return square;
+}
+
+}  // namespace tetrec

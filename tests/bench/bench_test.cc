@@ -1,0 +1,101 @@
+// Meshes of a wanted size, the plan of what is measured, and the table of it.
+#include "bench/bench_report.h"
+#include "bench/bench_run.h"
+#include "core/error.h"
+#include "geometry/bounds3.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetrec::test {
+namespace {
+
+TEST(BenchScene, MeshesHaveAboutTheTetsThatWereAskedFor) {
+  for (uint64_t tets : {2'000u, 20'000u}) {
+    const double made = double(BallFieldOfTets(tets).mesh.tets.size());
+    EXPECT_NEAR(made / double(tets), 1.0, 0.25) << tets;
+  }
+  const RadianceField field = BallField(9);
+  for (uint64_t tets : {1'000u, 12'000u}) {
+    const RadianceField other = Resample(field, tets, 3);
+    EXPECT_NEAR(double(other.mesh.tets.size()) / double(tets), 1.0, 0.25) << tets;
+    CheckField(other);
+    // The same hull.
+    const Bounds3 a = BoundsOf(field.mesh.positions), b = BoundsOf(other.mesh.positions);
+    EXPECT_EQ(a.min, b.min);
+    EXPECT_EQ(a.max, b.max);
+  }
+}
+
+TEST(BenchScene, ResamplingKeepsALinearField) {
+  RadianceField field = BallField(6);
+  for (size_t v = 0; v < field.density.size(); ++v) {
+    field.density[v] = 1.0f + glm::dot(field.mesh.positions[v], glm::vec3(1, 2, 3));
+    field.color_srgb[v] = field.mesh.positions[v];
+  }
+  for (uint64_t tets : {500u, 5'000u}) {
+    const RadianceField other = Resample(field, tets, 4);
+    for (size_t v = 0; v < other.density.size(); ++v) {
+      const glm::vec3& p = other.mesh.positions[v];
+      // Roundings of values up to 7.
+      EXPECT_NEAR(other.density[v], 1.0f + glm::dot(p, glm::vec3(1, 2, 3)), 2e-6f);
+      EXPECT_LT(glm::distance(other.color_srgb[v], p), 2e-7f);
+    }
+  }
+}
+
+TEST(BenchScene, TheMiddleOfAViewKeepsItsDirections) {
+  RenderView view = SquareView({3.0, 0.2, 0.1}, glm::dvec3(0.5), 64);
+  view.camera = {80, 60, 70.0, 72.0, 41.0, 29.0};
+  const RenderView middle = SquareMiddle(view, 120);
+  // 60 pixels became 120: the middle (40, 30) of the picture is at (60, 60).
+  const glm::dvec3 before = view.camera.CamFromImage({40.0 + 10.0, 30.0 - 5.0});
+  const glm::dvec3 after = middle.camera.CamFromImage({60.0 + 20.0, 60.0 - 10.0});
+  EXPECT_LT(glm::distance(before, after), 1e-12);
+}
+
+TEST(BenchRun, TheFirstRendererTakesAllIntegralsTheOthersTheLast) {
+  BenchOptions options;
+  options.renderers = {"march", "projection"};
+  options.integrals = {"mean", "split:4", "exact"};
+  EXPECT_EQ(VariantsOf(options).size(), 3u + 2u);
+  options.all_pairs = true;
+  EXPECT_EQ(VariantsOf(options).size(), 3u + 2u * 3u);
+  options.integrals = {"cubic"};
+  EXPECT_THROW(VariantsOf(options), UsageError);
+}
+
+// What errs where, and nothing where it is the yardstick itself.
+TEST(BenchRun, ErrorsAndTimesOfTheReferenceItself) {
+  BenchOptions options;
+  options.renderers = {"reference"};
+  options.integrals = {"mean", "exact"};
+  options.tets = {300};
+  options.sizes = {16};
+  options.error_size = 16;
+  options.repeat = 2;
+  BenchResult result;
+  try {
+    result = RunBench(options, nullptr, {});
+  } catch (const EnvironmentError& error) {
+    GTEST_SKIP() << error.what();  // steps are counted by the march
+  }
+  ASSERT_EQ(result.rows.size(), 2u);
+  for (const BenchRow& row : result.rows) {
+    EXPECT_EQ(row.forward.wall.size(), 2u);
+    EXPECT_EQ(row.positions.wall.size(), 2u);
+    EXPECT_GT(row.steps_per_ray, 1.0);
+    EXPECT_LT(row.steps_per_ray, 60.0);
+  }
+  EXPECT_GT(result.rows[0].errors.rms, 1e-5);  // the mean is not the density
+  EXPECT_GT(result.rows[0].errors.density, 1e-4);
+  EXPECT_EQ(result.rows[1].errors.largest, 0.0);
+  EXPECT_EQ(result.rows[1].errors.position, 0.0);
+  const std::string table = BenchTable(result);
+  EXPECT_NE(table.find("| reference, exact"), std::string::npos) << table;
+}
+
+}  // namespace
+}  // namespace tetrec::test

@@ -1,0 +1,57 @@
+"""tetrec-bench at its smallest: a table, figures and charts of every renderer."""
+import csv
+import unittest
+
+from stage_case import StageCase
+
+
+class BenchTest(StageCase):
+
+    def test_a_small_benchmark_measures_every_renderer(self):
+        out = self.folder / "bench"
+        result = self.run_stage("bench", "-o", out, "--tets", "500,2000", "--size", "16,32", "--repeat", 2,
+                                "--error-size", 24, "--integral", "mean,split:4,exact")
+        self.assert_done(result)
+        rows = list(csv.DictReader((out / "bench.csv").read_text().splitlines()))
+        # march with three integrals, ppll, projection in two orders; two meshes, two sizes.
+        self.assertEqual(len(rows), 6 * 4)
+        for row in rows:
+            self.assertEqual(row["skipped_at_most_s"], "")
+            self.assertEqual(int(row["repetitions"]), 2)
+            self.assertGreater(float(row["forward_wall_ms_median"]), 0)
+            self.assertGreater(int(row["device_bytes"]), 32 * int(row["tets"]))
+            if row["integral"] == "exact" and row["order"] != "centroid":
+                # The figures that the renderers are held to.
+                self.assertLess(float(row["picture_error_largest"]), 1e-4)
+                self.assertLess(float(row["density_gradient_error"]), 1e-3)
+        errors = {row["integral"]: float(row["picture_error_rms"])
+                  for row in rows if row["renderer"] == "march" and row["tets"] == rows[0]["tets"]}
+        self.assertLess(errors["exact"], errors["split:4"])
+        self.assertLess(errors["split:4"], errors["mean"])
+        self.assertIn("| march, exact", (out / "table.md").read_text())
+        self.assertIn("| projection, centroid order, exact", result.stdout)
+        for chart in ("accuracy", "scaling"):
+            for kind in ("svg", "png"):
+                self.assertGreater((out / f"{chart}.{kind}").stat().st_size, 1000)
+
+    def test_what_takes_too_long_is_left_out_and_said_so(self):
+        out = self.folder / "bench"
+        self.assert_done(self.run_stage("bench", "-o", out, "--renderer", "march", "--integral", "exact",
+                                        "--tets", 500, "--size", "16,512", "--repeat", 1, "--error-size", 16,
+                                        "--longest-turn", 1e-4))
+        rows = list(csv.DictReader((out / "bench.csv").read_text().splitlines()))
+        self.assertEqual([row["repetitions"] for row in rows], ["1", "0"])
+        self.assertGreater(float(rows[1]["skipped_at_most_s"]), 1e-4)
+        self.assertIn("none: up to", (out / "table.md").read_text())
+
+    def test_wrong_options_are_one_clear_line(self):
+        for words, part in ((("--integral", "cubic"), "cubic"), (("--size", "4"), "--size"),
+                            (("--renderer", "magic"), "magic")):
+            with self.subTest(part):
+                result = self.run_stage("bench", "-o", self.folder / "bench", *words)
+                self.assert_fails(result, 2, part)
+                self.assertFalse((self.folder / "bench").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
