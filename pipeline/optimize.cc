@@ -7,7 +7,7 @@ namespace {
 
 // Options that the command line gives as words.
 struct Words {
-  std::string loss = "l2", background = "random";
+  std::string loss = "l2", background = "random", storage = "vertex";
   tetrec::RendererWords renderer;
 };
 
@@ -18,8 +18,13 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   app.add_option("--iterations", options.iterations, "steps; 0: by --time-limit");
   app.add_option("--seed", options.seed, "seed of all that is drawn");
   app.add_option("--rays", options.rays_per_step, "rays a step");
-  app.add_option("--loss", words.loss, "l2 (highest PSNR) or l1 (sharper, robust to outliers)")
-      ->check(CLI::IsMember({"l2", "l1"}));
+  app.add_option("--loss", words.loss,
+                 "l2 (highest PSNR), l1 (sharper, robust to outliers), or either with a share of "
+                 "D-SSIM, (1 - SSIM) / 2: l1+dssim:0.2 is 0.8 l1 + 0.2 D-SSIM");
+  app.add_option("--storage", words.storage,
+                 "where density and colour live: vertex (linear inside each tet) or cell (one of "
+                 "each a tet, constant inside)")
+      ->check(CLI::IsMember({"vertex", "cell"}));
   app.add_option("--color-rate", options.color_rate, "first learning rate of colour [display sRGB]")
       ->check(tetrec::AboveZero());
   app.add_option("--density-rate", options.density_rate,
@@ -77,7 +82,9 @@ int main(int argc, char** argv) {
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunOptimize(options, stage); },
       [&] {
-        options.loss = words.loss == "l1" ? tetrec::LossKind::kL1 : tetrec::LossKind::kL2;
+        options.loss = tetrec::ParseLoss(words.loss);
+        options.storage =
+            words.storage == "cell" ? tetrec::FieldStorage::kCell : tetrec::FieldStorage::kVertex;
         options.random_background = words.background == "random";
         words.renderer.Apply(options.renderer);
         options.Check();

@@ -4,6 +4,7 @@
 #include "core/option_checks.h"
 #include "core/progress.h"
 #include "core/stage.h"
+#include "field/change_storage.h"
 #include "field/radiance_field.h"
 #include "surface/clean.h"
 #include "surface/field_world.h"
@@ -99,7 +100,9 @@ void Report(const TriangleMesh& mesh, Stage& stage) {
 }
 
 void RunSurface(const SurfaceOptions& options, Stage& stage) {
-  const RadianceField field = ReadField(stage.Input("field") / "field.tetf");
+  // The level function is linear in each tet: densities of cells become means at their vertices.
+  const RadianceField field =
+      WithStorage(ReadField(stage.Input("field") / "field.tetf"), FieldStorage::kVertex);
   const FieldWorld world = ReadFieldWorld(stage.Input("field") / "world.json");
   const Timer timer;
   const float isovalue = ChooseIsovalue(field, world, options, stage);

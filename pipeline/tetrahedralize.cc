@@ -200,6 +200,7 @@ void RunTetrahedralize(const TetrahedralizeOptions& options, Stage& stage) {
   const Timer timer;
   const RadianceField field = MakeStart(start, scene, options, stage);
   CheckTetMesh(field.mesh);
+  CheckConvexDomain(field.mesh);
   CheckField(field);
   stage.Seconds("mesh", timer.seconds());
   Report(field.mesh, stage);

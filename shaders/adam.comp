@@ -9,6 +9,7 @@
 #endif
 #include "shared/adam.glsl.h"
 #include "shared/gpu_types.glsl.h"
+#include "thread_index.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 #ifdef TETREC_FIXED_POINT
@@ -20,6 +21,8 @@ layout(std430, binding = kBindParameters) buffer Parameters { vec4 parameters[];
 layout(std430, binding = kBindMoments) buffer MomentsBuffer { Moments moments[]; };
 layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
 layout(push_constant) uniform Push { AdamPush push; };
+
+#include "storage.glsl"
 
 // Reads the gradient of a vertex and clears it.
 vec4 TakeGradient(uint v) {
@@ -40,11 +43,11 @@ vec4 TakeGradient(uint v) {
 }
 
 void main() {
-  uint v = gl_GlobalInvocationID.x;
-  if (v < push.vertex_count) {
+  uint v = ThreadIndex();
+  if (v < push.row_count) {
     vec4 parameter = parameters[v];
     vec4 gradient = TakeGradient(v);
-    gradient.a *= vertices[2u * v].w;
+    gradient.a *= vertices[DensityRow(v)].w;
     Moments m = moments[v];
     AdamRates rates =
         AdamRates(push.beta1, push.beta2, push.epsilon, push.second_moment_correction);
@@ -66,7 +69,7 @@ void main() {
     parameter.a = ClampLogDensity(parameter.a, push.max_log_density);
     moments[v] = m;
     parameters[v] = parameter;
-    vertices[2u * v].w = exp(parameter.a);
-    vertices[2u * v + 1u].rgb = parameter.rgb;
+    vertices[DensityRow(v)].w = exp(parameter.a);
+    vertices[ColorRow(v)].rgb = parameter.rgb;
   }
 }

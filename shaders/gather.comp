@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"
+#include "thread_index.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Push { ScanPush push; };
@@ -10,6 +11,6 @@ layout(std430, binding = kBindItems) readonly buffer Items { uint items[]; };
 layout(std430, binding = kBindKeys) writeonly buffer Keys { uint keys[]; };
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = ThreadIndex();
   if (i < push.count) keys[i] = table[items[i]];
 }

@@ -41,6 +41,9 @@ void AddToVertex(uint id, vec2 gradient) {
   }
 }
 
+// All of a segment's, where cells have the attributes.
+void AddToCell(uint tet, EndGradients ends) { AddToVertex(tet, ends.entry.yz + ends.exit.yz); }
+
 #ifdef TETREC_POSITIONS
 layout(std430, binding = kBindPositionGradients) buffer PositionGradients {
   Sum position_gradients[];

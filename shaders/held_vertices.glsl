@@ -33,7 +33,7 @@ void Hold(inout HeldVertices held, uvec4 ids) {
     bvec4 first = bvec4(leaves.x, leaves.y && !leaves.x, leaves.z && !(leaves.x || leaves.y),
                         leaves.w && !(leaves.x || leaves.y || leaves.z));
     uint id = first.x ? held.ids.x : first.y ? held.ids.y : first.z ? held.ids.z : held.ids.w;
-    AddToVertex(id, held.gradient * vec4(first));
+    if (!kCells) AddToVertex(id, held.gradient * vec4(first));
 #ifdef TETREC_POSITIONS
     AddMoveToVertex(id, held.move * vec4(first));
 #endif
@@ -54,7 +54,7 @@ void LetGo(inout HeldVertices held) { Hold(held, uvec4(kNoVertex)); }
 
 // dL/d(z, density, payload) of an end of a segment at the held vertices, with their weights there.
 void Deposit(inout HeldVertices held, vec4 weights, vec3 end) {
-  held.gradient += outerProduct(end.yz, weights);
+  if (!kCells) held.gradient += outerProduct(end.yz, weights);
 }
 
 #ifdef TETREC_POSITIONS

@@ -2,6 +2,7 @@
 // sum of the loss and of the squared error a workgroup.
 //
 // The loss is a mean over rays and channels (shared/loss.glsl.h).
+// TETREC_PICTURES: writes what is compared too, for the kernels of D-SSIM.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"
@@ -14,6 +15,9 @@ layout(std430, binding = kBindRayColors) readonly buffer RayColors { vec4 ray_co
 layout(std430, binding = kBindRayGradients) writeonly buffer RayGradients { vec4 ray_gradients[]; };
 layout(std430, binding = kBindPartialLosses) writeonly buffer PartialLosses { vec2 partial_losses[]; };
 layout(binding = kBindTargets) uniform textureBuffer targets;
+#ifdef TETREC_PICTURES
+layout(std430, binding = kBindPictures) writeonly buffer Pictures { vec2 pictures[]; };
+#endif
 layout(push_constant) uniform Push { LossPush push; };
 
 shared vec2 sums[kWorkgroupSize];
@@ -31,6 +35,13 @@ void main() {
       vec4 target = texelFetch(targets, int(size_pixel.z + y * size_pixel.x + x));
       vec4 color = ray_colors[index];
       float transmittance = exp(-color.a);
+#ifdef TETREC_PICTURES
+      vec3 shown = color.rgb + transmittance * push.background.rgb;
+      vec3 wanted = target.rgb + (1.0 - target.a) * push.background.rgb;
+      pictures[index] = vec2(shown.r, wanted.r);
+      pictures[push.ray_count + index] = vec2(shown.g, wanted.g);
+      pictures[2u * push.ray_count + index] = vec2(shown.b, wanted.b);
+#endif
       uint c = 0u;
       while (c < 3u) {
         float residual = ResidualOf(color[c], transmittance, target[c], target.a, push.background[c]);

@@ -29,7 +29,13 @@ layout(binding = kBindVertices) uniform textureBuffer vertices;
 layout(binding = kBindHull) uniform textureBuffer hull;
 layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
+#include "cells.glsl"
+
 const uint kMiss = 0xFFFFFFFFu;
+
+// Whether the boundary may have any shape and its faces lie in a tree of boxes; else it is convex
+// and has few faces.
+layout(constant_id = kConstantAnyBoundary) const int kAnyBoundary = 0;
 
 struct Corner {
   vec3 p;
@@ -53,21 +59,32 @@ struct Begin {
   float w_apex;
 };
 
+vec3 InRayFrame(Ray ray, vec3 position) {
+  precise vec3 r = position - ray.origin;
+  precise vec3 p = vec3(dot(r, ray.u), dot(r, ray.v), dot(r, ray.direction));
+  // A ray exactly through a vertex passes beside it, always on the same side: it cannot circle there.
+  if (p.x == 0.0 && p.y == 0.0) p.x = 1e-20;
+  return p;
+}
+
+vec3 PlaceInRayFrame(Ray ray, uint id) {
+  return InRayFrame(ray, texelFetch(vertices, int(2u * id)).xyz);
+}
+
 Corner FetchCorner(Ray ray, uint id) {
   vec4 place = texelFetch(vertices, int(2u * id));
-  vec4 color = texelFetch(vertices, int(2u * id + 1u));
-  vec3 r = place.xyz - ray.origin;
+  vec3 color = FetchVertexColor(id);
   Corner corner;
-  corner.p = vec3(dot(r, ray.u), dot(r, ray.v), dot(r, ray.direction));
-  // A ray exactly through a vertex passes beside it, always on the same side: it cannot circle there.
-  if (corner.p.x == 0.0 && corner.p.y == 0.0) corner.p.x = 1e-20;
+  corner.p = InRayFrame(ray, place.xyz);
   corner.density = place.w;
-  corner.payload = MakePayload(color.rgb);
+  corner.payload = MakePayload(color);
   corner.id = id;
   return corner;
 }
 
-float EdgeFunction(Corner from, Corner to) { return from.p.x * to.p.y - from.p.y * to.p.x; }
+#include "march_boundary.glsl"
+
+float EdgeFunction(Corner from, Corner to) { return EdgeFunction(from.p, to.p); }
 
 vec3 EdgeFunctions(Corner a, Corner b, Corner c) {
   return vec3(EdgeFunction(b, c), EdgeFunction(c, a), EdgeFunction(a, b));
@@ -172,6 +189,13 @@ uint StepThrough(inout MarchState state, Corner fresh, uvec4 ids, uvec4 neighbor
   float without_a = min(sc, -sb), without_b = min(sa, -sc), without_c = min(sb, -sa);
   bool c_leaves = without_c >= max(without_a, without_b);
   bool b_leaves = !c_leaves && without_b >= without_a;
+  if (kAnyBoundary != 0) {
+    // By signs alone, as entries are: walks and entries agree where the ray meets an edge.
+    bool left_a = LeftOf(state.a.p, fresh.p), left_b = LeftOf(state.b.p, fresh.p);
+    bool left_c = LeftOf(state.c.p, fresh.p);
+    c_leaves = left_b && !left_a;
+    b_leaves = left_a && !left_c;
+  }
   uint leaving_id;
   uint leaving;
   if (c_leaves) {
@@ -224,12 +248,12 @@ Begin BeginAtCamera(MarchState state, Corner apex) {
   return begin;
 }
 
-// How a ray came into the mesh; x: hull face, or kMiss; y: distance to it, as bits.
+// How a ray came into the mesh; x: hull face, or kMiss; y: how far the origin is moved, as bits.
 #define Entry uvec2
 const Entry kNoEntry = Entry(kMiss, 0u);
 
-// Lets the ray begin: at its camera's tet, or at its entry into the hull. There the ray's origin is
-// moved to the hull, so that the frame's coordinates are as precise as the mesh is small.
+// Lets the ray begin: at its camera's tet, or at its entry into the mesh. There the ray's origin is
+// moved close to the mesh, so that the frame's coordinates are as precise as the mesh is small.
 void BeginMarch(inout Ray ray, Entry entry, bool go, inout MarchState state, inout Begin begin) {
   TETREC_RARELY(go && ray.start_tet != kNoTet) {
     state = EnterFromInside(ray, ray.start_tet);
@@ -238,6 +262,23 @@ void BeginMarch(inout Ray ray, Entry entry, bool go, inout MarchState state, ino
   TETREC_RARELY(go && ray.start_tet == kNoTet) {
     ray.origin += uintBitsToFloat(entry.y) * ray.direction;
     state = EnterThroughFace(ray, entry.x);
+    begin = BeginOnTriangle(state);
+  }
+}
+
+// The entry that a ray has taken when it begins.
+Crossing FirstCrossing(Ray ray, Entry entry, MarchState state) {
+  return ray.start_tet != kNoTet
+             ? Crossing(-CameraRounding(ray), 0u)
+             : Crossing(HitDistance(state.e, state.a.p, state.b.p, state.c.p), entry.x);
+}
+
+// Lets a ray that has left the mesh come in again; `last` becomes kMiss where it never does.
+void EnterAgain(Ray ray, inout Crossing last, inout bool is_whole, inout MarchState state,
+                inout Begin begin) {
+  last = NextEntry(ray, last, is_whole);
+  TETREC_RARELY(last.face != kMiss) {
+    state = EnterThroughFace(ray, last.face);
     begin = BeginOnTriangle(state);
   }
 }

@@ -50,6 +50,7 @@ struct Segment {
   float k0, k1;        // g . colour at its ends
   uint leaving;        // corner of the entry triangle that the exit triangle lacks: 0 a, 1 b, 2 c
   uint leaving_id;
+  uint tet;
   vec3 w_entry, w_exit;  // barycentric weights on the corners before and after the step
   float w_apex;          // of the entry point on the new corner; not 0 only at a camera
 #ifdef TETREC_POSITIONS
@@ -64,15 +65,19 @@ void Deposit(inout Walk walk, Segment segment, SegmentAdjoint adjoint) {
   EndGradients ends = GradientsOfEnds(adjoint, t, walk.behind_all, segment.size, segment.density0,
                                       segment.density1, segment.k0, segment.k1);
   vec2 at_entry = ends.entry.yz, at_exit = ends.exit.yz;
-  walk.grad_a += segment.w_entry.x * at_entry;
-  walk.grad_b += segment.w_entry.y * at_entry;
-  walk.grad_c += segment.w_entry.z * at_entry;
-  vec2 apex = segment.w_apex * at_entry;
   bool a_leaves = segment.leaving == 0u, b_leaves = segment.leaving == 1u;
-  AddToVertex(segment.leaving_id, a_leaves ? walk.grad_a : b_leaves ? walk.grad_b : walk.grad_c);
-  walk.grad_a = (a_leaves ? apex : walk.grad_a) + segment.w_exit.x * at_exit;
-  walk.grad_b = (b_leaves ? apex : walk.grad_b) + segment.w_exit.y * at_exit;
-  walk.grad_c = (a_leaves || b_leaves ? walk.grad_c : apex) + segment.w_exit.z * at_exit;
+  if (kCells) {
+    AddToCell(segment.tet, ends);
+  } else {
+    walk.grad_a += segment.w_entry.x * at_entry;
+    walk.grad_b += segment.w_entry.y * at_entry;
+    walk.grad_c += segment.w_entry.z * at_entry;
+    vec2 apex = segment.w_apex * at_entry;
+    AddToVertex(segment.leaving_id, a_leaves ? walk.grad_a : b_leaves ? walk.grad_b : walk.grad_c);
+    walk.grad_a = (a_leaves ? apex : walk.grad_a) + segment.w_exit.x * at_exit;
+    walk.grad_b = (b_leaves ? apex : walk.grad_b) + segment.w_exit.y * at_exit;
+    walk.grad_c = (a_leaves || b_leaves ? walk.grad_c : apex) + segment.w_exit.z * at_exit;
+  }
 #ifdef TETREC_POSITIONS
   vec3 move = MoveOf(segment.slopes, walk.end + ends.entry);
   walk.end = ends.exit;
@@ -87,6 +92,23 @@ void Deposit(inout Walk walk, Segment segment, SegmentAdjoint adjoint) {
   walk.move_c = a_leaves || b_leaves ? walk.move_c : move;
 #endif
   walk.depth += 0.5 * (segment.s0 + segment.s1);
+}
+
+// Lets the corners of a triangle by which the ray leaves the mesh go.
+void FlushTriangle(inout Walk walk, MarchState state, Segment segment) {
+  if (!kCells) {
+    AddToVertex(state.a.id, walk.grad_a);
+    AddToVertex(state.b.id, walk.grad_b);
+    AddToVertex(state.c.id, walk.grad_c);
+    walk.grad_a = walk.grad_b = walk.grad_c = vec2(0.0);
+  }
+#ifdef TETREC_POSITIONS
+  vec3 move = MoveOf(SlopesOnTriangle(state), walk.end);
+  AddMoveToVertex(state.a.id, walk.move_a + segment.w_exit.x * move);
+  AddMoveToVertex(state.b.id, walk.move_b + segment.w_exit.y * move);
+  AddMoveToVertex(state.c.id, walk.move_c + segment.w_exit.z * move);
+  walk.move_a = walk.move_b = walk.move_c = walk.end = vec3(0.0);
+#endif
 }
 
 void main() {
@@ -105,6 +127,9 @@ void main() {
   state.tet = kNoTet;
   BeginMarch(ray, entry, go, state, begin);
   bool hit = go;
+  Crossing last = Crossing(0.0, kMiss);
+  if (kAnyBoundary != 0 && hit) last = FirstCrossing(ray, entry, state);
+  bool is_whole = true;
 
   Walk walk;
   walk.depth = 0.0;
@@ -125,8 +150,9 @@ void main() {
     // Thick segments are integrated outside the inner loop, which they would slow down for all.
     bool thick = false;
     while (go && !thick) {
-      uvec4 ids = texelFetch(tets, int(2u * state.tet));
-      uvec4 neighbors = texelFetch(tets, int(2u * state.tet + 1u));
+      segment.tet = state.tet;
+      uvec4 ids = texelFetch(tets, int(2u * segment.tet));
+      uvec4 neighbors = texelFetch(tets, int(2u * segment.tet + 1u));
       uvec3 corners = uvec3(state.a.id, state.b.id, state.c.id);
       segment.w_entry = segment.w_exit;
       segment.k0 = segment.k1;
@@ -145,6 +171,7 @@ void main() {
       float z1 = max(z0, AtHit(segment.w_exit, state, p.z));
       segment.density1 = AtHit(segment.w_exit, state, density);
       segment.k1 = AtHit(segment.w_exit, state, payload);
+      UseCell(segment.tet, segment.density0, segment.density1, segment.k0, segment.k1);
       segment.size = z1 - z0;
       segment.s0 = segment.density0 * segment.size;
       segment.s1 = segment.density1 * segment.size;
@@ -163,16 +190,20 @@ void main() {
       segment.w_apex = 0.0;
       go = go && walk.depth < push.stop_depth;
     }
+    if (kAnyBoundary != 0) {
+      TETREC_RARELY(last.face != kMiss && state.tet == kNoTet && walk.depth < push.stop_depth &&
+                    steps < push.max_steps) {
+        FlushTriangle(walk, state, segment);
+        EnterAgain(ray, last, is_whole, state, begin);
+        if (last.face != kMiss) {
+          segment.w_exit = begin.w;
+          segment.k1 = begin.payload;
+          z0 = max(z0, begin.z);
+          segment.density1 = begin.density;
+          go = true;
+        }
+      }
+    }
   }
-  if (hit) {
-    AddToVertex(state.a.id, walk.grad_a);
-    AddToVertex(state.b.id, walk.grad_b);
-    AddToVertex(state.c.id, walk.grad_c);
-#ifdef TETREC_POSITIONS
-    vec3 move = MoveOf(SlopesOnTriangle(state), walk.end);
-    AddMoveToVertex(state.a.id, walk.move_a + segment.w_exit.x * move);
-    AddMoveToVertex(state.b.id, walk.move_b + segment.w_exit.y * move);
-    AddMoveToVertex(state.c.id, walk.move_c + segment.w_exit.z * move);
-#endif
-  }
+  if (hit) FlushTriangle(walk, state, segment);
 }

@@ -18,28 +18,41 @@ void main() {
   Entry entry = kNoEntry;
   float hull_length = 0.0;
   float far = 0.0;
+  bool is_whole = true;  // no search for an entry was cut short
   MarchState state;
   Begin begin;
   state.tet = kNoTet;
   TETREC_RARELY(go && !inside) {
-    vec2 interval = HullInterval(ray);
-    far = interval.y;
-    go = interval.x <= interval.y && interval.x >= 0.0;
-    TETREC_RARELY(go) {
-      hull_length = far - interval.x;
-      Ray at_hull = ray;
-      at_hull.origin += interval.x * ray.direction;
-      // A few roundings of coordinates as large as the way to the far side of the hull.
-      entry = Entry(FindEntryFace(at_hull, 4e-6 * far), floatBitsToUint(interval.x));
+    if (kAnyBoundary != 0) {
+      float frame = FrameBegin(ray);
+      Ray at_mesh = ray;
+      at_mesh.origin += frame * ray.direction;
+      Crossing first = NextEntry(at_mesh, Crossing(-CameraRounding(ray), 0u), is_whole);
+      entry = Entry(first.face, floatBitsToUint(frame));
       go = entry.x != kMiss;
+    } else {
+      vec2 interval = HullInterval(ray);
+      far = interval.y;
+      go = interval.x <= interval.y && interval.x >= 0.0;
+      TETREC_RARELY(go) {
+        hull_length = far - interval.x;
+        Ray at_hull = ray;
+        at_hull.origin += interval.x * ray.direction;
+        // A few roundings of coordinates as large as the way to the far side of the hull.
+        entry = Entry(FindEntryFace(at_hull, 4e-6 * far), floatBitsToUint(interval.x));
+        go = entry.x != kMiss;
+      }
     }
   }
   bool hit = go;
   BeginMarch(ray, entry, go, state, begin);
+  Crossing last = Crossing(0.0, kMiss);
+  if (kAnyBoundary != 0 && hit) last = FirstCrossing(ray, entry, state);
 
   vec3 color = vec3(0.0);
   float depth = 0.0;  // optical
   uint steps = 0u;
+  bool strays = false;  // left the mesh by a face that does not hold the ray
   float z0 = begin.z;
   float density0 = begin.density;
   vec3 color0 = begin.payload;
@@ -49,13 +62,15 @@ void main() {
     float s0 = 0.0, s1 = 0.0;
     vec3 color_before = color0;
     while (go && !thick) {
-      uvec4 ids = texelFetch(tets, int(2u * state.tet));
-      uvec4 neighbors = texelFetch(tets, int(2u * state.tet + 1u));
+      uint tet = state.tet;
+      uvec4 ids = texelFetch(tets, int(2u * tet));
+      uvec4 neighbors = texelFetch(tets, int(2u * tet + 1u));
       StepThrough(state, FetchApex(ray, state, ids), ids, neighbors);
       vec3 w = HitWeights(state);
       float z1 = max(z0, AtHit(w, state, p.z));
       float density1 = AtHit(w, state, density);
       vec3 color1 = AtHit(w, state, payload);
+      UseCell(tet, density0, density1, color0, color1);
       s0 = density0 * (z1 - z0);
       s1 = density1 * (z1 - z0);
       thick = IsThickSegment(kIntegral, s0, s1);
@@ -77,17 +92,32 @@ void main() {
       depth += 0.5 * (s0 + s1);
       go = go && depth < push.stop_depth;
     }
+    if (kAnyBoundary != 0) {
+      TETREC_RARELY(last.face != kMiss && state.tet == kNoTet && depth < push.stop_depth &&
+                    steps < push.max_steps) {
+        strays = strays || Least(state.e) < 0.0;
+        EnterAgain(ray, last, is_whole, state, begin);
+        if (last.face != kMiss) {
+          z0 = max(z0, begin.z);
+          density0 = begin.density;
+          color0 = begin.payload;
+          go = true;
+        }
+      }
+    }
   }
 
   if (exists) {
     ray_colors[index] = vec4(color, depth);
     ray_entries[index] = entry;
   }
-  // A ray that did not stop early must have come out of the mesh where the hull ends.
+  // A ray that did not stop early must have come out of the mesh: where the convex hull ends; of any
+  // other boundary by faces that hold the ray, until a whole search found no entry.
   bool stopped = depth >= push.stop_depth;
-  bool lost = hit && !stopped &&
-              (state.tet != kNoTet ||
-               (!inside && abs(z0 - hull_length) > 1e-3 * (hull_length + z0) + 8e-6 * far));
+  bool astray = kAnyBoundary != 0 ? strays && !inside
+                                  : !inside && abs(z0 - hull_length) >
+                                                   1e-3 * (hull_length + z0) + 8e-6 * far;
+  bool lost = !is_whole || (hit && !stopped && (state.tet != kNoTet || astray));
   if (lost) atomicAdd(counters[kCounterLostRays], 1u);
 #ifdef TETREC_COUNT_STEPS
   atomicAdd(counters[kCounterSteps], steps);

@@ -26,6 +26,9 @@ void main() {
   Begin begin;
   state.tet = kNoTet;
   BeginMarch(ray, entry, go, state, begin);
+  Crossing last = Crossing(0.0, kMiss);
+  if (kAnyBoundary != 0 && go) last = FirstCrossing(ray, entry, state);
+  bool is_whole = true;
 
   float depth = 0.0;
   uint steps = 0u;
@@ -39,6 +42,7 @@ void main() {
     vec3 w = HitWeights(state);
     float z1 = max(z0, AtHit(w, state, p.z));
     float density1 = AtHit(w, state, density);
+    if (kCells) density0 = density1 = FetchCell(tet).a;
     float tau = 0.5 * (density0 + density1) * (z1 - z0);
     float t = exp(-depth);
     float share = t * (1.0 - exp(-tau));
@@ -48,5 +52,16 @@ void main() {
     density0 = density1;
     steps += 1u;
     go = state.tet != kNoTet && depth < push.stop_depth && steps < push.max_steps;
+    if (kAnyBoundary != 0) {
+      TETREC_RARELY(last.face != kMiss && state.tet == kNoTet && depth < push.stop_depth &&
+                    steps < push.max_steps) {
+        EnterAgain(ray, last, is_whole, state, begin);
+        if (last.face != kMiss) {
+          z0 = max(z0, begin.z);
+          density0 = begin.density;
+          go = true;
+        }
+      }
+    }
   }
 }

@@ -19,6 +19,8 @@ layout(push_constant) uniform Push { PpllPush push; };
 layout(binding = kBindTets) uniform utextureBuffer tets;
 layout(binding = kBindVertices) uniform textureBuffer vertices;
 
+#include "cells.glsl"
+
 // Ray through pixel `at` of the batch, counted from its first.
 uint RayOfPixel(uvec2 at) {
   uint block = at.y / kBlockHeight * push.block_columns + at.x / kBlockWidth;

@@ -66,6 +66,8 @@ void main() {
     vec3 at_hit0 = vec3(0.0);
     if (hit0.behind != kNoTet && hit1.before != kNoTet) {
       float size = hit1.z - hit0.z;
+      uint tet = TetBetween(list_ray, hit0, hit1);
+      UseCell(tet, hit0.density, hit1.density, hit0.payload, hit1.payload);
       float s0 = hit0.density * size, s1 = hit1.density * size;
       if (!is_last) depth = max(0.0, depth - 0.5 * (s0 + s1));
       is_last = false;
@@ -73,6 +75,7 @@ void main() {
       float t = exp(-depth);
       EndGradients ends = GradientsOfEnds(adjoint, t, behind, size, hit0.density, hit1.density,
                                           hit0.payload, hit1.payload);
+      if (kCells) AddToCell(tet, ends);
       at_hit0 = ends.entry;
       at_hit1 += ends.exit;
       behind += t * (adjoint.w0 * hit0.payload + adjoint.w1 * hit1.payload);

@@ -27,18 +27,6 @@ struct Chain {
   uint steps;
 };
 
-// Least of the camera's barycentric weights in a tet.
-float LeastCameraWeight(ListRay list_ray, uint tet) {
-  uvec4 ids = texelFetch(tets, int(2u * tet));
-  vec3 camera = list_ray.ray.origin + list_ray.camera_z * list_ray.ray.direction;
-  vec3 a = texelFetch(vertices, int(2u * ids.x)).xyz - camera;
-  vec3 b = texelFetch(vertices, int(2u * ids.y)).xyz - camera;
-  vec3 c = texelFetch(vertices, int(2u * ids.z)).xyz - camera;
-  vec3 d = texelFetch(vertices, int(2u * ids.w)).xyz - camera;
-  vec4 w = VolumesAtOrigin(a, b, c, d);
-  return min(min(w.x, w.y), min(w.z, w.w)) / (w.x + w.y + w.z + w.w);
-}
-
 // Whether the faces of a whole ray form a chain from where the camera is. A camera on a face, up to
 // rounding, is on either side of it.
 bool IsWhole(Chain chain, ListRay list_ray) {
@@ -48,9 +36,9 @@ bool IsWhole(Chain chain, ListRay list_ray) {
   TETREC_RARELY(!whole) {
     bool begins_well = begin == start;
     if (begin != kNoTet) {
-      begins_well = begins_well || LeastCameraWeight(list_ray, begin) >= -rounding;
+      begins_well = begins_well || LeastWeight(list_ray, list_ray.camera_z, begin) >= -rounding;
     } else if (start != kNoTet) {
-      begins_well = LeastCameraWeight(list_ray, start) <= rounding;
+      begins_well = LeastWeight(list_ray, list_ray.camera_z, start) <= rounding;
     }
     whole = begins_well && chain.far_sum + kNoTet == begin;
   }
@@ -83,6 +71,7 @@ void main() {
     n += 1u;
     if (hit0.behind != kNoTet && hit1.before != kNoTet) {
       float size = hit1.z - hit0.z;
+      UseCell(TetBetween(list_ray, hit0, hit1), hit0.density, hit1.density, hit0.payload, hit1.payload);
       float s0 = hit0.density * size, s1 = hit1.density * size;
       SegmentWeights segment = IntegrateSegmentBy(kIntegral, kSplits, s0, s1);
       color += exp(-depth) * (segment.w0 * hit0.payload + segment.w1 * hit1.payload);

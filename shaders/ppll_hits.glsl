@@ -2,8 +2,8 @@
 //
 // Between two hits next to one another lies one tet: that behind the first is that before the second.
 // Where rounding has swapped hits that all but coincide (at edges, at vertices, in slivers), the two
-// differ; the field being continuous, the values at the two hits are right all the same. There is
-// nothing in between where the first face leaves the mesh or the second enters it: a gap.
+// differ; a field of vertices being continuous, the values at the two hits are right all the same.
+// There is nothing in between where the first face leaves the mesh or the second enters it: a gap.
 //
 // The including kernel includes ppll.glsl, and for TETREC_POSITIONS gradients.glsl, and defines Payload
 // and MakePayload(color) as for march.glsl.
@@ -34,9 +34,9 @@ Hit HitAt(Ray ray, uvec2 fragment) {
   vec4 a = texelFetch(vertices, int(2u * ids.x)), b = texelFetch(vertices, int(2u * ids.y));
   vec4 c = texelFetch(vertices, int(2u * ids.z));
   vec3 p_a = InRayFrame(ray, a.xyz), p_b = InRayFrame(ray, b.xyz), p_c = InRayFrame(ray, c.xyz);
-  Payload k_a = MakePayload(texelFetch(vertices, int(2u * ids.x + 1u)).rgb);
-  Payload k_b = MakePayload(texelFetch(vertices, int(2u * ids.y + 1u)).rgb);
-  Payload k_c = MakePayload(texelFetch(vertices, int(2u * ids.z + 1u)).rgb);
+  Payload k_a = MakePayload(FetchVertexColor(ids.x));
+  Payload k_b = MakePayload(FetchVertexColor(ids.y));
+  Payload k_c = MakePayload(FetchVertexColor(ids.z));
   vec3 w = HitWeights(p_a, p_b, p_c);
   Hit hit;
   hit.z = uintBitsToFloat(fragment.x);
@@ -75,10 +75,10 @@ Hit HitAtCamera(ListRay list_ray, uint tet) {
   hit.ids = ids;
   hit.w = sum > 0.0 ? w / sum : vec4(0.25);
   vec4 density = vec4(row_a.w, row_b.w, row_c.w, row_d.w);
-  Payload k_a = MakePayload(texelFetch(vertices, int(2u * ids.x + 1u)).rgb);
-  Payload k_b = MakePayload(texelFetch(vertices, int(2u * ids.y + 1u)).rgb);
-  Payload k_c = MakePayload(texelFetch(vertices, int(2u * ids.z + 1u)).rgb);
-  Payload k_d = MakePayload(texelFetch(vertices, int(2u * ids.w + 1u)).rgb);
+  Payload k_a = MakePayload(FetchVertexColor(ids.x));
+  Payload k_b = MakePayload(FetchVertexColor(ids.y));
+  Payload k_c = MakePayload(FetchVertexColor(ids.z));
+  Payload k_d = MakePayload(FetchVertexColor(ids.w));
   hit.density = dot(hit.w, density);
   hit.payload = hit.w.x * k_a + hit.w.y * k_b + hit.w.z * k_c + hit.w.w * k_d;
 #ifdef TETREC_POSITIONS
@@ -87,6 +87,32 @@ Hit HitAtCamera(ListRay list_ray, uint tet) {
                            density, vec4(k_a, k_b, k_c, k_d));
 #endif
   return hit;
+}
+
+// Least of the barycentric weights that the ray's point at z has in a tet.
+float LeastWeight(ListRay list_ray, float z, uint tet) {
+  uvec4 ids = texelFetch(tets, int(2u * tet));
+  vec3 point = list_ray.ray.origin + z * list_ray.ray.direction;
+  vec3 a = texelFetch(vertices, int(2u * ids.x)).xyz - point;
+  vec3 b = texelFetch(vertices, int(2u * ids.y)).xyz - point;
+  vec3 c = texelFetch(vertices, int(2u * ids.z)).xyz - point;
+  vec3 d = texelFetch(vertices, int(2u * ids.w)).xyz - point;
+  vec4 w = VolumesAtOrigin(a, b, c, d);
+  return min(min(w.x, w.y), min(w.z, w.w)) / (w.x + w.y + w.z + w.w);
+}
+
+// The cell between two hits. Cells are not continuous: where swapped hits disagree, it is the one
+// that holds the middle.
+uint TetBetween(ListRay list_ray, Hit hit0, Hit hit1) {
+  uint tet = hit0.behind;
+  if (kCells) {
+    TETREC_RARELY(hit0.behind != hit1.before) {
+      float middle = 0.5 * (hit0.z + hit1.z);
+      bool other = LeastWeight(list_ray, middle, hit1.before) > LeastWeight(list_ray, middle, tet);
+      tet = other ? hit1.before : tet;
+    }
+  }
+  return tet;
 }
 
 // What a ray has before its first fragment: nothing, or its camera in the tet before that.

@@ -4,13 +4,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "atomic_sum.glsl"
+
+vec3 g_color;
+
+#define MakePayload(color) dot(g_color, color)
 #include "projection_rays.glsl"
 
 layout(std430, binding = kBindRayColors) readonly buffer RayColors { vec4 ray_colors[]; };
 layout(std430, binding = kBindRayGradients) readonly buffer RayGradients { vec4 ray_gradients[]; };
 layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
-
-vec3 g_color;
 
 #include "held_vertices.glsl"
 
@@ -23,10 +25,10 @@ struct Walk {
 layout(std430, binding = kBindRayStates) buffer RayStates { Walk ray_states[]; };
 
 vec4 PayloadOf(uvec4 ids) {
-  return vec4(dot(g_color, texelFetch(vertices, int(2u * ids.x + 1u)).rgb),
-              dot(g_color, texelFetch(vertices, int(2u * ids.y + 1u)).rgb),
-              dot(g_color, texelFetch(vertices, int(2u * ids.z + 1u)).rgb),
-              dot(g_color, texelFetch(vertices, int(2u * ids.w + 1u)).rgb));
+  return vec4(MakePayload(FetchVertexColor(ids.x)),
+              MakePayload(FetchVertexColor(ids.y)),
+              MakePayload(FetchVertexColor(ids.z)),
+              MakePayload(FetchVertexColor(ids.w)));
 }
 
 #ifdef TETREC_POSITIONS
@@ -65,10 +67,11 @@ Slopes SlopesOnTetFace(TetCut cut, bvec4 lacks, vec4 payload) {
 #endif
 
 // Adds the gradients of a segment to the vertices of its tet.
-void Pass(inout Walk walk, TetCut cut) {
+void Pass(inout Walk walk, TetCut cut, uint tet) {
   vec4 payload = PayloadOf(cut.ids);
   float k0 = dot(cut.w0, payload), k1 = dot(cut.w1, payload);
   float density0 = dot(cut.w0, cut.density), density1 = dot(cut.w1, cut.density);
+  UseCell(tet, density0, density1, k0, k1);
   float size = cut.z1 - cut.z0;
   float s0 = density0 * size, s1 = density1 * size;
   SegmentAdjoint adjoint = SegmentAdjoint(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -79,6 +82,7 @@ void Pass(inout Walk walk, TetCut cut) {
   walk.behind -= t * (adjoint.w0 * k0 + adjoint.w1 * k1);
   EndGradients ends =
       GradientsOfEnds(adjoint, t, walk.behind, size, density0, density1, k0, k1);
+  if (kCells) AddToCell(tet, ends);
   Hold(walk.held, cut.ids);
   Deposit(walk.held, cut.w0, ends.entry);
   Deposit(walk.held, cut.w1, ends.exit);
@@ -111,8 +115,9 @@ void main() {
   bool go = tile_ray.exists && ray.valid && gradient != vec4(0.0) && i < tile_ray.range.y &&
             walk.depth < push.stop_depth;
   while (go) {
-    TetCut cut = CutTet(ray, tet_of_item[i]);
-    TETREC_RARELY(cut.hit) { Pass(walk, cut); }
+    uint tet = tet_of_item[i];
+    TetCut cut = CutTet(ray, tet);
+    TETREC_RARELY(cut.hit) { Pass(walk, cut, tet); }
     i += 1u;
     go = i < tile_ray.range.y && walk.depth < push.stop_depth;
   }

@@ -2,12 +2,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "projection.glsl"
+#include "thread_index.glsl"
 
 layout(std430, binding = kBindVisible) readonly buffer Visible { uint before[]; };
 layout(std430, binding = kBindItems) writeonly buffer Items { uint items[]; };
 
 void main() {
-  uint tet = gl_GlobalInvocationID.x;
+  uint tet = ThreadIndex();
   if (tet < push.count) {
     uint place = before[tet];
     if (before[tet + 1u] != place) items[place] = tet;

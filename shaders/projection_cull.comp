@@ -6,6 +6,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "projection.glsl"
+#include "thread_index.glsl"
 
 layout(std430, binding = kBindViews) readonly buffer Views { GpuView views[]; };
 layout(binding = kBindTets) uniform utextureBuffer tets;
@@ -43,7 +44,7 @@ void AddDirection(inout Bounds bounds, vec3 front, vec3 behind) {
 }
 
 void main() {
-  uint tet = gl_GlobalInvocationID.x;
+  uint tet = ThreadIndex();
   bool exists = tet < push.count;
   uvec4 ids = texelFetch(tets, int(exists ? 2u * tet : 0u));
   GpuView view = views[push.view];

@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "projection.glsl"
+#include "thread_index.glsl"
 
 layout(std430, binding = kBindItems) readonly buffer Items { uint items[]; };
 layout(std430, binding = kBindRectangles) readonly buffer Rectangles { uvec2 rectangles[]; };
@@ -10,7 +11,7 @@ layout(std430, binding = kBindSortedKeys) writeonly buffer Tiles { uint tile_of_
 layout(std430, binding = kBindSortedItems) writeonly buffer Tets { uint tet_of_item[]; };
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = ThreadIndex();
   bool exists = i < push.count;
   uint place = push.first + (exists ? i : 0u);
   uint tet = items[place];

@@ -8,6 +8,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "projection.glsl"
+#include "thread_index.glsl"
 #include "exact.glsl"
 
 layout(std430, binding = kBindItems) readonly buffer Items { uint items[]; };
@@ -28,7 +29,7 @@ uint Sortable(float value) {
 }
 
 void main() {
-  uint i = gl_GlobalInvocationID.x;
+  uint i = ThreadIndex();
   if (i < push.count) {
     uint tet = items[i];
 #ifdef TETREC_POWER

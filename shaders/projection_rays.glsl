@@ -8,6 +8,7 @@
 
 layout(binding = kBindTets) uniform utextureBuffer tets;
 layout(binding = kBindVertices) uniform textureBuffer vertices;
+#include "cells.glsl"
 layout(std430, binding = kBindItems) readonly buffer Items { uint tet_of_item[]; };
 layout(std430, binding = kBindTileRanges) readonly buffer TileRanges { uvec2 tile_ranges[]; };
 

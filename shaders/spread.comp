@@ -3,17 +3,20 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"
+#include "thread_index.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(std430, binding = kBindParameters) readonly buffer Parameters { vec4 parameters[]; };
 layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
 layout(push_constant) uniform Push { SpreadPush push; };
 
+#include "storage.glsl"
+
 void main() {
-  uint v = gl_GlobalInvocationID.x;
-  if (v < push.vertex_count) {
+  uint v = ThreadIndex();
+  if (v < push.row_count) {
     vec4 parameter = parameters[v];
-    vertices[2u * v].w = exp(parameter.a);
-    vertices[2u * v + 1u].rgb = parameter.rgb;
+    vertices[DensityRow(v)].w = exp(parameter.a);
+    vertices[ColorRow(v)].rgb = parameter.rgb;
   }
 }

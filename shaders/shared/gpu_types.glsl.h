@@ -40,15 +40,24 @@ struct Moments {
   vec4 first, second;
 };
 
+// Specialization constant beside those of integral.glsl.h: whether vertices or tets have density
+// and colour.
+#define kConstantStorage 3
+#define kStorageVertex 0
+#define kStorageCell 1
+
 struct MarchPush {
+  vec4 mesh_ball;  // centre, radius: holds the mesh
   uint ray_count;
   uint hull_faces;
+  uint tree_leaves;  // of the tree of boxes over the faces, where there is one
   uint max_steps;  // a ray that needs more is counted as lost
   uint jitter_seed;
   float jitter_px;   // rays are moved inside their pixel by up to half of this
   float stop_depth;  // rays stop at this optical depth (-log of transmittance)
   // Of fixed-point sums: quanta a unit of gradient, and the largest addend.
   float color_quanta, density_quanta, position_quanta, largest_quanta;
+  uint first_cell;  // row of tet 0 among `vertices`, where cells have the attributes
 };
 
 // One pass over a tile of a batch with per-pixel lists.
@@ -67,7 +76,8 @@ struct PpllPush {
   uint shortest, longest;  // lists that the sort takes
   // Of fixed-point sums, as in MarchPush.
   float color_quanta, density_quanta, position_quanta, largest_quanta;
-  uint padding0, padding1, padding2;
+  uint first_cell;  // as in MarchPush
+  uint padding0, padding1;
 };
 
 struct LossPush {
@@ -78,14 +88,23 @@ struct LossPush {
   vec4 background;  // rgb [display sRGB], stands behind field and target
 };
 
+// D-SSIM of a batch of tiles, all alike.
+struct DssimPush {
+  uint ray_count;
+  uint tile_columns, tile_rows;  // blocks a row, rows of blocks
+  float gradient_scale;          // dL/dSSIM of one window and channel
+  vec4 background;               // as in LossPush
+};
+
 struct AdamPush {
-  uint vertex_count;
+  uint row_count;
   float beta1, beta2, epsilon;
   float color_rate, density_rate;  // after bias correction of the first moment
   float second_moment_correction;  // 1 / (1 - beta2^t)
   float max_log_density;
   float density_decay;                   // of the log density of a seen vertex, a step
   float color_quantum, density_quantum;  // of fixed-point gradients
+  uint first_cell;                       // as in MarchPush
 };
 
 // Runs of values that one thread counts, adds or moves in prefix sums and sorts.
@@ -127,10 +146,12 @@ struct ProjectionPush {
   float color_quanta, density_quanta, position_quanta, largest_quanta;
   float rounding;          // of distances along a ray, at most
   vec4 eye_high, eye_low;  // camera centre in the frame of the tets' spheres, as two floats each
+  uint first_cell;         // as in MarchPush
 };
 
 struct SpreadPush {
-  uint vertex_count;
+  uint row_count;
+  uint first_cell;  // as in MarchPush
 };
 
 // Of fixed-point tet scores: a ray adds its squared residual times at most 1, and no more than
@@ -146,7 +167,11 @@ struct SpreadPush {
 #define kRayStateBytes 64
 #define kRayStateBytesWithPositions 128
 
-// Counters of the renderers' kernels.
+// Of march kernels, beside those of the integral (integral.glsl.h): not 0 where the boundary may have
+// any shape.
+#define kConstantAnyBoundary 2
+
+// Counters of the march kernels.
 #define kCounterLostRays 0
 #define kCounterSteps 1
 #define kCounterHitRays 2
@@ -155,8 +180,10 @@ struct SpreadPush {
 
 // Bindings.
 #define kBindTets 0      // texels uvec4: vertex ids, neighbours
-#define kBindVertices 1  // texels vec4: position | density, colour | 0
-#define kBindHull 2      // texels: per hull face plane (n, w) and ids (a, b, c, tet) as bits
+#define kBindVertices 1  // texels vec4: position | density, colour | 0 a vertex (storage.glsl)
+// texels: per boundary face plane (n, w) and ids (a, b, c, tet) as bits; where the boundary has a tree
+// of boxes per node (min, first) and (max, second), node 0 none (mesh/boundary.h)
+#define kBindHull 2
 #define kBindViews 3
 #define kBindBlocks 4
 #define kBindRayColors 5     // vec4 a ray: colour before the background | optical depth
@@ -190,11 +217,16 @@ struct SpreadPush {
 #define kBindLists 32              // uvec2 a ray: first fragment, fragments
 #define kBindListFills 33          // uint a ray: fragments found so far
 #define kBindFragments \
-  34  // uvec2: distance along the ray as bits, face | 1 where it enters the tet
+  34                      // uvec2: distance along the ray as bits, face | 1 where it enters the tet
+#define kBindPictures 35  // vec2 a channel and ray: what it shows, its target
+#define kBindWindowRows 36  // floats a channel and ray, 5 planes: sums of SSIM's windows along rows
+#define kBindWindowTerms 37   // floats a channel and ray, 3 planes: dSSIM / d(means of a window)
+#define kBindPartialSsims 38  // float a workgroup
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 80 && sizeof(GpuBlock) == 16);
 static_assert(sizeof(MarchPush) <= 128 && sizeof(LossPush) <= 128 && sizeof(AdamPush) <= 128);
+static_assert(sizeof(DssimPush) == 32);
 static_assert(sizeof(ProjectionPush) <= 128 && sizeof(PpllPush) == 96);
 }  // namespace tetrec::gpu_types
 #endif

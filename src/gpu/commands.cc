@@ -157,14 +157,17 @@ void CommandRecorder::Bind(const Program& program, std::span<const Buffer* const
 
 void CommandRecorder::DispatchBytes(const Program& program, std::span<const Buffer* const> buffers,
                                     const void* push, uint32_t push_bytes, uint64_t threads,
-                                    uint32_t local_size) {
+                                    uint32_t local_size, bool in_rows) {
   TETREC_CHECK(program.stages() == VK_SHADER_STAGE_COMPUTE_BIT, program.name());
+  const uint32_t* limits = device_.properties.limits.maxComputeWorkGroupCount;
   const uint64_t groups = (threads + local_size - 1) / local_size;
-  TETREC_CHECK(groups <= device_.properties.limits.maxComputeWorkGroupCount[0],
-               fmt::format("dispatch of {}: {} workgroups", program.name(), groups));
   if (groups == 0) return;
+  const uint64_t rows = in_rows ? (groups + limits[0] - 1) / limits[0] : 1;
+  const uint64_t columns = (groups + rows - 1) / rows;
+  TETREC_CHECK(columns <= limits[0] && rows <= limits[1],
+               fmt::format("dispatch of {}: {} workgroups", program.name(), groups));
   Bind(program, buffers, push, push_bytes);
-  vkCmdDispatch(handle_, uint32_t(groups), 1, 1);
+  vkCmdDispatch(handle_, uint32_t(columns), uint32_t(rows), 1);
   WriteTimestamp(program.name());
 }
 

@@ -32,7 +32,14 @@ class CommandRecorder {
   template <class Push>
   void Dispatch(const Program& program, std::span<const Buffer* const> buffers, const Push& push,
                 uint64_t threads, uint32_t local_size) {
-    DispatchBytes(program, buffers, &push, sizeof(Push), threads, local_size);
+    DispatchBytes(program, buffers, &push, sizeof(Push), threads, local_size, false);
+  }
+  // As Dispatch for kernels that number their threads by ThreadIndex() (shaders/thread_index.glsl):
+  // any number of workgroups, in rows of as many as the device takes (65,535 on some).
+  template <class Push>
+  void DispatchMany(const Program& program, std::span<const Buffer* const> buffers,
+                    const Push& push, uint64_t threads, uint32_t local_size) {
+    DispatchBytes(program, buffers, &push, sizeof(Push), threads, local_size, true);
   }
   // Draws `vertices` vertices; clip space spans `viewport`, only pixels in `area` get fragments.
   template <class Push>
@@ -50,7 +57,8 @@ class CommandRecorder {
 
  private:
   void DispatchBytes(const Program& program, std::span<const Buffer* const> buffers,
-                     const void* push, uint32_t push_bytes, uint64_t threads, uint32_t local_size);
+                     const void* push, uint32_t push_bytes, uint64_t threads, uint32_t local_size,
+                     bool in_rows);
   void DrawBytes(const Program& program, std::span<const Buffer* const> buffers, const void* push,
                  uint32_t push_bytes, uint32_t vertices, const PixelRect& viewport,
                  const PixelRect& area);

@@ -1,6 +1,10 @@
 // Which tet holds a point.
 #include "mesh/locate.h"
 
+#include "core/parallel.h"
+
+#include <atomic>
+
 namespace tetrec {
 namespace {
 
@@ -28,22 +32,43 @@ int FaceBeyond(const TetMesh& mesh, uint32_t tet, const glm::dvec3& point) {
   return face;
 }
 
+bool BoxHolds(const TetMesh& mesh, uint32_t tet, const glm::dvec3& point) {
+  const glm::uvec4& ids = mesh.tets[tet];
+  glm::vec3 low = mesh.positions[ids[0]], high = low;
+  for (int i = 1; i < 4; ++i) {
+    low = glm::min(low, mesh.positions[ids[i]]);
+    high = glm::max(high, mesh.positions[ids[i]]);
+  }
+  return glm::all(glm::lessThanEqual(glm::dvec3(low), point)) &&
+         glm::all(glm::lessThanEqual(point, glm::dvec3(high)));
+}
+
+// The first of all tets that holds the point.
+uint32_t ScanForTet(const TetMesh& mesh, const glm::dvec3& point) {
+  std::atomic<uint32_t> found = kNoTet;
+  ParallelFor(mesh.tets.size(), 1 << 14, [&](size_t begin, size_t end) {
+    for (uint32_t t = uint32_t(begin); t < end && t < found.load(std::memory_order_relaxed); ++t) {
+      if (!BoxHolds(mesh, t, point) || FaceBeyond(mesh, t, point) >= 0) continue;
+      uint32_t before = found;
+      while (t < before && !found.compare_exchange_weak(before, t)) {
+      }
+    }
+  });
+  return found;
+}
+
 }  // namespace
 
-uint32_t FindTet(const TetMesh& mesh, const glm::dvec3& point, uint32_t start) {
+uint32_t FindTet(const TetMesh& mesh, const glm::dvec3& point, uint32_t start, bool is_convex) {
   uint32_t tet = start < mesh.tets.size() ? start : 0;
   for (size_t step = 0; step < mesh.tets.size(); ++step) {
     const int face = FaceBeyond(mesh, tet, point);
     if (face < 0) return tet;
     const uint32_t next = mesh.neighbors[tet][face];
-    if (next == kNoTet) return kNoTet;  // beyond a face of a convex hull
+    if (next == kNoTet) return is_convex ? kNoTet : ScanForTet(mesh, point);
     tet = next;
   }
-  // The walk went in circles by rounding.
-  for (uint32_t t = 0; t < mesh.tets.size(); ++t) {
-    if (FaceBeyond(mesh, t, point) < 0) return t;
-  }
-  return kNoTet;
+  return ScanForTet(mesh, point);  // the walk went in circles by rounding
 }
 
 }  // namespace tetrec

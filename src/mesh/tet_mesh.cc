@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "geometry/orientation.h"
+#include "mesh/boundary.h"
 
 #include <fmt/format.h>
 
@@ -44,14 +45,21 @@ void CheckSizesAndIds(const TetMesh& mesh) {
   }
 }
 
+double Volume(const TetMesh& mesh, const glm::uvec4& tet) {
+  const glm::dvec3 p0(mesh.positions[tet[0]]), p1(mesh.positions[tet[1]]),
+      p2(mesh.positions[tet[2]]), p3(mesh.positions[tet[3]]);
+  return glm::dot(p1 - p0, glm::cross(p2 - p0, p3 - p0)) / 6;
+}
+
 void CheckOrientations(const TetMesh& mesh) {
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
     const glm::uvec4 tet = mesh.tets[t];
-    if (Orientation(mesh.positions[tet[0]], mesh.positions[tet[1]], mesh.positions[tet[2]],
-                    mesh.positions[tet[3]]) <= 0) {
-      throw DataError(fmt::format("tet {} (vertices {}, {}, {}, {}) is flat or inverted", t, tet[0],
-                                  tet[1], tet[2], tet[3]));
-    }
+    const int sign = Orientation(mesh.positions[tet[0]], mesh.positions[tet[1]],
+                                 mesh.positions[tet[2]], mesh.positions[tet[3]]);
+    if (sign > 0) continue;
+    throw DataError(fmt::format("tet {} (vertices {}, {}, {}, {}) is {}: its volume is {:.6g}", t,
+                                tet[0], tet[1], tet[2], tet[3], sign < 0 ? "inverted" : "flat",
+                                sign < 0 ? Volume(mesh, tet) : 0.0));
   }
 }
 
@@ -66,8 +74,35 @@ glm::uvec3 SortedFace(const glm::uvec4& tet, int face) {
   return v;
 }
 
-// The links must be the ones that the vertex ids imply: symmetric, over equal faces, none missing.
-void CheckNeighbors(const TetMesh& mesh) {
+// Every link must be answered by one back, over the same three vertices.
+void CheckLinks(const TetMesh& mesh) {
+  for (uint32_t t = 0; t < mesh.tets.size(); ++t) {
+    for (int i = 0; i < 4; ++i) {
+      const uint32_t neighbor = mesh.neighbors[t][i];
+      if (neighbor == kNoTet) continue;
+      int back = 0;
+      while (back < 4 && mesh.neighbors[neighbor][back] != t) ++back;
+      if (back == 4) {
+        throw DataError(fmt::format(
+            "tet {} links to {} over its face {}, but that has no link back", t, neighbor, i));
+      }
+      const glm::uvec3 face = SortedFace(mesh.tets[t], i);
+      // A tet may link back twice in a damaged mesh; the faces tell.
+      bool is_shared = false;
+      for (int k = back; k < 4; ++k) {
+        is_shared |= mesh.neighbors[neighbor][k] == t && SortedFace(mesh.tets[neighbor], k) == face;
+      }
+      if (!is_shared) {
+        throw DataError(
+            fmt::format("tet {} links to {} over its face {} ({}-{}-{}), which that lacks", t,
+                        neighbor, i, face.x, face.y, face.z));
+      }
+    }
+  }
+}
+
+// The links must be the ones that the vertex ids imply.
+void CheckNoLinkMissing(const TetMesh& mesh) {
   const std::vector<glm::uvec4> expected = ComputeNeighbors(mesh.tets, mesh.positions.size());
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
     if (mesh.neighbors[t] == expected[t]) continue;
@@ -79,28 +114,6 @@ void CheckNeighbors(const TetMesh& mesh) {
   }
 }
 
-void CheckOneComponent(const TetMesh& mesh) {
-  std::vector<uint8_t> seen(mesh.tets.size(), 0);
-  std::vector<uint32_t> stack{0};
-  seen[0] = 1;
-  size_t reached = 0;
-  while (!stack.empty()) {
-    const uint32_t t = stack.back();
-    stack.pop_back();
-    ++reached;
-    for (int i = 0; i < 4; ++i) {
-      const uint32_t neighbor = mesh.neighbors[t][i];
-      if (neighbor == kNoTet || seen[neighbor]) continue;
-      seen[neighbor] = 1;
-      stack.push_back(neighbor);
-    }
-  }
-  if (reached != mesh.tets.size()) {
-    throw DataError(fmt::format("the mesh falls into parts: {} of {} tets are reached from tet 0",
-                                reached, mesh.tets.size()));
-  }
-}
-
 void CheckAllReferenced(const TetMesh& mesh) {
   std::vector<uint8_t> used(mesh.positions.size(), 0);
   for (const glm::uvec4& tet : mesh.tets) {
@@ -108,45 +121,6 @@ void CheckAllReferenced(const TetMesh& mesh) {
   }
   for (size_t v = 0; v < used.size(); ++v) {
     if (!used[v]) throw DataError(fmt::format("vertex {} belongs to no tet", v));
-  }
-}
-
-// Two boundary faces meet at every boundary edge, and neither's far vertex lies outside the other's
-// plane. A closed surface that is convex along every edge bounds a convex solid.
-void CheckConvex(const TetMesh& mesh) {
-  struct HalfEdge {
-    uint32_t from, to;  // as wound in its face
-    uint32_t far;       // the face's third vertex
-    uint64_t Key() const { return uint64_t(std::min(from, to)) << 32 | std::max(from, to); }
-  };
-  std::vector<HalfEdge> edges;
-  for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    for (int i = 0; i < 4; ++i) {
-      if (mesh.neighbors[t][i] != kNoTet) continue;
-      uint32_t v[3];
-      for (int k = 0; k < 3; ++k) v[k] = mesh.tets[t][kFaceVertices[i][k]];
-      for (int k = 0; k < 3; ++k) edges.push_back({v[k], v[(k + 1) % 3], v[(k + 2) % 3]});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return a.Key() != b.Key() ? a.Key() < b.Key() : a.far < b.far;
-  });
-  for (size_t e = 0; e < edges.size(); e += 2) {
-    const bool is_pair = e + 1 < edges.size() && edges[e].Key() == edges[e + 1].Key() &&
-                         edges[e].from == edges[e + 1].to &&
-                         (e + 2 == edges.size() || edges[e + 2].Key() != edges[e].Key());
-    if (!is_pair) {
-      throw DataError(fmt::format("the boundary is not a closed surface at edge {}-{}",
-                                  edges[e].from, edges[e].to));
-    }
-    const HalfEdge& a = edges[e];
-    // The face (from, to, far) has its normal outside: a point outside makes a positive tet with
-    // it.
-    if (Orientation(mesh.positions[a.from], mesh.positions[a.to], mesh.positions[a.far],
-                    mesh.positions[edges[e + 1].far]) > 0) {
-      throw DataError(
-          fmt::format("the boundary is not convex at edge {}-{}", edges[e].from, edges[e].to));
-    }
   }
 }
 
@@ -246,13 +220,21 @@ std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_
   return neighbors;
 }
 
-void CheckTetMesh(const TetMesh& mesh) {
+void CheckTets(const TetMesh& mesh) {
   CheckSizesAndIds(mesh);
   CheckOrientations(mesh);
-  CheckNeighbors(mesh);
-  CheckOneComponent(mesh);
+  CheckLinks(mesh);
   CheckAllReferenced(mesh);
-  CheckConvex(mesh);
+}
+
+void CheckTetMesh(const TetMesh& mesh) {
+  CheckTets(mesh);
+  CheckNoLinkMissing(mesh);
+}
+
+void CheckConvexDomain(const TetMesh& mesh) {
+  const std::string why = WhyNotConvex(mesh, BoundaryFaces(mesh));
+  if (!why.empty()) throw DataError(why);
 }
 
 TetMeshQuality MeasureQuality(const TetMesh& mesh) {

@@ -13,25 +13,36 @@
 namespace tetrec {
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '1'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '2'};
 
-void CheckFinite(const std::vector<glm::vec4>& rows, const std::string& name, const char* what) {
+void CheckFinite(const std::vector<glm::vec4>& rows, const std::string& name, const char* what,
+                 const char* row) {
   for (size_t v = 0; v < rows.size(); ++v) {
     for (int i = 0; i < 4; ++i) {
       if (!std::isfinite(rows[v][i])) {
-        throw DataError(fmt::format("{}: {} of vertex {} is not finite", name, what, v));
+        throw DataError(fmt::format("{}: {} of {} {} is not finite", name, what, row, v));
       }
     }
   }
 }
 
 // Adam takes their root.
-void CheckNotNegative(const std::vector<glm::vec4>& second_moment, const std::string& name) {
+void CheckNotNegative(const std::vector<glm::vec4>& second_moment, const std::string& name,
+                      const char* row) {
   for (size_t v = 0; v < second_moment.size(); ++v) {
     if (glm::any(glm::lessThan(second_moment[v], glm::vec4(0.0f)))) {
-      throw DataError(fmt::format("{}: a second moment of vertex {} is negative", name, v));
+      throw DataError(fmt::format("{}: a second moment of {} {} is negative", name, row, v));
     }
   }
+}
+
+FieldStorage ReadStorage(ByteReader& reader) {
+  const uint32_t storage = reader.Read<uint32_t>("storage");
+  if (storage > 1) {
+    throw DataError(
+        fmt::format("{}: storage {} is neither 0 (vertex) nor 1 (cell)", reader.name(), storage));
+  }
+  return storage == 1 ? FieldStorage::kCell : FieldStorage::kVertex;
 }
 
 }  // namespace
@@ -46,6 +57,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   writer.Write(checkpoint.metrics_bytes);
   writer.Write(uint64_t(checkpoint.mesh.positions.size()));
   writer.Write(uint64_t(checkpoint.mesh.tets.size()));
+  writer.Write(uint32_t(checkpoint.state.storage == FieldStorage::kCell ? 1 : 0));
   writer.WriteArray(std::span<const glm::vec3>(checkpoint.mesh.positions));
   writer.WriteArray(std::span<const glm::uvec4>(checkpoint.mesh.tets));
   writer.WriteArray(std::span<const glm::uvec4>(checkpoint.mesh.neighbors));
@@ -68,21 +80,25 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.metrics_bytes = reader.Read<uint64_t>("metrics bytes");
   const uint64_t vertices = reader.Read<uint64_t>("vertex count");
   const uint64_t tets = reader.Read<uint64_t>("tet count");
+  result.state.storage = ReadStorage(reader);
+  const uint64_t rows = result.state.storage == FieldStorage::kCell ? tets : vertices;
   result.mesh.positions = reader.ReadArray<glm::vec3>(vertices, "positions");
   result.mesh.tets = reader.ReadArray<glm::uvec4>(tets, "tets");
   result.mesh.neighbors = reader.ReadArray<glm::uvec4>(tets, "neighbours");
-  result.state.parameters = reader.ReadArray<glm::vec4>(vertices, "parameters");
-  result.state.first_moment = reader.ReadArray<glm::vec4>(vertices, "first moments");
-  result.state.second_moment = reader.ReadArray<glm::vec4>(vertices, "second moments");
+  result.state.parameters = reader.ReadArray<glm::vec4>(rows, "parameters");
+  result.state.first_moment = reader.ReadArray<glm::vec4>(rows, "first moments");
+  result.state.second_moment = reader.ReadArray<glm::vec4>(rows, "second moments");
   reader.ExpectEnd();
   if (!std::isfinite(result.seconds) || result.seconds < 0) {
     throw DataError(fmt::format("{}: seconds {} is no time", name, result.seconds));
   }
-  CheckFinite(result.state.parameters, name, "a parameter");
-  CheckFinite(result.state.first_moment, name, "a first moment");
-  CheckFinite(result.state.second_moment, name, "a second moment");
-  CheckNotNegative(result.state.second_moment, name);
+  const char* row = RowName(result.state.storage);
+  CheckFinite(result.state.parameters, name, "a parameter", row);
+  CheckFinite(result.state.first_moment, name, "a first moment", row);
+  CheckFinite(result.state.second_moment, name, "a second moment", row);
+  CheckNotNegative(result.state.second_moment, name, row);
   CheckTetMesh(result.mesh);
+  CheckConvexDomain(result.mesh);
   return result;
 }
 

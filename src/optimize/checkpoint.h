@@ -19,9 +19,10 @@ struct Checkpoint {
   VertexState state;
 };
 
-// Own format, little endian: "TETRECK1", u64 iteration, f64 seconds, u64 rays, u32 rounds,
-// u64 metrics bytes, u64 V, u64 T, positions f32 x 3 V, tets and neighbours u32 x 4 T each, then
-// parameters, first and second moments f32 x 4 V each. Written by rename.
+// Own format, little endian: "TETRECK2", u64 iteration, f64 seconds, u64 rays, u32 rounds,
+// u64 metrics bytes, u64 V, u64 T, u32 storage (0 vertex, 1 cell), positions f32 x 3 V, tets and
+// neighbours u32 x 4 T each, then parameters, first and second moments f32 x 4 a vertex, or a tet,
+// each. Written by rename.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 // Throws DataError where the file is cut off or does not fit together.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);

@@ -3,10 +3,12 @@
 
 #include "core/error.h"
 #include "mesh/delaunay.h"
+#include "mesh/locate.h"
 #include "optimize/random.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <set>
 
@@ -77,13 +79,15 @@ std::vector<Edge> ChooseEdges(const TetMesh& mesh, std::span<const float> error,
 std::vector<uint8_t> EmptyVertices(const TetMesh& mesh, const VertexState& state,
                                    double empty_depth) {
   std::vector<uint8_t> empty(mesh.positions.size(), 1);
-  for (const glm::uvec4& tet : mesh.tets) {
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    const glm::uvec4& tet = mesh.tets[t];
     double longest = 0.0, densest = 0.0;
     for (const auto& ends : kTetEdges) {
       longest = std::max(longest, EdgeLength(mesh, {tet[ends[0]], tet[ends[1]]}));
     }
     for (int i = 0; i < 4; ++i) {
-      densest = std::max(densest, double(std::exp(state.parameters[tet[i]].a)));
+      const size_t row = state.storage == FieldStorage::kCell ? t : tet[i];
+      densest = std::max(densest, double(std::exp(state.parameters[row].a)));
     }
     if (longest * densest < empty_depth) continue;
     for (int i = 0; i < 4; ++i) empty[tet[i]] = 0;
@@ -99,6 +103,60 @@ glm::vec4 MixParameters(const glm::vec4& a, const glm::vec4& b, float f) {
   return result;
 }
 
+// A vertex of the new mesh: at share f of the way from a to b, vertices of the old one.
+struct Source {
+  uint32_t a, b;
+  float f;
+};
+
+VertexState MixVertices(const VertexState& state, std::span<const Source> sources,
+                        std::span<const uint32_t> source_of_vertex) {
+  VertexState mixed;
+  for (const uint32_t s : source_of_vertex) {
+    const auto [a, b, f] = sources[s];
+    mixed.parameters.push_back(a == b ? state.parameters[a]
+                                      : MixParameters(state.parameters[a], state.parameters[b], f));
+    mixed.first_moment.push_back(glm::mix(state.first_moment[a], state.first_moment[b], f));
+    mixed.second_moment.push_back(glm::mix(state.second_moment[a], state.second_moment[b], f));
+  }
+  return mixed;
+}
+
+glm::dvec3 Centroid(const TetMesh& mesh, const glm::uvec4& tet) {
+  glm::dvec3 sum(0.0);
+  for (int i = 0; i < 4; ++i) sum += glm::dvec3(mesh.positions[tet[i]]);
+  return 0.25 * sum;
+}
+
+// For a point that rounding puts outside of the hull.
+uint32_t NearestTet(const TetMesh& mesh, const glm::dvec3& point) {
+  uint32_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (uint32_t t = 0; t < mesh.tets.size(); ++t) {
+    const double distance = glm::distance(point, Centroid(mesh, mesh.tets[t]));
+    if (distance >= least) continue;
+    least = distance;
+    nearest = t;
+  }
+  return nearest;
+}
+
+// Both meshes fill the same hull.
+VertexState CarryCells(const TetMesh& mesh, const VertexState& state, const TetMesh& new_mesh) {
+  VertexState carried;
+  carried.storage = FieldStorage::kCell;
+  uint32_t old = 0;
+  for (const glm::uvec4& tet : new_mesh.tets) {
+    const glm::dvec3 point = Centroid(new_mesh, tet);
+    const uint32_t found = FindTet(mesh, point, old);
+    old = found == kNoTet ? NearestTet(mesh, point) : found;
+    carried.parameters.push_back(state.parameters[old]);
+    carried.first_moment.push_back(state.first_moment[old]);
+    carried.second_moment.push_back(state.second_moment[old]);
+  }
+  return carried;
+}
+
 }  // namespace
 
 RefineResult Refine(const TetMesh& mesh, const VertexState& state, std::span<const float> error,
@@ -111,16 +169,14 @@ RefineResult Refine(const TetMesh& mesh, const VertexState& state, std::span<con
   RefineResult result;
   Random random(options.seed, count);
   std::vector<glm::vec3> points;
-  VertexState grown;
-  for (size_t v = 0; v < count; ++v) {
+  std::vector<Source> sources;
+  for (uint32_t v = 0; v < count; ++v) {
     if (!on_hull[v] && empty[v] && random.Uniform() < options.drop_share) {
       ++result.dropped_empty;
       continue;
     }
     points.push_back(mesh.positions[v]);
-    grown.parameters.push_back(state.parameters[v]);
-    grown.first_moment.push_back(state.first_moment[v]);
-    grown.second_moment.push_back(state.second_moment[v]);
+    sources.push_back({v, v, 0.0f});
   }
 
   const double wanted = std::min(double(options.max_vertices), options.growth * double(count));
@@ -129,22 +185,15 @@ RefineResult Refine(const TetMesh& mesh, const VertexState& state, std::span<con
     // Off the exact middle, so that regular starts do not stay cospherical.
     const float f = float(0.5 + 0.1 * (random.Uniform() - 0.5));
     points.push_back(glm::mix(mesh.positions[edge.a], mesh.positions[edge.b], f));
-    grown.parameters.push_back(
-        MixParameters(state.parameters[edge.a], state.parameters[edge.b], f));
-    grown.first_moment.push_back(
-        glm::mix(state.first_moment[edge.a], state.first_moment[edge.b], f));
-    grown.second_moment.push_back(
-        glm::mix(state.second_moment[edge.a], state.second_moment[edge.b], f));
+    sources.push_back({edge.a, edge.b, f});
     ++result.split_edges;
   }
 
   DelaunayResult delaunay = BuildDelaunay(points);
   result.mesh = std::move(delaunay.mesh);
-  for (uint32_t point : delaunay.point_of_vertex) {
-    result.state.parameters.push_back(grown.parameters[point]);
-    result.state.first_moment.push_back(grown.first_moment[point]);
-    result.state.second_moment.push_back(grown.second_moment[point]);
-  }
+  result.state = state.storage == FieldStorage::kCell
+                     ? CarryCells(mesh, state, result.mesh)
+                     : MixVertices(state, sources, delaunay.point_of_vertex);
   return result;
 }
 

@@ -30,7 +30,8 @@ struct RefineResult {
 //   error  (T) how much of the pictures' error each tet is to blame for
 // Attributes and Adam's moments of a new vertex are those of the linear field on its edge, so the
 // field on the old mesh is reproduced exactly; only where Delaunay flips does it change. The hull's
-// vertices stay.
+// vertices stay. Where cells have the attributes, a new tet takes the row of the old tet that holds
+// its centroid.
 RefineResult Refine(const TetMesh& mesh, const VertexState& state, std::span<const float> error,
                     const RefineOptions& options);
 

@@ -5,6 +5,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "field/change_storage.h"
 #include "optimize/checkpoint.h"
 #include "optimize/random.h"
 #include "optimize/refine.h"
@@ -50,6 +51,11 @@ class MetricsFile {
   fs::path path_;
 };
 
+// Of a tile for D-SSIM where a batch may have several: 32 x 32 pixels.
+constexpr size_t kTileBlocks = 128;
+constexpr int kLeastDssimRays = 256;  // a tile of 16 x 16 pixels, with room for windows of 11 x 11
+constexpr int kLeastDssimPicture = 12;  // [px] whole blocks that hold a window
+
 std::vector<int> EvenlyChosen(const std::vector<int>& all, int count) {
   std::vector<int> chosen;
   const int n = std::min<int>(count, int(all.size()));
@@ -90,6 +96,7 @@ class Trainer {
         watched_(EvenlyChosen(Watchable(scene), options.watched_views)),
         renderer_(CreateRenderer(options.renderer)),
         checkpoint_path_(stage.Scratch("checkpoint.bin")) {
+    if (options.loss.dssim > 0) CheckRoomForWindows();
     renderer_->SetTargets(set_.views, set_.targets);
     max_vertices_ = options.max_vertices > 0 ? options.max_vertices
                                              : AffordableVertices(ExpectedSeconds(), set_.pixels);
@@ -159,6 +166,15 @@ class Trainer {
   }
 
  private:
+  void CheckRoomForWindows() const {
+    for (const TargetImage& target : set_.targets) {
+      if (std::min(target.width, target.height) >= kLeastDssimPicture) continue;
+      throw DataError(fmt::format(
+          "{}: a picture of {}x{} px is too small for D-SSIM, which needs {}; use --loss l1 or l2",
+          scene_folder_.string(), target.width, target.height, kLeastDssimPicture));
+    }
+  }
+
   // Validation views where there are any: test views are for the end.
   static std::vector<int> Watchable(const Scene& scene) {
     const std::vector<int> validation = scene.ViewsOf(Split::kValidation);
@@ -185,12 +201,18 @@ class Trainer {
       state_ = ReadCheckpoint(checkpoint_path_);
       mesh_ = std::move(state_.mesh);
       state = std::move(state_.state);
+      if (state.storage != options_.storage) {
+        throw DataError(fmt::format("{}: holds a field with one row a {}, not a {}; use --force",
+                                    checkpoint_path_.string(), RowName(state.storage),
+                                    RowName(options_.storage)));
+      }
       round_iteration_ = state_.iteration;
       LogInfo("goes on from iteration {} after {:.0f} s", state_.iteration, state_.seconds);
     } else {
       if (stage_.resume()) LogInfo("no checkpoint was saved: begins at the first iteration");
       mesh_ = start.mesh;
-      state.parameters = ParametersOf(start);
+      state.parameters = ParametersOf(WithStorage(start, options_.storage));
+      state.storage = options_.storage;
       state.first_moment.assign(state.parameters.size(), glm::vec4(0.0f));
       state.second_moment.assign(state.parameters.size(), glm::vec4(0.0f));
     }
@@ -213,12 +235,11 @@ class Trainer {
 
   TrainingStep NextStep(double done) {
     const double share = RateShare(options_.schedule, done);
-    const auto draw = renderer_->NeedsTiles() ? DrawTile : DrawBlocks;
-    blocks_ = draw(set_, size_t(options_.rays_per_step) / kRaysPerBlock, options_.subject_share,
-                   options_.seed, state_.iteration);
     TrainingStep step;
+    step.tiles = DrawBatch();
     step.blocks = blocks_;
-    step.loss = options_.loss;
+    step.loss = options_.loss.pixel;
+    step.dssim_weight = float(options_.loss.dssim);
     step.background_srgb = TrainingBackground(state_.iteration);
     step.jitter_px = float(options_.jitter_px);
     step.seed = uint32_t(Random(options_.seed, state_.iteration ^ 0x717u).Next());
@@ -229,6 +250,21 @@ class Trainer {
     step.adam.density_decay = float(options_.density_decay);
     state_.rays += blocks_.size() * kRaysPerBlock;
     return step;
+  }
+
+  // Fills blocks_; the shape of its tiles where it is made of them.
+  TileShape DrawBatch() {
+    const size_t count = size_t(options_.rays_per_step) / kRaysPerBlock;
+    const bool with_dssim = options_.loss.dssim > 0;
+    if (!with_dssim && !renderer_->NeedsTiles()) {
+      blocks_ = DrawBlocks(set_, count, options_.subject_share, options_.seed, state_.iteration);
+      return {};
+    }
+    const size_t tiles = renderer_->NeedsTiles() ? 1 : std::max<size_t>(1, count / kTileBlocks);
+    DrawnTiles drawn = DrawTiles(set_, tiles, count / tiles, options_.subject_share, options_.seed,
+                                 state_.iteration);
+    blocks_ = std::move(drawn.blocks);
+    return drawn.shape;
   }
 
   glm::vec3 TrainingBackground(uint64_t iteration) const {
@@ -333,6 +369,7 @@ class Trainer {
   RadianceField ToField(const VertexState& state) const {
     RadianceField field;
     field.mesh = mesh_;
+    field.storage = state.storage;
     for (const glm::vec4& row : state.parameters) {
       field.density.push_back(std::exp(row.a));
       field.color_srgb.emplace_back(row);
@@ -398,6 +435,9 @@ void OptimizeOptions::Check() const {
   if (rays_per_step < kRaysPerBlock || rays_per_step > 1 << 22) {
     fail("--rays", rays_per_step, "8 to 4194304");
   }
+  if (loss.dssim > 0 && rays_per_step < kLeastDssimRays) {
+    fail("--rays", rays_per_step, "at least 256 for a loss with D-SSIM, whose windows need tiles");
+  }
   if (!(checkpoint_interval_s >= 0)) {
     fail("--checkpoint-interval", checkpoint_interval_s, "at least 0 s");
   }
@@ -427,6 +467,7 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   const fs::path scene_folder = PreviousStage(start_folder, {"sfm", "import"});
   const Scene scene = ReadScene(scene_folder);
   const RadianceField start = ReadField(start_folder / "field.tetf");
+  CheckConvexDomain(start.mesh);  // refinement fills it with tets anew
   Trainer trainer(options, scene_folder, scene, stage);
   WriteField(stage.Output("field.tetf"), trainer.Run(start));
   WriteWorld(stage.Output("world.json"), scene, scene_folder);

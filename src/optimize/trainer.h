@@ -17,7 +17,7 @@ struct OptimizeOptions {
   uint64_t iterations = 0;    // 0: by time
   uint64_t seed = 1;
   int rays_per_step = 4096;
-  LossKind loss = LossKind::kL2;
+  LossOptions loss;
   double color_rate = 0.02;   // Adam's first step on colour [display sRGB]
   double density_rate = 0.2;  // on the logarithm of density
   double max_density = 1e5;   // [1 / world unit]
@@ -31,6 +31,7 @@ struct OptimizeOptions {
   double score_rays_per_tet = 1;  // of a refinement's look at the errors
   int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv
   double checkpoint_interval_s = 30;
+  FieldStorage storage = FieldStorage::kVertex;  // of the field that is fitted
   ScheduleOptions schedule;
   RendererOptions renderer;
 

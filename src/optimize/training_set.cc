@@ -112,27 +112,41 @@ std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double su
   return blocks;
 }
 
-std::vector<RayBlock> DrawTile(const TrainingSet& set, size_t count, double subject_share,
-                               uint64_t seed, uint64_t iteration) {
-  const RayBlock center = DrawBlocks(set, 1, subject_share, seed, iteration)[0];
-  const TargetImage& target = set.targets[center.view];
+DrawnTiles DrawTiles(const TrainingSet& set, size_t tiles, size_t count, double subject_share,
+                     uint64_t seed, uint64_t iteration) {
+  const std::vector<RayBlock> centers = DrawBlocks(set, tiles, subject_share, seed, iteration);
+  int width = set.targets[centers[0].view].width, height = set.targets[centers[0].view].height;
+  if (tiles > 1) {
+    for (const TargetImage& target : set.targets) {
+      width = std::min(width, target.width);
+      height = std::min(height, target.height);
+    }
+  }
   // About square in pixels, whole blocks inside the picture.
   const double side_px = std::sqrt(double(count * kRaysPerBlock));
   const int columns =
-      std::clamp(int(std::lround(side_px / kRayBlockWidth)), 1, target.width / kRayBlockWidth);
-  const int rows = std::clamp(int(count) / columns, 1, target.height / kRayBlockHeight);
-  const int left = std::clamp(int(center.x) - columns / 2 * kRayBlockWidth, 0,
-                              target.width - columns * kRayBlockWidth);
-  const int top = std::clamp(int(center.y) - rows / 2 * kRayBlockHeight, 0,
-                             target.height - rows * kRayBlockHeight);
-  std::vector<RayBlock> blocks;
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      blocks.push_back({center.view, uint32_t(left + column * kRayBlockWidth),
-                        uint32_t(top + row * kRayBlockHeight)});
+      std::clamp(int(std::lround(side_px / kRayBlockWidth)), 1, width / kRayBlockWidth);
+  const int rows = std::clamp(int(count) / columns, 1, height / kRayBlockHeight);
+  DrawnTiles drawn{{}, {uint32_t(columns), uint32_t(rows)}};
+  for (const RayBlock& center : centers) {
+    const TargetImage& target = set.targets[center.view];
+    const int left = std::clamp(int(center.x) - columns / 2 * kRayBlockWidth, 0,
+                                target.width - columns * kRayBlockWidth);
+    const int top = std::clamp(int(center.y) - rows / 2 * kRayBlockHeight, 0,
+                               target.height - rows * kRayBlockHeight);
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        drawn.blocks.push_back({center.view, uint32_t(left + column * kRayBlockWidth),
+                                uint32_t(top + row * kRayBlockHeight)});
+      }
     }
   }
-  return blocks;
+  return drawn;
+}
+
+std::vector<RayBlock> DrawTile(const TrainingSet& set, size_t count, double subject_share,
+                               uint64_t seed, uint64_t iteration) {
+  return DrawTiles(set, 1, count, subject_share, seed, iteration).blocks;
 }
 
 }  // namespace tetrec

@@ -9,11 +9,11 @@
 namespace tetrec {
 
 // Quanta of fixed-point gradients are 1.
-inline gpu_types::AdamPush MakeAdamPush(const TrainingStep& step, uint32_t vertex_count) {
+inline gpu_types::AdamPush MakeAdamPush(const TrainingStep& step, uint32_t row_count) {
   const AdamOptions& adam = step.adam;
   const double t = step.adam_step;
   const float first_correction = float(1.0 / (1.0 - std::pow(double(adam.beta1), t)));
-  return {.vertex_count = vertex_count,
+  return {.row_count = row_count,
           .beta1 = adam.beta1,
           .beta2 = adam.beta2,
           .epsilon = adam.epsilon,

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "geometry/bounds3.h"
+#include "mesh/boundary.h"
 #include "render/fixed_point.h"
 #include "shared/gpu_types.glsl.h"
 
@@ -24,9 +25,11 @@ std::vector<glm::uvec4> TetRows(const TetMesh& mesh) {
   return rows;
 }
 
-// Position with density, and colour, two rows a vertex; density and colour are 0 here.
-std::vector<glm::vec4> VertexRows(const TetMesh& mesh) {
-  std::vector<glm::vec4> rows(2 * mesh.positions.size(), glm::vec4(0.0f));
+// Position with density, and colour, two rows a vertex, then a row a cell that has attributes;
+// density and colour are 0 here.
+std::vector<glm::vec4> VertexRows(const TetMesh& mesh, FieldStorage storage) {
+  const size_t cells = storage == FieldStorage::kCell ? mesh.tets.size() : 0;
+  std::vector<glm::vec4> rows(2 * mesh.positions.size() + cells, glm::vec4(0.0f));
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
     rows[2 * v] = glm::vec4(mesh.positions[v], 0.0f);
   }
@@ -34,52 +37,91 @@ std::vector<glm::vec4> VertexRows(const TetMesh& mesh) {
 }
 
 // Of a sum.
-uint64_t SumBytes(const DeviceField& field) { return field.fixed_point ? 8 : 4; }
+uint64_t SumBytes(bool fixed_point) { return fixed_point ? 8 : 4; }
+uint64_t SumBytes(const DeviceField& field) { return SumBytes(field.fixed_point); }
+
+// A convex boundary of more faces is searched by its tree of boxes too.
+constexpr size_t kFewFaces = 64;
 
 // Plane (outward normal, offset) and (a, b, c, tet) as bits, two rows a boundary face.
-std::vector<glm::vec4> HullRows(const TetMesh& mesh) {
+std::vector<glm::vec4> HullRows(const TetMesh& mesh, std::span<const BoundaryFace> faces) {
   std::vector<glm::vec4> rows;
-  for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    for (int face = 0; face < 4; ++face) {
-      if (mesh.neighbors[t][face] != kNoTet) continue;
-      const auto& corner = kFaceVertices[face];
-      const uint32_t a = mesh.tets[t][corner[0]], b = mesh.tets[t][corner[1]],
-                     c = mesh.tets[t][corner[2]];
-      const glm::dvec3 pa(mesh.positions[a]), pb(mesh.positions[b]), pc(mesh.positions[c]);
-      const glm::dvec3 outward = glm::normalize(glm::cross(pb - pa, pc - pa));
-      rows.emplace_back(outward, float(glm::dot(outward, pa)));
-      // Wound inwards: positive in the frame of a ray that enters.
-      rows.emplace_back(std::bit_cast<float>(a), std::bit_cast<float>(c), std::bit_cast<float>(b),
-                        std::bit_cast<float>(uint32_t(t)));
-    }
+  rows.reserve(2 * faces.size());
+  for (const BoundaryFace& face : faces) {
+    const auto& corner = kFaceVertices[face.face];
+    const glm::uvec4& tet = mesh.tets[face.tet];
+    const uint32_t a = tet[corner[0]], b = tet[corner[1]], c = tet[corner[2]];
+    const glm::dvec3 pa(mesh.positions[a]), pb(mesh.positions[b]), pc(mesh.positions[c]);
+    const glm::dvec3 outward = glm::normalize(glm::cross(pb - pa, pc - pa));
+    rows.emplace_back(outward, float(glm::dot(outward, pa)));
+    // Wound inwards: positive in the frame of a ray that enters.
+    rows.emplace_back(std::bit_cast<float>(a), std::bit_cast<float>(c), std::bit_cast<float>(b),
+                      std::bit_cast<float>(face.tet));
   }
   return rows;
 }
 
+void AppendTree(std::vector<glm::vec4>& rows, const BoxTree& tree) {
+  rows.reserve(rows.size() + 2 * tree.nodes.size());
+  for (const BoxNode& node : tree.nodes) {
+    rows.emplace_back(node.min, std::bit_cast<float>(node.first));
+    rows.emplace_back(node.max, std::bit_cast<float>(node.second));
+  }
+}
+
+void UploadBoundary(const Device& device, DeviceField& field) {
+  std::vector<BoundaryFace> faces = BoundaryFaces(field.mesh);
+  field.not_convex = WhyNotConvex(field.mesh, faces);
+  field.hull_faces = uint32_t(faces.size());
+  BoxTree tree;
+  if (!field.not_convex.empty() || faces.size() > kFewFaces) tree = BuildBoxTree(field.mesh, faces);
+  field.tree_leaves = tree.leaves;
+  std::vector<glm::vec4> rows = HullRows(field.mesh, faces);
+  AppendTree(rows, tree);
+  field.hull = MakeBuffer(device, "hull", rows, VK_FORMAT_R32G32B32A32_SFLOAT);
+}
+
 }  // namespace
+
+DeviceFieldBytes BytesOf(FieldStorage storage, bool fixed_point) {
+  const uint64_t sum = SumBytes(fixed_point);
+  const bool cells = storage == FieldStorage::kCell;
+  // Rows of 16 bytes: 2 a tet; 2 a vertex and 4 sums; parameters, 2 of moments and 4 sums for each
+  // that has attributes, one more where that is a tet; 2 a face, and at most as many nodes of 2 as
+  // there are faces, twice.
+  const uint64_t attributes = 3 * 16 + 4 * sum;
+  return {.of_tet = 2 * 16 + sum + (cells ? 16 + attributes : 0),
+          .of_vertex = 2 * 16 + 4 * sum + (cells ? 0 : attributes),
+          .of_face = 2 * 16 + 2 * 2 * 16};
+}
 
 DeviceField UploadField(const Device& device, const TetMesh& mesh, const VertexState& state,
                         bool fixed_point) {
-  TETREC_CHECK(state.parameters.size() == mesh.positions.size(), "one parameter row a vertex");
+  TETREC_CHECK(state.parameters.size() == RowCount(mesh, state.storage),
+               "one parameter row a vertex, or a tet");
   DeviceField field;
   field.mesh = mesh;
   field.fixed_point = fixed_point;
   field.most_tets_at_vertex = MostTetsAtVertex(mesh);
-  field.diagonal = BoundsOf(mesh.positions).Diagonal();
+  const Bounds3 bounds = BoundsOf(mesh.positions);
+  field.diagonal = bounds.Diagonal();
+  field.ball = glm::vec4(bounds.Center(), 1.001f * 0.5f * float(field.diagonal));
   field.vertex_count = uint32_t(mesh.positions.size());
   field.tet_count = uint32_t(mesh.tets.size());
-  const std::vector<glm::vec4> hull = HullRows(mesh);
-  field.hull_faces = uint32_t(hull.size() / 2);
+  field.storage = state.storage;
+  field.row_count = uint32_t(state.parameters.size());
+  field.first_cell = 2 * field.vertex_count;
   field.tets = MakeBuffer(device, "tets", TetRows(mesh), VK_FORMAT_R32G32B32A32_UINT);
-  field.vertices = MakeBuffer(device, "vertices", VertexRows(mesh), VK_FORMAT_R32G32B32A32_SFLOAT);
-  field.hull = MakeBuffer(device, "hull", hull, VK_FORMAT_R32G32B32A32_SFLOAT);
+  field.vertices = MakeBuffer(device, "vertices", VertexRows(mesh, state.storage),
+                              VK_FORMAT_R32G32B32A32_SFLOAT);
+  UploadBoundary(device, field);
   field.parameters = MakeBuffer(device, "parameters", state.parameters);
-  std::vector<Moments> moments(field.vertex_count);
+  std::vector<Moments> moments(field.row_count);
   for (size_t v = 0; v < state.first_moment.size(); ++v) {
     moments[v] = {state.first_moment[v], state.second_moment[v]};
   }
   field.moments = MakeBuffer(device, "moments", moments);
-  field.gradients = Buffer(device, "vertex gradients", 4 * field.vertex_count * SumBytes(field));
+  field.gradients = Buffer(device, "field gradients", 4 * field.row_count * SumBytes(field));
   field.gradients.FillZero();
   field.tet_scores = Buffer(device, "tet scores", field.tet_count * SumBytes(field));
   field.tet_scores.FillZero();
@@ -93,11 +135,11 @@ void AllocatePositionGradients(const Device& device, DeviceField& field) {
   field.position_gradients.FillZero();
 }
 
-std::vector<glm::vec4> DownloadVertexSums(const DeviceField& field, const Buffer& sums,
-                                          glm::dvec2 quanta) {
-  if (!field.fixed_point) return sums.DownloadAs<glm::vec4>(field.vertex_count);
+std::vector<glm::vec4> DownloadRowSums(const DeviceField& field, const Buffer& sums, uint32_t rows,
+                                       glm::dvec2 quanta) {
+  if (!field.fixed_point) return sums.DownloadAs<glm::vec4>(rows);
   std::vector<glm::vec4> values;
-  for (const auto& row : sums.DownloadAs<std::array<int64_t, 4>>(field.vertex_count)) {
+  for (const auto& row : sums.DownloadAs<std::array<int64_t, 4>>(rows)) {
     values.emplace_back(double(row[0]) / quanta.x, double(row[1]) / quanta.x,
                         double(row[2]) / quanta.x, double(row[3]) / quanta.y);
   }
@@ -115,8 +157,9 @@ std::vector<float> DownloadScores(const DeviceField& field) {
 
 VertexState DownloadState(const DeviceField& field) {
   VertexState state;
-  state.parameters = field.parameters.DownloadAs<glm::vec4>(field.vertex_count);
-  for (const Moments& moments : field.moments.DownloadAs<Moments>(field.vertex_count)) {
+  state.storage = field.storage;
+  state.parameters = field.parameters.DownloadAs<glm::vec4>(field.row_count);
+  for (const Moments& moments : field.moments.DownloadAs<Moments>(field.row_count)) {
     state.first_moment.push_back(moments.first);
     state.second_moment.push_back(moments.second);
   }

@@ -26,9 +26,16 @@ struct RayPass {
   bool count_steps = false;                            // of Forward: hit rays and steps, too
 };
 
-// For programs whose kernels include shaders/integral.glsl.
-inline std::array<SpecializationConstant, 2> ConstantsOf(const IntegralOptions& integral) {
-  return {{{kConstantIntegral, int(integral.kind)}, {kConstantSplits, integral.splits}}};
+inline SpecializationConstant ConstantOf(FieldStorage storage) {
+  return {kConstantStorage, storage == FieldStorage::kCell ? kStorageCell : kStorageVertex};
+}
+
+// For programs whose kernels include shaders/integral.glsl and shaders/storage.glsl.
+inline std::array<SpecializationConstant, 3> ConstantsOf(const IntegralOptions& integral,
+                                                         FieldStorage storage) {
+  return {{{kConstantIntegral, int(integral.kind)},
+           {kConstantSplits, integral.splits},
+           ConstantOf(storage)}};
 }
 
 // A kernel that sums (shaders/atomic_sum.glsl), in its three kinds.
@@ -44,6 +51,8 @@ struct SummingKernel {
 class Integrator {
  public:
   virtual ~Integrator() = default;
+  // What SetField and the passes over pictures will take for a mesh, at most.
+  virtual uint64_t BytesFor(const TetMesh&) const { return 0; }
   // A new mesh is on the device, which is idle. The field stays where it is until the next call.
   virtual void SetField(const DeviceField&) {}
   // Records what fills rays.colors. May submit what was recorded so far, wait, and begin again.

@@ -27,53 +27,68 @@ void Dispatch(CommandRecorder& recorder, const Program& program, const RayPass& 
 }  // namespace
 
 MarchIntegrator::MarchIntegrator(const Device& device, const IntegralOptions& integral,
-                                 bool fixed_point) {
-  const std::array<SpecializationConstant, 2> constants = ConstantsOf(integral);
+                                 bool fixed_point)
+    : device_(device), integral_(integral), fixed_point_(fixed_point) {}
+
+void MarchIntegrator::SetField(const DeviceField& field) {
+  const bool any_boundary = field.tree_leaves > 0;
+  std::optional<Kernels>& kernels = kernels_[field.storage == FieldStorage::kCell][any_boundary];
+  if (!kernels) kernels = MakeKernels(field.storage, any_boundary);
+  current_ = &*kernels;
+}
+
+MarchIntegrator::Kernels MarchIntegrator::MakeKernels(FieldStorage storage,
+                                                      bool any_boundary) const {
+  const auto of_rays = ConstantsOf(integral_, storage);
+  const SpecializationConstant constants[] = {
+      of_rays[0], of_rays[1], of_rays[2], {kConstantAnyBoundary, any_boundary}};
   const auto make = [&](const char* name, std::span<const uint32_t> spirv,
                         std::vector<BindingSpec> more) {
-    return Program(device, name, spirv, WithMesh(std::move(more)), sizeof(gpu_types::MarchPush),
+    return Program(device_, name, spirv, WithMesh(std::move(more)), sizeof(gpu_types::MarchPush),
                    constants);
   };
   const std::vector<BindingSpec> results = {{kBindRayColors, Access::kWrite},
                                             {kBindRayEntries, Access::kWrite}};
-  forward_ = make("march_forward", kMarchForward, results);
-  forward_counting_ = make("march_forward (counting)", kMarchForwardCounting, results);
+  Kernels kernels;
+  kernels.forward = make("march_forward", kMarchForward, results);
+  kernels.forward_counting = make("march_forward (counting)", kMarchForwardCounting, results);
   std::vector<BindingSpec> backward = {{kBindRayColors, Access::kRead},
                                        {kBindRayEntries, Access::kRead},
                                        {kBindRayGradients, Access::kRead},
                                        {kBindVertexGradients, Access::kReadWrite}};
   const SummingKernel colors{kMarchBackward, kMarchBackwardCas, kMarchBackwardFixed};
-  backward_ = make("march_backward", colors.For(device, fixed_point), backward);
+  kernels.backward = make("march_backward", colors.For(device_, fixed_point_), backward);
   backward.push_back({kBindPositionGradients, Access::kReadWrite});
   const SummingKernel positions{kMarchBackwardPositions, kMarchBackwardPositionsCas,
                                 kMarchBackwardPositionsFixed};
-  backward_positions_ =
-      make("march_backward (positions)", positions.For(device, fixed_point), backward);
+  kernels.backward_positions =
+      make("march_backward (positions)", positions.For(device_, fixed_point_), backward);
   const SummingKernel scores{kMarchScore, kMarchScoreCas, kMarchScoreFixed};
-  score_ = make("march_score", scores.For(device, fixed_point),
-                {{kBindRayEntries, Access::kRead},
-                 {kBindRayGradients, Access::kRead},
-                 {kBindTetScores, Access::kReadWrite}});
+  kernels.score = make("march_score", scores.For(device_, fixed_point_),
+                       {{kBindRayEntries, Access::kRead},
+                        {kBindRayGradients, Access::kRead},
+                        {kBindTetScores, Access::kReadWrite}});
+  return kernels;
 }
 
 void MarchIntegrator::Forward(CommandRecorder& recorder, const RayPass& pass) {
-  Dispatch(recorder, pass.count_steps ? forward_counting_ : forward_, pass,
+  Dispatch(recorder, pass.count_steps ? current_->forward_counting : current_->forward, pass,
            {&pass.rays.colors, &pass.rays.entries});
 }
 
 void MarchIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
   if (pass.parts == GradientParts::kColorDensityPosition) {
-    Dispatch(recorder, backward_positions_, pass,
+    Dispatch(recorder, current_->backward_positions, pass,
              {&pass.rays.colors, &pass.rays.entries, &pass.rays.gradients, &pass.field.gradients,
               &pass.field.position_gradients});
   } else {
-    Dispatch(recorder, backward_, pass,
+    Dispatch(recorder, current_->backward, pass,
              {&pass.rays.colors, &pass.rays.entries, &pass.rays.gradients, &pass.field.gradients});
   }
 }
 
 void MarchIntegrator::Score(CommandRecorder& recorder, const RayPass& pass) {
-  Dispatch(recorder, score_, pass,
+  Dispatch(recorder, current_->score, pass,
            {&pass.rays.entries, &pass.rays.gradients, &pass.field.tet_scores});
 }
 

@@ -3,7 +3,6 @@
 
 #include "core/error.h"
 #include "embedded_shaders.h"
-#include "geometry/bounds3.h"
 #include "gpu/raster_program.h"
 
 #include <fmt/format.h>
@@ -41,12 +40,6 @@ std::vector<uint32_t> UniqueFaces(const TetMesh& mesh) {
   return faces;
 }
 
-// A ball around the mesh: centre, radius.
-glm::vec4 BallAround(const TetMesh& mesh) {
-  const Bounds3 bounds = BoundsOf(mesh.positions);
-  return glm::vec4(bounds.Center(), 1.001f * 0.5f * float(bounds.Diagonal()));
-}
-
 // What every kernel reads, and `more`.
 std::vector<BindingSpec> WithMesh(std::vector<BindingSpec> more) {
   std::vector<BindingSpec> all = {{kBindTets, Access::kTexelRead},
@@ -66,7 +59,8 @@ std::vector<const Buffer*> MeshAnd(const RayPass& pass, std::initializer_list<co
 
 }  // namespace
 
-PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& options)
+PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& options,
+                               FieldStorage storage)
     : device_(device),
       fragment_capacity_(std::min<uint64_t>(options.fragment_memory,
                                             device.properties.limits.maxStorageBufferRange) /
@@ -80,7 +74,7 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
                                                {kBindFragments, Access::kReadWrite},
                                                {kBindCounters, Access::kReadWrite}}),
                                      sizeof(PpllPush));
-  const std::array<SpecializationConstant, 2> integral = ConstantsOf(options.integral);
+  const auto constants_of_rays = ConstantsOf(options.integral, storage);
   const auto make = [&](const char* name, std::span<const uint32_t> spirv,
                         std::vector<BindingSpec> bindings,
                         std::span<const SpecializationConstant> constants = {}) {
@@ -96,8 +90,9 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
                                                      {kBindRayColors, Access::kWrite},
                                                      {kBindRayEntries, Access::kWrite},
                                                      {kBindCounters, Access::kReadWrite}});
-  forward_ = make("ppll_forward", kPpllForward, forward, integral);
-  forward_counting_ = make("ppll_forward (counting)", kPpllForwardCounting, forward, integral);
+  forward_ = make("ppll_forward", kPpllForward, forward, constants_of_rays);
+  forward_counting_ =
+      make("ppll_forward (counting)", kPpllForwardCounting, forward, constants_of_rays);
   std::vector<BindingSpec> backward = WithMesh({{kBindLists, Access::kRead},
                                                 {kBindFragments, Access::kRead},
                                                 {kBindRayColors, Access::kRead},
@@ -106,13 +101,20 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
                                                 {kBindCounters, Access::kReadWrite},
                                                 {kBindVertexGradients, Access::kReadWrite}});
   const SummingKernel colors{kPpllBackward, kPpllBackwardCas, kPpllBackwardFixed};
-  backward_ = make("ppll_backward", colors.For(device, options.deterministic), backward, integral);
+  backward_ =
+      make("ppll_backward", colors.For(device, options.deterministic), backward, constants_of_rays);
   backward.push_back({kBindPositionGradients, Access::kReadWrite});
   const SummingKernel positions{kPpllBackwardPositions, kPpllBackwardPositionsCas,
                                 kPpllBackwardPositionsFixed};
-  backward_positions_ = make("ppll_backward (positions)",
-                             positions.For(device, options.deterministic), backward, integral);
+  backward_positions_ =
+      make("ppll_backward (positions)", positions.For(device, options.deterministic), backward,
+           constants_of_rays);
   fragments_ = Buffer(device, "fragments", kFragmentBytes);
+}
+
+// A tet has 4 faces at most of its own, 4 bytes each.
+uint64_t PpllIntegrator::BytesFor(const TetMesh& mesh) const {
+  return mesh.tets.size() * 16 + fragment_capacity_ * kFragmentBytes;
 }
 
 void PpllIntegrator::SetField(const DeviceField& field) {
@@ -120,7 +122,7 @@ void PpllIntegrator::SetField(const DeviceField& field) {
   const std::vector<uint32_t> faces = UniqueFaces(field.mesh);
   face_count_ = uint32_t(faces.size());
   faces_ = MakeBuffer(device_, "faces", faces);
-  mesh_ball_ = BallAround(field.mesh);
+  mesh_ball_ = field.ball;
   tiles_.clear();
 }
 
@@ -139,7 +141,8 @@ PpllPush PpllIntegrator::PushOf(const RayPass& pass, const FragmentTile& tile) c
           .color_quanta = pass.push.color_quanta,
           .density_quanta = pass.push.density_quanta,
           .position_quanta = pass.push.position_quanta,
-          .largest_quanta = pass.push.largest_quanta};
+          .largest_quanta = pass.push.largest_quanta,
+          .first_cell = pass.field.first_cell};
 }
 
 void PpllIntegrator::DrawFaces(CommandRecorder& recorder, const RayPass& pass,

@@ -14,7 +14,8 @@ namespace tetrec {
 class PpllIntegrator final : public Integrator {
  public:
   // Throws EnvironmentError where the device cannot rasterise.
-  PpllIntegrator(const Device& device, const RendererOptions& options);
+  PpllIntegrator(const Device& device, const RendererOptions& options, FieldStorage storage);
+  uint64_t BytesFor(const TetMesh& mesh) const override;
   void SetField(const DeviceField& field) override;
   // Counts, waits, then fills, sorts and resolves tile by tile. Throws EnvironmentError where the
   // list of one ray alone exceeds the memory for fragments.

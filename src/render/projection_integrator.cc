@@ -48,7 +48,8 @@ ProjectionPush PushOf(const RayPass& pass) {
           .block_rows = uint32_t(pass.blocks.size()) / pass.rays.columns,
           .jitter_seed = pass.push.jitter_seed,
           .jitter_px = pass.push.jitter_px,
-          .stop_depth = pass.push.stop_depth};
+          .stop_depth = pass.push.stop_depth,
+          .first_cell = pass.field.first_cell};
 }
 
 // High and low parts of spheres, two rows each.
@@ -76,7 +77,8 @@ uint32_t ReadWord(const Buffer& buffer, uint64_t index) {
 
 }  // namespace
 
-ProjectionIntegrator::ProjectionIntegrator(const Device& device, const RendererOptions& options)
+ProjectionIntegrator::ProjectionIntegrator(const Device& device, const RendererOptions& options,
+                                           FieldStorage storage)
     : device_(device),
       keys_(Keys::kCentroid),
       order_(options.order),
@@ -90,7 +92,7 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, const RendererO
                               std::span<const SpecializationConstant> constants = {}) {
     return Program(device, name, spirv, std::move(bindings), sizeof(ProjectionPush), constants);
   };
-  const std::array<SpecializationConstant, 2> constants = ConstantsOf(options.integral);
+  const auto constants = ConstantsOf(options.integral, storage);
   cull_ = make("projection_cull", kProjectionCull,
                {{kBindViews, Access::kRead},
                 {kBindTets, Access::kTexelRead},
@@ -151,6 +153,14 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, const RendererO
   backward_positions_ = make("projection_backward (positions)",
                              positions.For(device, options.deterministic), backward, constants);
   ray_states_ = Buffer(device, "ray states", kRayStateBytesWithPositions);
+}
+
+// A tet takes its rectangle (8 bytes), place, rank, high key, offset (4 each), keys and items twice
+// (16), its share of digits' counters and prefix sums (under 8), and its sphere on the device (32)
+// and on the host (32 + 4 faces of 12).
+uint64_t ProjectionIntegrator::BytesFor(const TetMesh& mesh) const {
+  const uint64_t spheres = order_ == VisibilityOrder::kExact ? 112 : 0;
+  return mesh.tets.size() * (8 + 4 * 4 + 16 + 8 + spheres) + fragment_memory_;
 }
 
 void ProjectionIntegrator::SetField(const DeviceField& field) {
@@ -217,7 +227,7 @@ void ProjectionIntegrator::SortVisible(CommandRecorder& recorder, const RayPass&
   Push push = push_;
   push.count = field_->tet_count;
   const Buffer* culled[] = {&pass.views, &field_->tets, &field_->vertices, &rectangles_, &visible_};
-  recorder.Dispatch(cull_, culled, push, field_->tet_count + 1ull, kWorkgroupSize);
+  recorder.DispatchMany(cull_, culled, push, field_->tet_count + 1ull, kWorkgroupSize);
   prefix_sum_.Record(recorder, visible_, field_->tet_count + 1u);
   Flush(recorder);
   visible_count_ = ReadWord(visible_, field_->tet_count);
@@ -227,7 +237,7 @@ void ProjectionIntegrator::SortVisible(CommandRecorder& recorder, const RayPass&
   Grow(device_, tile_ranges_, "tile ranges", 8ull * TileCount(push));
   if (visible_count_ == 0) return;
   const Buffer* listed[] = {&visible_, &sorted_.items};
-  recorder.Dispatch(compact_, listed, push, field_->tet_count, kWorkgroupSize);
+  recorder.DispatchMany(compact_, listed, push, field_->tet_count, kWorkgroupSize);
   push.count = visible_count_;
   RecordKeys(recorder, pass, push);
 }
@@ -238,7 +248,7 @@ void ProjectionIntegrator::RecordKeys(CommandRecorder& recorder, const RayPass& 
   if (keys_ == Keys::kCentroid) {
     const Buffer* buffers[] = {&sorted_.items, &sorted_.keys, &pass.views, &field_->tets,
                                &field_->vertices};
-    recorder.Dispatch(centroid_keys_, buffers, push, push.count, kWorkgroupSize);
+    recorder.DispatchMany(centroid_keys_, buffers, push, push.count, kWorkgroupSize);
     sort_.Record(recorder, sorted_, push.count, 32);
     return;
   }
@@ -247,7 +257,7 @@ void ProjectionIntegrator::RecordKeys(CommandRecorder& recorder, const RayPass& 
   RecordSortBy(recorder, ranks_, push.count, rank_bits_);
   if (keys_ == Keys::kRanks) return;
   const Buffer* buffers[] = {&sorted_.items, &sorted_.keys, &spheres_, &high_keys_};
-  recorder.Dispatch(power_keys_, buffers, push, push.count, kWorkgroupSize);
+  recorder.DispatchMany(power_keys_, buffers, push, push.count, kWorkgroupSize);
   sort_.Record(recorder, sorted_, push.count, 32);
   RecordSortBy(recorder, high_keys_, push.count, 32);
 }
@@ -256,7 +266,7 @@ void ProjectionIntegrator::RecordSortBy(CommandRecorder& recorder, const Buffer&
                                         uint32_t count, int bits) {
   if (bits == 0) return;
   const Buffer* buffers[] = {&keys_of_tets, &sorted_.items, &sorted_.keys};
-  recorder.Dispatch(gather_, buffers, ScanPush{.count = count}, count, kWorkgroupSize);
+  recorder.DispatchMany(gather_, buffers, ScanPush{.count = count}, count, kWorkgroupSize);
   sort_.Record(recorder, sorted_, count, bits);
 }
 
@@ -293,7 +303,7 @@ void ProjectionIntegrator::ForEachStretch(CommandRecorder& recorder, const Compo
     push.count = std::min(slice, visible_count_ - done);
     done += push.count;
     const Buffer* counted[] = {&sorted_.items, &rectangles_, &offsets_};
-    recorder.Dispatch(count_, counted, push, push.count + 1ull, kWorkgroupSize);
+    recorder.DispatchMany(count_, counted, push, push.count + 1ull, kWorkgroupSize);
     prefix_sum_.Record(recorder, offsets_, push.count + 1u);
     Flush(recorder);
     const std::vector<Stretch> cut = CutIntoStretches(push.count, capacity);
@@ -368,7 +378,7 @@ void ProjectionIntegrator::RecordLists(CommandRecorder& recorder, Push push, uin
   zero_.Record(recorder, tile_ranges_, 2ull * tiles);
   if (items == 0) return;
   const Buffer* emitted[] = {&sorted_.items, &rectangles_, &offsets_, &items_.keys, &items_.items};
-  recorder.Dispatch(emit_, emitted, push, push.count, kWorkgroupSize);
+  recorder.DispatchMany(emit_, emitted, push, push.count, kWorkgroupSize);
   sort_.Record(recorder, items_, items, int(std::bit_width(tiles - 1)));
   push.count = items;
   const Buffer* ranged[] = {&items_.keys, &tile_ranges_};

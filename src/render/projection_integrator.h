@@ -17,7 +17,8 @@ class ProjectionIntegrator final : public Integrator {
  public:
   // Lists of (tile, tet) take at most `options.fragment_memory` bytes, but room for one tet in all
   // tiles: where they do not fit, the sorted tets are composited a stretch at a time.
-  ProjectionIntegrator(const Device& device, const RendererOptions& options);
+  ProjectionIntegrator(const Device& device, const RendererOptions& options, FieldStorage storage);
+  uint64_t BytesFor(const TetMesh& mesh) const override;
   void SetField(const DeviceField& field) override;
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;

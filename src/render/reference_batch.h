@@ -54,8 +54,8 @@ void AddGradients(const RadianceField& field, const TetBoxes& boxes, size_t coun
     });
     for (size_t first = 0; first < rays; first += kRaysPerTask) {
       for (const VertexGradient<Real>& part : lists[first / kRaysPerTask]) {
-        sum.color_srgb[part.vertex] += glm::dvec3(part.color_srgb);
-        sum.density[part.vertex] += double(part.density);
+        sum.color_srgb[part.row] += glm::dvec3(part.color_srgb);
+        sum.density[part.row] += double(part.density);
         sum.position[part.vertex] += glm::dvec3(part.position);
         sum.absolute_position[part.vertex] += double(part.absolute_position);
       }

@@ -95,6 +95,7 @@ RaySegment<Real> CutTet(const TetMesh& mesh, uint32_t t, const WorldRay<Real>& r
 
 template <class Real>
 Real InterpolateDensity(const RadianceField& field, uint32_t tet, const Vec4<Real>& weights) {
+  if (field.storage == FieldStorage::kCell) return Real(field.density[tet]);
   Real density(0);
   for (int i = 0; i < 4; ++i) density += weights[i] * Real(field.density[field.mesh.tets[tet][i]]);
   return std::max(density, Real(0));
@@ -102,6 +103,7 @@ Real InterpolateDensity(const RadianceField& field, uint32_t tet, const Vec4<Rea
 
 template <class Real>
 Vec3<Real> InterpolateColor(const RadianceField& field, uint32_t tet, const Vec4<Real>& weights) {
+  if (field.storage == FieldStorage::kCell) return Vec3<Real>(field.color_srgb[tet]);
   Vec3<Real> color(Real(0));
   for (int i = 0; i < 4; ++i) {
     color += weights[i] * Vec3<Real>(field.color_srgb[field.mesh.tets[tet][i]]);
@@ -200,8 +202,8 @@ template <class Real>
 Vec3<Real> MoveGradient(const RadianceField& field, uint32_t tet, int face,
                         const Vec3<Real>& direction, const Vec3<Real>& g,
                         const EndGradient<Real>& end) {
-  Vec4<Real> density, payload;
-  for (int i = 0; i < 4; ++i) {
+  Vec4<Real> density(Real(0)), payload(Real(0));  // cells have no slope
+  for (int i = 0; i < 4 && field.storage == FieldStorage::kVertex; ++i) {
     const uint32_t id = field.mesh.tets[tet][i];
     density[i] = Real(field.density[id]);
     payload[i] = glm::dot(g, Vec3<Real>(field.color_srgb[id]));
@@ -214,10 +216,12 @@ Vec3<Real> MoveGradient(const RadianceField& field, uint32_t tet, int face,
   return by_slide / glm::dot(normal, direction) * normal - slope;
 }
 
-// What one passage of a ray through the tets around a vertex gives to that vertex.
+// What one passage of a ray through the tets around a vertex gives to that vertex; or, where cells
+// have the attributes, to its position alone, and what a tet gives to its row.
 template <class Real>
 struct VertexGradient {
-  uint32_t vertex;
+  uint32_t vertex;  // of the position
+  uint32_t row;     // of colour and density
   Vec3<Real> color_srgb{Real(0)};
   Real density{0};
   Vec3<Real> position{Real(0)};
@@ -229,13 +233,14 @@ struct VertexGradient {
 template <class Real>
 class Passages {
  public:
-  Passages(const Vec3<Real>& direction, std::vector<VertexGradient<Real>>& out)
-      : direction_(direction), out_(out) {}
+  // `has_rows`: whether vertices have the attributes.
+  Passages(const Vec3<Real>& direction, bool has_rows, std::vector<VertexGradient<Real>>& out)
+      : direction_(direction), has_rows_(has_rows), out_(out) {}
 
   // Lets the vertices go that `tet` lacks.
   void Enter(const glm::uvec4& tet) {
     std::array<VertexGradient<Real>, 4> now;
-    for (int i = 0; i < 4; ++i) now[i].vertex = tet[i];
+    for (int i = 0; i < 4; ++i) now[i].vertex = tet[i], now[i].row = has_rows_ ? tet[i] : 0;
     for (int k = 0; k < count_; ++k) {
       const auto same = std::find_if(now.begin(), now.end(), [&](const VertexGradient<Real>& v) {
         return v.vertex == held_[k].vertex;
@@ -263,6 +268,7 @@ class Passages {
   }
 
   Vec3<Real> direction_;
+  bool has_rows_;
   std::vector<VertexGradient<Real>>& out_;
   std::array<VertexGradient<Real>, 4> held_;
   int count_ = 0;
@@ -276,7 +282,8 @@ void AppendRayGradient(const RadianceField& field, std::span<const RaySegment<Re
                        const IntegralOptions& integral, bool with_positions,
                        std::vector<VertexGradient<Real>>& out) {
   const Vec3<Real> g(pixel_gradient);
-  Passages<Real> passages(direction, out);
+  const bool cells = field.storage == FieldStorage::kCell;
+  Passages<Real> passages(direction, !cells, out);
   std::vector<Real> depth_before;
   Real depth(0);
   for (const RaySegment<Real>& segment : segments) {
@@ -303,13 +310,25 @@ void AppendRayGradient(const RadianceField& field, std::span<const RaySegment<Re
       end_move = MoveGradient<Real>(field, segment.tet, segment.end_face, direction, g,
                                     {by_length, length * by_s1, before * a.w1});
     }
+    // Behind a gap a vertex begins another passage.
+    if (segment.end_face >= 0 && field.mesh.neighbors[segment.tet][segment.end_face] == kNoTet) {
+      passages.Leave();
+    }
     passages.Enter(field.mesh.tets[segment.tet]);
     for (int j = 0; j < 4; ++j) {
       const Real near = segment.begin_weights[j], far = segment.end_weights[j];
       VertexGradient<Real>& corner = passages.corner(j);
-      corner.color_srgb += before * (a.w0 * near + a.w1 * far) * g;
-      corner.density += length * (by_s0 * near + by_s1 * far);
+      if (!cells) {
+        corner.color_srgb += before * (a.w0 * near + a.w1 * far) * g;
+        corner.density += length * (by_s0 * near + by_s1 * far);
+      }
       corner.position += near * begin_move + far * end_move;
+    }
+    if (cells) {
+      out.push_back({.vertex = field.mesh.tets[segment.tet][0],
+                     .row = segment.tet,
+                     .color_srgb = before * (a.w0 + a.w1) * g,
+                     .density = length * (by_s0 + by_s1)});
     }
     behind = a.w0 * k0 + a.w1 * k1 + own * behind;
   }

@@ -45,7 +45,7 @@ ReferenceGradient BackpropagateReference(const RadianceField& field, const Rende
                                          const IntegralOptions& integral) {
   const size_t pixels = PixelsOf(view);
   TETREC_CHECK(pixel_gradient.size() == pixels, fmt::format("{} gradients", pixel_gradient.size()));
-  ReferenceGradient sum(field.density.size());
+  ReferenceGradient sum(field);
   AddGradients<double>(
       field, MakeTetBoxes(field.mesh), pixels, [&](size_t i) { return PixelRay(view, i); },
       [&](size_t i) { return pixel_gradient[i]; }, StopDepthOf<double>(stop_transmittance),

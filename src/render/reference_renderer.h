@@ -28,9 +28,11 @@ struct ReferenceGradient {
   std::vector<glm::dvec3> position;
   std::vector<double> absolute_position;
 
-  explicit ReferenceGradient(size_t vertices)
-      : color_srgb(vertices, glm::dvec3(0.0)),
-        density(vertices, 0.0),
+  explicit ReferenceGradient(const RadianceField& field)
+      : ReferenceGradient(RowCount(field), field.mesh.positions.size()) {}
+  ReferenceGradient(size_t rows, size_t vertices)
+      : color_srgb(rows, glm::dvec3(0.0)),
+        density(rows, 0.0),
         position(vertices, glm::dvec3(0.0)),
         absolute_position(vertices, 0.0) {}
 };

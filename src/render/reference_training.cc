@@ -2,6 +2,7 @@
 // the CPU.
 #include "core/error.h"
 #include "render/adam_push.h"
+#include "render/dssim.h"
 #include "render/ray_batch.h"
 #include "render/reference_batch.h"
 #include "shared/adam.glsl.h"
@@ -25,18 +26,18 @@ class ReferenceRenderer final : public TrainingRenderer {
 
   // The field's own densities: no way there and back through logarithms.
   void SetField(const RadianceField& field) override {
-    SetVertexState(field.mesh, {ParametersOf(field), {}, {}});
+    SetVertexState(field.mesh, {ParametersOf(field), {}, {}, field.storage});
     field_ = field;
   }
 
   void SetVertexState(const TetMesh& mesh, const VertexState& state) override {
-    const size_t vertices = mesh.positions.size();
-    TETREC_CHECK(state.parameters.size() == vertices, "one parameter row a vertex");
+    const size_t rows = RowCount(mesh, state.storage);
+    TETREC_CHECK(state.parameters.size() == rows, "one parameter row a vertex, or a tet");
     state_ = state;
-    state_.first_moment.resize(vertices, glm::vec4(0.0f));
-    state_.second_moment.resize(vertices, glm::vec4(0.0f));
-    field_ = {mesh, std::vector<float>(vertices), std::vector<glm::vec3>(vertices)};
-    for (size_t v = 0; v < vertices; ++v) Spread(v);
+    state_.first_moment.resize(rows, glm::vec4(0.0f));
+    state_.second_moment.resize(rows, glm::vec4(0.0f));
+    field_ = {mesh, std::vector<float>(rows), std::vector<glm::vec3>(rows), state.storage};
+    for (size_t row = 0; row < rows; ++row) Spread(row);
     boxes_ = MakeTetBoxes(mesh);
     scores_.assign(mesh.tets.size(), 0.0);
   }
@@ -60,9 +61,11 @@ class ReferenceRenderer final : public TrainingRenderer {
   StepResult Step(const TrainingStep& step) override {
     const Batch batch{views_, step.blocks, step.jitter_px, step.seed};
     std::vector<Vec4<Real>> gradients(batch.rays());
-    const StepResult result =
-        CompareWithTargets(batch, March(batch), step, Real(1) / Real(3 * batch.rays()), gradients);
-    ReferenceGradient sum(field_.density.size());
+    const std::vector<Vec4<Real>> colors = March(batch);
+    StepResult result =
+        CompareWithTargets(batch, colors, step, Real(1) / Real(3 * batch.rays()), gradients);
+    if (step.dssim_weight > 0) MixDssim(batch, colors, step, gradients, result);
+    ReferenceGradient sum(field_);
     AddGradients<Real>(
         field_, boxes_, batch.rays(), [&](size_t i) { return RayOf(batch, i); },
         [&](size_t i) { return gradients[i]; }, stop_depth_, options_.integral, false, sum);
@@ -113,7 +116,7 @@ class ReferenceRenderer final : public TrainingRenderer {
     const size_t width = size_t(view.camera.width), pixels = width * size_t(view.camera.height);
     TETREC_CHECK(pixel_gradient.size() == pixels, "one gradient a pixel");
     const bool with_positions = parts == GradientParts::kColorDensityPosition;
-    ReferenceGradient sum(field_.density.size());
+    ReferenceGradient sum(field_);
     AddGradients<Real>(
         field_, boxes_, pixels,
         [&](size_t i) {
@@ -226,6 +229,40 @@ class ReferenceRenderer final : public TrainingRenderer {
     Vec4<Real> value;
     for (int c = 0; c < 4; ++c) value[c] = Real(rgba8 >> (8 * c) & 255u) / Real(255);
     return value;
+  }
+
+  // Gives D-SSIM its share of the loss and of the rays' gradients, tile by tile.
+  void MixDssim(const Batch& batch, std::span<const Vec4<Real>> colors, const TrainingStep& step,
+                std::span<Vec4<Real>> gradients, StepResult& result) const {
+    const int width = int(step.tiles.columns) * kRayBlockWidth;
+    const int height = int(step.tiles.rows) * kRayBlockHeight;
+    const size_t pixels = size_t(width) * size_t(height);
+    TETREC_CHECK(pixels > 0 && batch.rays() % pixels == 0, "D-SSIM wants tiles");
+    const glm::dvec3 background(step.background_srgb);
+    const double weight = step.dssim_weight;
+    const double share = weight * double(pixels) / double(batch.rays());
+    for (Vec4<Real>& gradient : gradients) gradient *= Real(1.0 - weight);
+    result.loss *= 1.0 - weight;
+    for (size_t first = 0; first < batch.rays(); first += pixels) {
+      const glm::ivec2 corner = PixelOfRay(batch.blocks, first);
+      const auto place = [&](size_t ray) {
+        const glm::ivec2 at = PixelOfRay(batch.blocks, ray) - corner;
+        return size_t(at.y) * size_t(width) + size_t(at.x);
+      };
+      std::vector<glm::dvec3> shown(pixels), wanted(pixels);
+      for (size_t ray = first; ray < first + pixels; ++ray) {
+        TETREC_CHECK(batch.InPicture(ray), "a tile of D-SSIM leaves its picture");
+        const glm::dvec4 color(colors[ray]), target(TargetOf(batch, ray));
+        shown[place(ray)] = glm::dvec3(color) + std::exp(-color.a) * background;
+        wanted[place(ray)] = glm::dvec3(target) + (1.0 - target.a) * background;
+      }
+      const Dssim dssim = EvaluateDssim(shown, wanted, width, height);
+      result.loss += share * dssim.value;
+      for (size_t ray = first; ray < first + pixels; ++ray) {
+        const glm::dvec3 g = share * dssim.gradient[place(ray)];
+        gradients[ray] += Vec4<Real>(glm::dvec4(g, glm::dot(g, background)));
+      }
+    }
   }
 
   void TakeAdamStep(const TrainingStep& step, const ReferenceGradient& gradient) {

@@ -6,6 +6,7 @@
 #include "geometry/rigid3.h"
 #include "gpu/device_options.h"
 #include "render/integral.h"
+#include "render/loss.h"
 
 #include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
@@ -69,7 +70,7 @@ class Renderer {
   virtual KernelReport KernelTimes() const { return {}; }
 };
 
-// dL/d(colour, density, position) of every vertex.
+// dL/d(colour, density) of every row of the field, dL/dposition of every vertex.
 struct FieldGradient {
   std::vector<glm::vec3> color_srgb;
   std::vector<float> density;
@@ -98,15 +99,14 @@ struct RayBlock {
 };
 constexpr int kRayBlockWidth = 4, kRayBlockHeight = 2, kRaysPerBlock = 8;
 
-enum class LossKind { kL2, kL1 };
-
-// Parameters of the field and the state of Adam, one row a vertex: rgb and the logarithm of
-// density.
+// Parameters of the field and the state of Adam, one row a vertex (a tet, where cells have the
+// attributes): rgb and the logarithm of density.
 struct VertexState {
   std::vector<glm::vec4> parameters, first_moment, second_moment;
+  FieldStorage storage = FieldStorage::kVertex;
 };
 
-// Vertex parameters of a field. Density 0, which has no logarithm, becomes e^-80.
+// Parameters of a field, row by row. Density 0, which has no logarithm, becomes e^-80.
 std::vector<glm::vec4> ParametersOf(const RadianceField& field);
 
 struct AdamOptions {
@@ -118,9 +118,18 @@ struct AdamOptions {
   float density_decay = 0.0f;
 };
 
+// Blocks a row and rows of blocks of a tile: a rectangle of one view, row of blocks by row.
+struct TileShape {
+  uint32_t columns = 0, rows = 0;
+};
+
 struct TrainingStep {
   std::span<const RayBlock> blocks;
   LossKind loss = LossKind::kL2;
+  float dssim_weight = 0.0f;  // LossOptions::dssim
+  // Where there is a dssim_weight: `blocks` is a row of such tiles, each at least 11 x 11 pixels
+  // and inside its picture.
+  TileShape tiles;
   glm::vec3 background_srgb{0.0f};  // stands behind field and target
   float jitter_px = 0.0f;
   uint32_t seed = 0;
@@ -139,9 +148,10 @@ class TrainingRenderer : public Renderer {
   // Views and what they should show; sizes must agree.
   virtual void SetTargets(std::span<const RenderView> views,
                           std::span<const TargetImage> targets) = 0;
+  // Another storage than the one before takes some time: kernels are made for one.
   virtual void SetVertexState(const TetMesh& mesh, const VertexState& state) = 0;
   virtual VertexState ReadVertexState() = 0;
-  // Whether every batch of blocks must be a tile: a rectangle of one view, row of blocks by row.
+  // Whether every batch of blocks must be one tile.
   virtual bool NeedsTiles() const = 0;
   // Forward, loss, backward, Adam; returns before the device is done. The result is that of the
   // step before last waits for (one step late), zero for the first.

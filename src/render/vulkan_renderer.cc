@@ -5,6 +5,8 @@
 #include "embedded_shaders.h"
 #include "mesh/locate.h"
 #include "render/adam_push.h"
+#include "render/dssim_loss.h"
+#include "render/field_checks.h"
 #include "render/fixed_point.h"
 #include "render/march_integrator.h"
 #include "render/ppll_integrator.h"
@@ -54,20 +56,22 @@ Program LossProgram(const Device& device) {
                  sizeof(LossPush));
 }
 
-Program AdamProgram(const Device& device, bool fixed_point) {
+Program AdamProgram(const Device& device, FieldStorage storage, bool fixed_point) {
+  const SpecializationConstant constants[] = {ConstantOf(storage)};
   const std::span<const uint32_t> fixed = kAdamFixed, floats = kAdam;
   return Program(device, "adam", fixed_point ? fixed : floats,
                  {{kBindVertexGradients, Access::kReadWrite},
                   {kBindParameters, Access::kReadWrite},
                   {kBindMoments, Access::kReadWrite},
                   {kBindVertices, Access::kReadWrite}},
-                 sizeof(AdamPush));
+                 sizeof(AdamPush), constants);
 }
 
-Program SpreadProgram(const Device& device) {
+Program SpreadProgram(const Device& device, FieldStorage storage) {
+  const SpecializationConstant constants[] = {ConstantOf(storage)};
   return Program(device, "spread", kSpread,
                  {{kBindParameters, Access::kRead}, {kBindVertices, Access::kReadWrite}},
-                 sizeof(SpreadPush));
+                 sizeof(SpreadPush), constants);
 }
 
 double LargestValue(std::span<const glm::vec4> values) {
@@ -86,10 +90,13 @@ DeviceOptions DeviceOptionsOf(const RendererOptions& options) {
 
 // Null for the march.
 std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
-                                                const RendererOptions& options) {
-  if (options.kind == RendererKind::kPpll) return std::make_unique<PpllIntegrator>(device, options);
+                                                const RendererOptions& options,
+                                                FieldStorage storage) {
+  if (options.kind == RendererKind::kPpll) {
+    return std::make_unique<PpllIntegrator>(device, options, storage);
+  }
   if (options.kind == RendererKind::kProjection) {
-    return std::make_unique<ProjectionIntegrator>(device, options);
+    return std::make_unique<ProjectionIntegrator>(device, options, storage);
   }
   return nullptr;
 }
@@ -100,10 +107,10 @@ class VulkanRenderer final : public TrainingRenderer {
       : options_(options),
         device_(CreateDevice(DeviceOptionsOf(options))),
         loss_(LossProgram(*device_)),
-        adam_(AdamProgram(*device_, options.deterministic)),
-        spread_(SpreadProgram(*device_)),
+        adam_(AdamProgram(*device_, storage_, options.deterministic)),
+        spread_(SpreadProgram(*device_, storage_)),
         march_(*device_, options.integral, options.deterministic),
-        other_(MakeOtherIntegrator(*device_, options)),
+        other_(MakeOtherIntegrator(*device_, options, storage_)),
         integrator_(other_ ? other_.get() : &march_),
         recorders_{std::make_unique<CommandRecorder>(*device_),
                    std::make_unique<CommandRecorder>(*device_)},
@@ -117,20 +124,25 @@ class VulkanRenderer final : public TrainingRenderer {
   ~VulkanRenderer() override { WaitAll(); }
 
   void SetField(const RadianceField& field) override {
-    SetVertexState(field.mesh, {ParametersOf(field), {}, {}});
+    CheckField(field);
+    SetVertexState(field.mesh, {ParametersOf(field), {}, {}, field.storage});
   }
 
   void SetVertexState(const TetMesh& mesh, const VertexState& state) override {
+    CheckRenderable(mesh, state);
     WaitAll();
     field_ = {};  // frees the old mesh before the new one takes memory
+    CheckMemory(mesh, BytesFor(mesh, state.storage), MeasureFreeMemory(*device_));
+    UseStorage(state.storage);
     field_ = UploadField(*device_, mesh, state, options_.deterministic);
     render_recorder_.Begin();
     const Buffer* buffers[] = {&field_.parameters, &field_.vertices};
-    render_recorder_.Dispatch(spread_, buffers, SpreadPush{field_.vertex_count},
-                              field_.vertex_count, kWorkgroupSize);
+    render_recorder_.DispatchMany(spread_, buffers, SpreadPush{field_.row_count, field_.first_cell},
+                                  field_.row_count, kWorkgroupSize);
     render_recorder_.EndAndSubmit();
     render_recorder_.Wait();
-    integrator_->SetField(field_);
+    march_.SetField(field_);
+    if (other_) other_->SetField(field_);
     UploadViews();
   }
 
@@ -161,7 +173,7 @@ class VulkanRenderer final : public TrainingRenderer {
   StepResult Step(const TrainingStep& step) override {
     const uint64_t rays = step.blocks.size() * kRaysPerBlock;
     const float gradient_scale = 1.0f / float(3 * rays);
-    const FixedPoint fixed = FixedPointOf(gradient_scale, rays);
+    const FixedPoint fixed = FixedPointOf(GradientScale(step), rays);
     return InFlightBatch(*integrator_, step, gradient_scale, fixed,
                          [&](CommandRecorder& recorder, const RayPass& pass) {
                            integrator_->Backward(recorder, pass);
@@ -243,15 +255,16 @@ class VulkanRenderer final : public TrainingRenderer {
       render_recorder_.Wait();
     });
     FieldGradient result;
-    for (const glm::vec4& g :
-         DownloadVertexSums(field_, field_.gradients, {fixed.color_quanta, fixed.density_quanta})) {
+    for (const glm::vec4& g : DownloadRowSums(field_, field_.gradients, field_.row_count,
+                                              {fixed.color_quanta, fixed.density_quanta})) {
       result.color_srgb.emplace_back(g);
       result.density.push_back(g.a);
     }
     field_.gradients.FillZero();
     if (!with_positions) return result;
     for (const glm::vec4& g :
-         DownloadVertexSums(field_, field_.position_gradients, glm::dvec2(fixed.position_quanta))) {
+         DownloadRowSums(field_, field_.position_gradients, field_.vertex_count,
+                         glm::dvec2(fixed.position_quanta))) {
       result.position.emplace_back(g);
       result.absolute_position.push_back(g.a);
     }
@@ -293,8 +306,28 @@ class VulkanRenderer final : public TrainingRenderer {
   }
 
  private:
+  // At most. On a software device the host's copies count, too.
+  uint64_t BytesFor(const TetMesh& mesh, FieldStorage storage) const {
+    const uint64_t on_device = FieldBytes(mesh, storage, options_.deterministic) +
+                               march_.BytesFor(mesh) + (other_ ? other_->BytesFor(mesh) : 0);
+    const bool on_host = device_->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    const uint64_t copies = mesh.tets.size() * (sizeof(glm::uvec4) * 4) +
+                            mesh.positions.size() * (sizeof(glm::vec3) + sizeof(glm::vec4) * 2);
+    return on_device + (on_host ? copies : 0);
+  }
+
   void WaitAll() const {
     for (const auto& recorder : recorders_) recorder->Wait();
+  }
+
+  // Makes the kernels that know where the field keeps its attributes.
+  void UseStorage(FieldStorage storage) {
+    if (storage == storage_) return;
+    storage_ = storage;
+    adam_ = AdamProgram(*device_, storage, options_.deterministic);
+    spread_ = SpreadProgram(*device_, storage);
+    other_ = MakeOtherIntegrator(*device_, options_, storage);
+    integrator_ = other_ ? other_.get() : &march_;
   }
 
   void AddCounters(RenderCounts& counts) const {
@@ -318,7 +351,7 @@ class VulkanRenderer final : public TrainingRenderer {
     CommandRecorder& recorder = *recorders_[current_];
     recorder.Begin();
     integrator.Forward(recorder, pass);
-    RecordLoss(recorder, rays, step, gradient_scale);
+    RecordLoss(recorder, step, gradient_scale);
     then(recorder, pass);
     recorder.EndAndSubmit();
     in_flight_rays_[current_] = rays.count;
@@ -336,7 +369,7 @@ class VulkanRenderer final : public TrainingRenderer {
       result.loss += partial.x;
       result.squared_error += partial.y;
     }
-    result.loss /= 3.0 * rays;
+    result.loss = dssim_batches_[i].Mix(result.loss / (3.0 * rays));
     result.squared_error /= 3.0 * rays;
     return result;
   }
@@ -346,14 +379,15 @@ class VulkanRenderer final : public TrainingRenderer {
     uint32_t tet = 0;
     for (size_t i = 0; i < views_.size(); ++i) {
       tet = FindTet(field_.mesh, views_[i].cam_from_world.Inverse().translation,
-                    tet == kNoTet ? 0 : tet);
+                    tet == kNoTet ? 0 : tet, field_.not_convex.empty());
       gpu_views_.push_back(MakeGpuView(views_[i], 1, first_pixels_[i], tet));
     }
     training_views_ = MakeBuffer(*device_, "views", gpu_views_);
   }
 
   void UploadRenderView(const RenderView& view, int samples) {
-    const uint32_t tet = FindTet(field_.mesh, view.cam_from_world.Inverse().translation);
+    const uint32_t tet = FindTet(field_.mesh, view.cam_from_world.Inverse().translation, 0,
+                                 field_.not_convex.empty());
     gpu_render_view_ = MakeGpuView(view, samples, 0, tet);
     render_view_.Upload(&gpu_render_view_, sizeof(gpu_render_view_));
   }
@@ -407,8 +441,10 @@ class VulkanRenderer final : public TrainingRenderer {
             blocks,
             view,
             counters_,
-            MarchPush{.ray_count = rays.count,
+            MarchPush{.mesh_ball = field_.ball,
+                      .ray_count = rays.count,
                       .hull_faces = field_.hull_faces,
+                      .tree_leaves = field_.tree_leaves,
                       .max_steps = options_.max_steps,
                       .jitter_seed = step.seed,
                       .jitter_px = step.jitter_px,
@@ -416,31 +452,52 @@ class VulkanRenderer final : public TrainingRenderer {
                       .color_quanta = fixed.color_quanta,
                       .density_quanta = fixed.density_quanta,
                       .position_quanta = fixed.position_quanta,
-                      .largest_quanta = fixed.largest_quanta}};
+                      .largest_quanta = fixed.largest_quanta,
+                      .first_cell = field_.first_cell}};
   }
 
-  void RecordLoss(CommandRecorder& recorder, const RayBatch& rays, const TrainingStep& step,
-                  float gradient_scale) {
+  void RecordLoss(CommandRecorder& recorder, const TrainingStep& step, float gradient_scale) {
+    const RayBatch& rays = rays_[current_];
+    DssimBatch& dssim_batch = dssim_batches_[current_];
     const LossPush push{.ray_count = rays.count,
                         .loss = step.loss == LossKind::kL2 ? uint32_t(kLossL2) : uint32_t(kLossL1),
                         .gradient_scale = gradient_scale,
                         .background = glm::vec4(step.background_srgb, 0.0f)};
+    dssim_batch.weight = step.dssim_weight;
+    if (step.dssim_weight > 0) {
+      CheckTiles(step);
+      if (!dssim_) dssim_ = std::make_unique<DssimLoss>(*device_);
+      dssim_->Record(recorder, dssim_batch, rays, step, push, training_views_, targets_);
+      return;
+    }
     const Buffer* buffers[] = {&training_views_, &rays.blocks,         &rays.colors,
                                &rays.gradients,  &rays.partial_losses, &targets_};
     recorder.Dispatch(loss_, buffers, push, rays.count, kWorkgroupSize);
   }
 
+  // Windows must not reach beyond a picture, where rays have no target.
+  void CheckTiles(const TrainingStep& step) const {
+    for (const RayBlock& block : step.blocks) {
+      const Camera& camera = views_[block.view].camera;
+      TETREC_CHECK(int(block.x) + kRayBlockWidth <= camera.width &&
+                       int(block.y) + kRayBlockHeight <= camera.height,
+                   "a tile of D-SSIM leaves its picture");
+    }
+  }
+
   void RecordAdam(CommandRecorder& recorder, const TrainingStep& step, const FixedPoint& fixed) {
-    AdamPush push = MakeAdamPush(step, field_.vertex_count);
+    AdamPush push = MakeAdamPush(step, field_.row_count);
     push.color_quantum = 1.0f / fixed.color_quanta;
     push.density_quantum = 1.0f / fixed.density_quanta;
+    push.first_cell = field_.first_cell;
     const Buffer* buffers[] = {&field_.gradients, &field_.parameters, &field_.moments,
                                &field_.vertices};
-    recorder.Dispatch(adam_, buffers, push, field_.vertex_count, kWorkgroupSize);
+    recorder.DispatchMany(adam_, buffers, push, field_.row_count, kWorkgroupSize);
   }
 
   RendererOptions options_;
   std::unique_ptr<Device> device_;
+  FieldStorage storage_ = FieldStorage::kVertex;  // for which the kernels below are
   Program loss_, adam_, spread_;
   MarchIntegrator march_;              // scores, whatever renders
   std::unique_ptr<Integrator> other_;  // where the march does not render
@@ -456,6 +513,8 @@ class VulkanRenderer final : public TrainingRenderer {
   std::vector<uint32_t> first_pixels_;
   std::array<RayBatch, 2> rays_;
   std::array<uint32_t, 2> in_flight_rays_{};
+  std::unique_ptr<DssimLoss> dssim_;  // once a step asks for it
+  std::array<DssimBatch, 2> dssim_batches_;
   int current_ = 0;
   uint64_t scored_rays_ = 0;  // since ClearScores
   RenderCounts counts_;       // without what is still in counters_

@@ -2,6 +2,7 @@
 #include "surface/level.h"
 
 #include "core/error.h"
+#include "mesh/boundary.h"
 
 #include <fmt/format.h>
 
@@ -169,6 +170,11 @@ Stop FollowRay(const RadianceField& field, const Bounds3& bounds, const glm::dve
 HalfTransmittanceLevel FindHalfTransmittanceLevel(const RadianceField& field, const Bounds3& bounds,
                                                   std::span<const glm::dvec3> cameras_in_world,
                                                   int rays, uint64_t seed) {
+  // Its marches end where the mesh does.
+  const std::string why = WhyNotConvex(field.mesh, BoundaryFaces(field.mesh));
+  if (!why.empty()) {
+    throw DataError(fmt::format("{}: no level can be found there; give --isovalue", why));
+  }
   Random random(seed);
   HalfTransmittanceLevel result;
   std::vector<double> densities;

@@ -4,6 +4,7 @@
 // (--lost_rays=N rays, a million unless told).
 #include "bench/bench_scene.h"
 #include "bench/stopwatch.h"
+#include "field/change_storage.h"
 #include "render/renderer.h"
 
 #include <benchmark/benchmark.h>
@@ -69,9 +70,10 @@ struct Stage {
     renderer = Make(options);
   }
 
-  std::unique_ptr<TrainingRenderer> Make(const RendererOptions& options) const {
+  std::unique_ptr<TrainingRenderer> Make(const RendererOptions& options,
+                                         FieldStorage storage = FieldStorage::kVertex) const {
     auto made = CreateRenderer(options);
-    made->SetField(field);
+    made->SetField(WithStorage(field, storage));
     const TargetImage grey{kPicture, kPicture,
                            std::vector<uint32_t>(kPicture * kPicture, 0xFF808080u)};
     made->SetTargets(views, std::vector<TargetImage>(views.size(), grey));
@@ -171,6 +173,7 @@ void Compare(benchmark::State& state) {
   RendererOptions options;
   options.deterministic = true;
   const auto deterministic = stage.Make(options);
+  const auto cells = stage.Make({}, FieldStorage::kCell);
   const std::vector<double> steps = StepsOfViews(stage);
   const std::vector<glm::vec4> gradient(kPicture * kPicture, glm::vec4(1.0f, -1.0f, 0.5f, 0.1f));
   std::map<std::string, std::vector<double>> values;
@@ -193,7 +196,8 @@ void Compare(benchmark::State& state) {
           Measure([&] { stage.renderer->MarchBlocks(stage.views[view], AllBlocks(0)); });
       const Seconds both = backpropagate(*stage.renderer, GradientParts::kColorDensity);
       const Seconds moved = backpropagate(*stage.renderer, GradientParts::kColorDensityPosition);
-      const Seconds step = train(*stage.renderer), fixed = train(*deterministic);
+      const Seconds step = train(*stage.renderer), fixed = train(*deterministic),
+                    of_cells = train(*cells);
       if (turn < 0) continue;
       const auto add_speed = [&](const std::string& name, double wall, double cpu) {
         values[name + "_Msteps/s_wall"].push_back(1e-6 * steps[view] / wall);
@@ -203,6 +207,7 @@ void Compare(benchmark::State& state) {
       add_speed("backward", both.wall - forward.wall, both.cpu - forward.cpu);
       add_speed("positions", moved.wall - forward.wall, moved.cpu - forward.cpu);
       values["deterministic_price_wall"].push_back(fixed.wall / step.wall);
+      values["cells_price_cpu"].push_back(of_cells.cpu / step.cpu);
       values["deterministic_price_cpu"].push_back(fixed.cpu / step.cpu);
     }
   }

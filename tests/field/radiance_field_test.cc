@@ -22,6 +22,14 @@ RadianceField OneTet() {
   return field;
 }
 
+RadianceField OneCell() {
+  RadianceField field = OneTet();
+  field.storage = FieldStorage::kCell;
+  field.density = {3.5f};
+  field.color_srgb = {{-0.1f, 0.5f, 1.1f}};
+  return field;
+}
+
 std::vector<uint8_t> BytesOf(const RadianceField& field) {
   const ScratchFolder folder;
   WriteField(folder / "field.tetf", field);
@@ -29,31 +37,47 @@ std::vector<uint8_t> BytesOf(const RadianceField& field) {
 }
 
 TEST(RadianceFieldFile, ReadsBackAsItWasWritten) {
-  const RadianceField field = OneTet();
-  const RadianceField read = ParseField(BytesOf(field), "field.tetf");
-  EXPECT_EQ(read.mesh.positions, field.mesh.positions);
-  EXPECT_EQ(read.mesh.tets, field.mesh.tets);
-  EXPECT_EQ(read.mesh.neighbors, field.mesh.neighbors);
-  EXPECT_EQ(read.density, field.density);
-  EXPECT_EQ(read.color_srgb, field.color_srgb);
+  for (const RadianceField& field : {OneTet(), OneCell()}) {
+    const RadianceField read = ParseField(BytesOf(field), "field.tetf");
+    EXPECT_EQ(read.storage, field.storage);
+    EXPECT_EQ(read.mesh.positions, field.mesh.positions);
+    EXPECT_EQ(read.mesh.tets, field.mesh.tets);
+    EXPECT_EQ(read.mesh.neighbors, field.mesh.neighbors);
+    EXPECT_EQ(read.density, field.density);
+    EXPECT_EQ(read.color_srgb, field.color_srgb);
+  }
+}
+
+TEST(RadianceFieldFile, RefusesAttributesOfTheOtherStorage) {
+  for (const RadianceField& field : {OneTet(), OneCell()}) {
+    std::vector<uint8_t> bytes = BytesOf(field);
+    bytes[7] = bytes[7] == '1' ? '2' : '1';
+    EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
+    bytes[7] = '3';
+    EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
+  }
 }
 
 TEST(RadianceFieldFile, RefusesEveryPrefixAndTrailingBytes) {
-  std::vector<uint8_t> bytes = BytesOf(OneTet());
-  for (size_t size = 0; size < bytes.size(); ++size) {
-    EXPECT_THROW(ParseField(std::span(bytes).first(size), "field.tetf"), DataError) << size;
+  for (const RadianceField& field : {OneTet(), OneCell()}) {
+    std::vector<uint8_t> bytes = BytesOf(field);
+    for (size_t size = 0; size < bytes.size(); ++size) {
+      EXPECT_THROW(ParseField(std::span(bytes).first(size), "field.tetf"), DataError) << size;
+    }
+    bytes.push_back(0);
+    EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
   }
-  bytes.push_back(0);
-  EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
 }
 
 TEST(RadianceFieldFile, RefusesHugeCounts) {
-  const std::vector<uint8_t> good = BytesOf(OneTet());
-  for (const size_t at : {size_t{16}, size_t{24}}) {  // behind the two magics
-    for (const uint64_t count : {uint64_t{1} << 32, uint64_t{1} << 62, ~uint64_t{0}}) {
-      std::vector<uint8_t> bytes = good;
-      std::memcpy(bytes.data() + at, &count, sizeof(count));
-      EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
+  for (const RadianceField& field : {OneTet(), OneCell()}) {
+    const std::vector<uint8_t> good = BytesOf(field);
+    for (const size_t at : {size_t{16}, size_t{24}}) {  // behind the two magics
+      for (const uint64_t count : {uint64_t{1} << 32, uint64_t{1} << 62, ~uint64_t{0}}) {
+        std::vector<uint8_t> bytes = good;
+        std::memcpy(bytes.data() + at, &count, sizeof(count));
+        EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
+      }
     }
   }
 }
@@ -71,6 +95,8 @@ TEST(CheckField, RefusesNegativeAndNonFiniteValues) {
   refused([](RadianceField& f) { f.color_srgb[2].b = std::numeric_limits<float>::quiet_NaN(); });
   refused([](RadianceField& f) { f.density.pop_back(); });
   refused([](RadianceField& f) { f.color_srgb.emplace_back(0.0f); });
+  refused([](RadianceField& f) { f.storage = FieldStorage::kCell; });
+  EXPECT_NO_THROW(CheckField(OneCell()));
 }
 
 }  // namespace

@@ -38,6 +38,11 @@ def field_bytes():
             + struct.pack("<15f", *(i / 15 for i in range(15))))
 
 
+def cell_field_bytes():
+    """The two tets, each with a density and a colour."""
+    return b"TETRECF2" + tet_mesh_bytes() + struct.pack("<2f6f", 0, 3, *(i / 6 for i in range(6)))
+
+
 IDENTITY = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
 
@@ -77,7 +82,7 @@ def colmap_seeds():
 SEEDS = {
     "ply": ply_seeds,
     "tet_mesh": lambda: [("two_tets.tet", tet_mesh_bytes())],
-    "field": lambda: [("two_tets.tetf", field_bytes())],
+    "field": lambda: [("two_tets.tetf", field_bytes()), ("two_cells.tetf", cell_field_bytes())],
     "scene": lambda: [("scene.json", scene_json())],
     "transforms": lambda: [("transforms_train.json", transforms_json())],
     "colmap_model": colmap_seeds,

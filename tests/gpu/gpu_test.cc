@@ -74,6 +74,27 @@ TEST_F(VulkanTest, DispatchReadsWhatTheOneBeforeWrote) {
   }
 }
 
+TEST_F(VulkanTest, DispatchOfMoreWorkgroupsThanARowHoldsReachesEveryThreadOnce) {
+  const uint64_t row = uint64_t(device().properties.limits.maxComputeWorkGroupCount[0]) * 64;
+  const uint64_t count = row + 1000;
+  if (4 * count > device().properties.limits.maxStorageBufferRange) {
+    GTEST_SKIP() << "a row of workgroups has more threads than a buffer has words";
+  }
+  const Program affine = MakeAffine(device());
+  const Buffer a = MakeBuffer(device(), "a", Counted(uint32_t(count)));
+  const Buffer b(device(), "b", 4 * count);
+  CommandRecorder recorder(device());
+  recorder.Begin();
+  const Buffer* a_to_b[] = {&a, &b};
+  EXPECT_THROW(recorder.Dispatch(affine, a_to_b, AffinePush{uint32_t(count), 3}, count, 64),
+               BugError);
+  recorder.DispatchMany(affine, a_to_b, AffinePush{uint32_t(count), 3}, count, 64);
+  recorder.EndAndSubmit();
+  recorder.Wait();
+  const auto result = b.DownloadAs<uint32_t>(count);
+  for (uint32_t i = 0; i < count; ++i) ASSERT_EQ(result[i], 3 * i + 1) << "i = " << i;
+}
+
 TEST_F(VulkanTest, TwoDispatchesThatWriteOneBufferAreKeptApart) {
   const Program affine = MakeAffine(device());
   Buffer a = MakeBuffer(device(), "a", Counted(64)), b = MakeBuffer(device(), "b", Counted(64));

@@ -111,11 +111,30 @@ TEST(CheckTetMesh, NamesTheFirstOffence) {
   refused("names neighbour 2 of 2", [](TetMesh& m) { m.neighbors[1][0] = 2; });
   refused("inverted", [](TetMesh& m) { std::swap(m.tets[1][0], m.tets[1][1]); });
   refused("flat", [](TetMesh& m) { m.positions[0] = {0.25f, 0.25f, 0.5f}; });
-  refused("is shared with", [](TetMesh& m) { m.neighbors[0][0] = kNoTet; });
-  refused("is shared with", [](TetMesh& m) { m.neighbors[0][1] = 1; });
+  refused("is shared with", [](TetMesh& m) {
+    for (glm::uvec4& neighbors : m.neighbors) neighbors = glm::uvec4(kNoTet);
+  });
+  refused("no link back", [](TetMesh& m) {
+    for (int i = 0; i < 4; ++i) {
+      if (m.neighbors[0][i] == 1) m.neighbors[0][i] = kNoTet;
+    }
+  });
+  refused("which that lacks", [](TetMesh& m) {
+    for (int i = 0; i < 4; ++i) m.neighbors[0][i] = 1;
+  });
   refused("belongs to no tet", [](TetMesh& m) { m.positions.push_back({3, 3, 3}); });
   refused("neighbours of", [](TetMesh& m) { m.neighbors.pop_back(); });
-  refused("parts", [](TetMesh& m) {
+}
+
+TEST(CheckConvexDomain, NamesTheFirstOffence) {
+  const auto refused = [](const std::string& reason, auto&& damage) {
+    TetMesh mesh = TwoTets();
+    damage(mesh);
+    EXPECT_NO_THROW(CheckTetMesh(mesh));
+    ExpectRefused([&] { CheckConvexDomain(mesh); }, reason);
+  };
+  EXPECT_NO_THROW(CheckConvexDomain(TwoTets()));
+  refused("not convex", [](TetMesh& m) {
     const TetMesh other = TwoTets();
     for (const glm::vec3& p : other.positions) m.positions.push_back(p + glm::vec3(9));
     for (const glm::uvec4& t : other.tets) m.tets.push_back(t + glm::uvec4(5));
@@ -124,7 +143,7 @@ TEST(CheckTetMesh, NamesTheFirstOffence) {
   refused("not convex", [](TetMesh& m) { m.positions[4] = {2, 2, -0.5f}; });
 }
 
-TEST(CheckTetMesh, RefusesAMeshWithACavity) {
+TEST(CheckConvexDomain, RefusesAMeshWithACavity) {
   TetMesh mesh = RandomMesh(400, 4);
   // A tet whose corners and neighbours are all inside.
   const auto hollow = std::find_if(mesh.tets.begin(), mesh.tets.end(), [&](const glm::uvec4& tet) {
@@ -138,7 +157,8 @@ TEST(CheckTetMesh, RefusesAMeshWithACavity) {
   ASSERT_NE(hollow, mesh.tets.end());
   mesh.tets.erase(hollow);
   mesh.neighbors = ComputeNeighbors(mesh.tets, mesh.positions.size());
-  ExpectRefused([&] { CheckTetMesh(mesh); }, "not convex");
+  EXPECT_NO_THROW(CheckTetMesh(mesh));
+  ExpectRefused([&] { CheckConvexDomain(mesh); }, "not convex");
 }
 
 TEST(MeasureQuality, GivesOneForTheRegularTet) {

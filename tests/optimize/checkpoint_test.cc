@@ -13,11 +13,12 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECK1", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
-// bytes, u64 V, u64 T, positions.
-constexpr size_t kSecondsAt = 16, kVertexCountAt = 44, kTetCountAt = 52, kPositionsAt = 60;
+// Where the fields start: "TETRECK2", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
+// bytes, u64 V, u64 T, u32 storage, positions.
+constexpr size_t kSecondsAt = 16, kVertexCountAt = 44, kTetCountAt = 52, kStorageAt = 60,
+                 kPositionsAt = 64;
 
-Checkpoint MakeCheckpoint() {
+Checkpoint MakeCheckpoint(FieldStorage storage = FieldStorage::kVertex) {
   Random random(5);
   const auto unit = [&random] { return float(random.Uniform()); };
   std::vector<glm::vec3> points;
@@ -33,8 +34,9 @@ Checkpoint MakeCheckpoint() {
   checkpoint.metrics_bytes = 777;
   checkpoint.mesh = BuildDelaunay(points).mesh;
   VertexState& state = checkpoint.state;
+  state.storage = storage;
   for (auto* rows : {&state.parameters, &state.first_moment, &state.second_moment}) {
-    for (size_t v = 0; v < checkpoint.mesh.positions.size(); ++v) {
+    for (size_t v = 0; v < RowCount(checkpoint.mesh, storage); ++v) {
       const float r = unit(), g = unit(), b = unit(), a = unit();
       rows->emplace_back(r, g, b, a);
     }
@@ -55,21 +57,35 @@ std::vector<uint8_t> With(std::vector<uint8_t> bytes, size_t at, T value) {
 }
 
 TEST(Checkpoint, ReadsBackAsItWasWritten) {
-  const ScratchFolder folder;
-  const Checkpoint written = MakeCheckpoint();
-  WriteCheckpoint(folder / "checkpoint.bin", written);
-  const Checkpoint read = ReadCheckpoint(folder / "checkpoint.bin");
-  EXPECT_EQ(read.iteration, written.iteration);
-  EXPECT_EQ(read.seconds, written.seconds);
-  EXPECT_EQ(read.rays, written.rays);
-  EXPECT_EQ(read.rounds, written.rounds);
-  EXPECT_EQ(read.metrics_bytes, written.metrics_bytes);
-  EXPECT_EQ(read.mesh.positions, written.mesh.positions);
-  EXPECT_EQ(read.mesh.tets, written.mesh.tets);
-  EXPECT_EQ(read.mesh.neighbors, written.mesh.neighbors);
-  EXPECT_EQ(read.state.parameters, written.state.parameters);
-  EXPECT_EQ(read.state.first_moment, written.state.first_moment);
-  EXPECT_EQ(read.state.second_moment, written.state.second_moment);
+  for (FieldStorage storage : {FieldStorage::kVertex, FieldStorage::kCell}) {
+    const ScratchFolder folder;
+    const Checkpoint written = MakeCheckpoint(storage);
+    WriteCheckpoint(folder / "checkpoint.bin", written);
+    const Checkpoint read = ReadCheckpoint(folder / "checkpoint.bin");
+    EXPECT_EQ(read.iteration, written.iteration);
+    EXPECT_EQ(read.seconds, written.seconds);
+    EXPECT_EQ(read.rays, written.rays);
+    EXPECT_EQ(read.rounds, written.rounds);
+    EXPECT_EQ(read.metrics_bytes, written.metrics_bytes);
+    EXPECT_EQ(read.mesh.positions, written.mesh.positions);
+    EXPECT_EQ(read.mesh.tets, written.mesh.tets);
+    EXPECT_EQ(read.mesh.neighbors, written.mesh.neighbors);
+    EXPECT_EQ(read.state.storage, storage);
+    EXPECT_EQ(read.state.parameters, written.state.parameters);
+    EXPECT_EQ(read.state.first_moment, written.state.first_moment);
+    EXPECT_EQ(read.state.second_moment, written.state.second_moment);
+  }
+}
+
+TEST(Checkpoint, RefusesAnotherStorageThanThatOfItsRows) {
+  const std::vector<uint8_t> vertices = BytesOf(MakeCheckpoint());
+  const std::vector<uint8_t> cells = BytesOf(MakeCheckpoint(FieldStorage::kCell));
+  EXPECT_THROW(ParseCheckpoint(With(vertices, kStorageAt, uint32_t{1}), "c.bin"), DataError);
+  EXPECT_THROW(ParseCheckpoint(With(cells, kStorageAt, uint32_t{0}), "c.bin"), DataError);
+  for (const uint32_t storage : {2u, 256u, ~0u}) {
+    ExpectError<DataError>([&] { ParseCheckpoint(With(cells, kStorageAt, storage), "c.bin"); },
+                           {"c.bin", "storage"});
+  }
 }
 
 TEST(Checkpoint, RefusesEveryPrefixAndTrailingBytes) {

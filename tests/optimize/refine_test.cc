@@ -356,6 +356,82 @@ TEST(Refine, SplitsNothingWhereThereIsNoError) {
   EXPECT_TRUE(NewVertices(mesh, result.mesh).empty());
 }
 
+// Every row is the number of its tet.
+VertexState NumberedCells(const TetMesh& mesh, float log_density) {
+  VertexState state;
+  state.storage = FieldStorage::kCell;
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    state.parameters.emplace_back(float(t), 0.0f, 0.0f, log_density);
+    state.first_moment.emplace_back(-float(t));
+    state.second_moment.emplace_back(2.0f * float(t));
+  }
+  return state;
+}
+
+double LeastWeight(const TetMesh& mesh, const glm::uvec4& tet, const glm::dvec3& point) {
+  double least = 1.0, whole = 0.0;
+  for (int i = -1; i < 4; ++i) {
+    glm::dvec3 p[4];
+    for (int j = 0; j < 4; ++j) p[j] = j == i ? point : glm::dvec3(mesh.positions[tet[j]]);
+    const double volume = glm::dot(p[1] - p[0], glm::cross(p[2] - p[0], p[3] - p[0]));
+    if (i < 0) {
+      whole = volume;
+    } else {
+      least = std::min(least, volume / whole);
+    }
+  }
+  return least;
+}
+
+TEST(Refine, GivesANewCellTheRowOfTheOldOneThatHoldsItsCentroid) {
+  const TetMesh mesh = JitteredBox(5);
+  const VertexState state = NumberedCells(mesh, 2.0f);
+  const RefineResult result =
+      Refine(mesh, state, std::vector<float>(mesh.tets.size(), 1.0f), KeepAll());
+  EXPECT_GT(result.mesh.tets.size(), mesh.tets.size());
+  ASSERT_EQ(result.state.storage, FieldStorage::kCell);
+  ASSERT_EQ(result.state.parameters.size(), result.mesh.tets.size());
+  ASSERT_EQ(result.state.first_moment.size(), result.mesh.tets.size());
+  ASSERT_EQ(result.state.second_moment.size(), result.mesh.tets.size());
+  for (size_t t = 0; t < result.mesh.tets.size(); ++t) {
+    glm::dvec3 centroid(0.0);
+    for (int i = 0; i < 4; ++i) {
+      centroid += 0.25 * glm::dvec3(result.mesh.positions[result.mesh.tets[t][i]]);
+    }
+    const glm::vec4& row = result.state.parameters[t];
+    ASSERT_GE(LeastWeight(mesh, mesh.tets[size_t(row.r)], centroid), -1e-9) << "tet " << t;
+    EXPECT_EQ(row.a, 2.0f);
+    EXPECT_EQ(result.state.first_moment[t], glm::vec4(-row.r));
+    EXPECT_EQ(result.state.second_moment[t], glm::vec4(2.0f * row.r));
+  }
+}
+
+TEST(Refine, LeavesCellsThatStayAsTheyWere) {
+  const TetMesh mesh = JitteredBox(5);
+  const RefineResult result = Refine(mesh, NumberedCells(mesh, 2.0f),
+                                     std::vector<float>(mesh.tets.size(), 0.0f), KeepAll());
+  const auto keys = [](const TetMesh& of, size_t t) {
+    std::array<std::array<float, 3>, 4> corners;
+    for (int i = 0; i < 4; ++i) corners[size_t(i)] = Key(of.positions[of.tets[t][i]]);
+    std::sort(corners.begin(), corners.end());
+    return corners;
+  };
+  ASSERT_EQ(result.mesh.tets.size(), mesh.tets.size());
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    EXPECT_EQ(keys(result.mesh, t), keys(mesh, size_t(result.state.parameters[t].r)));
+  }
+}
+
+TEST(Refine, DropsVerticesAmongEmptyCells) {
+  const TetMesh mesh = JitteredBox(5);
+  RefineOptions options;
+  options.drop_share = 1.0;
+  const RefineResult result = Refine(mesh, NumberedCells(mesh, -80.0f),
+                                     std::vector<float>(mesh.tets.size(), 0.0f), options);
+  EXPECT_EQ(result.mesh.positions.size(), 8u);
+  EXPECT_EQ(result.state.parameters.size(), result.mesh.tets.size());
+}
+
 TEST(Refine, KeepsTheLogarithmFiniteWhereThereIsNoDensity) {
   const TetMesh mesh = JitteredBox(4);
   // exp(-200) is 0 as a float.

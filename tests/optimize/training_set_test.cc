@@ -254,6 +254,39 @@ TEST(DrawTile, CoversEveryPixelThatBlocksCanCover) {
   EXPECT_GT(*std::min_element(hits.begin(), hits.end()), 0);
 }
 
+TEST(DrawTiles, AreOfOneShapeInsideTheirPictures) {
+  TrainingSet set = TwoViews(64, 32);
+  const TrainingSet small = TwoViews(21, 19);
+  set.targets[1] = small.targets[1];
+  set.views[1] = small.views[1];
+  std::erase_if(set.blocks, [](const RayBlock& block) { return block.view == 1; });
+  set.subject_blocks.clear();
+  for (uint32_t y = 0; y < 19; y += 2) {
+    for (uint32_t x = 0; x < 21; x += 4) {
+      set.subject_blocks.push_back(uint32_t(set.blocks.size()));
+      set.blocks.push_back({1, x, y});
+    }
+  }
+  std::set<uint32_t> views;
+  for (uint64_t iteration = 0; iteration < 50; ++iteration) {
+    const auto [blocks, shape] = DrawTiles(set, 3, 128, 0.5, 1, iteration);
+    // 32 x 32 pixels are wanted; the smaller picture holds 5 columns and 9 rows of blocks.
+    ASSERT_EQ(shape.columns, 5u);
+    ASSERT_EQ(shape.rows, 9u);
+    ASSERT_EQ(blocks.size(), 3u * 5 * 9);
+    for (size_t i = 0; i < blocks.size(); ++i) {
+      const RayBlock &block = blocks[i], &first = blocks[i - i % 45];
+      views.insert(block.view);
+      ASSERT_EQ(block.view, first.view);
+      ASSERT_EQ(block.x, first.x + i % 5 * kRayBlockWidth);
+      ASSERT_EQ(block.y, first.y + i % 45 / 5 * kRayBlockHeight);
+      ASSERT_LE(int(block.x) + kRayBlockWidth, set.targets[block.view].width);
+      ASSERT_LE(int(block.y) + kRayBlockHeight, set.targets[block.view].height);
+    }
+  }
+  EXPECT_EQ(views.size(), 2u);
+}
+
 TEST(DrawBlocks, MovesABlockByLessThanItsSize) {
   TrainingSet set = TwoViews(32, 32);
   const auto there = std::find_if(set.blocks.begin(), set.blocks.end(), [](const RayBlock& b) {

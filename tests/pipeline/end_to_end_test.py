@@ -73,6 +73,24 @@ class EndToEndTest(StageCase):
         self.assertTrue((self.folder / "chart" / "chart.svg").exists())
         self.assertTrue((self.folder / "chart" / "chart.png").exists())
 
+    def test_cells_go_through_every_stage(self):
+        run = self.folder / "run"
+        tetrahedra = self.tiny_tetrahedra()
+        self.assert_done(self.run_stage("optimize", tetrahedra, "-o", run / "3_field", "--time-limit", 0,
+                                        "--iterations", 200, "--storage", "cell",
+                                        "--loss", "l1+dssim:0.2"))
+        self.assertEqual((run / "3_field" / "field.tetf").read_bytes()[:8], b"TETRECF2")
+        self.assert_done(self.run_stage("render", run / "3_field", "-o", run / "4_views"))
+        self.assert_done(self.run_stage("surface", run / "3_field", "-o", run / "5_surface"))
+        self.assert_done(self.run_stage("evaluate", run / "4_views", run / "5_surface", "-o",
+                                        run / "6_report"))
+        metrics = json.loads((run / "6_report" / "metrics.json").read_text())
+        # A picture of the background alone has about 9 dB.
+        self.assertGreater(metrics["psnr"], 22)
+        positions, _ = read_ply(run / "5_surface" / "surface.ply")
+        errors = sorted(abs(math.dist(p, (0, 0, 0)) - RADIUS) for p in positions)
+        self.assertLess(errors[len(errors) // 2], 3 * PIXEL)
+
     def test_the_reference_learns_and_renders_without_a_vulkan_driver(self):
         run = self.folder / "run"
         tetrahedra = self.tiny_tetrahedra()

@@ -39,7 +39,7 @@ std::vector<KernelResults> RunKernel(const Device& device, const std::vector<glm
                                      const IntegralOptions& integral = {}) {
   const uint32_t count = uint32_t(ends.size());
   const Program program(device, "segment", kSegment, {{0, Access::kRead}, {1, Access::kWrite}}, 4,
-                        ConstantsOf(integral));
+                        ConstantsOf(integral, FieldStorage::kVertex));
   Buffer in = MakeBuffer(device, "ends", ends),
          out(device, "results", sizeof(KernelResults) * count);
   CommandRecorder recorder(device);

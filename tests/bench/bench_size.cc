@@ -1,0 +1,157 @@
+// One picture and its gradients on a mesh of any size, whole or with holes, by any renderer:
+// seconds and memory. For example
+//   /usr/bin/time -v bench_size --tets 4000000 --width 1920 --height 1080 --renderer march
+#include "mesh/delaunay.h"
+#include "mesh/tet_mesh.h"
+#include "render/renderer_words.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace tetrec {
+namespace {
+
+struct SizeOptions {
+  uint64_t tets = 1'000'000;
+  int width = 1920, height = 1080, repetitions = 1;
+  double removed = 0.0;
+  bool ball = false, positions = false;
+  RendererWords words;
+  RendererOptions renderer;
+};
+
+// A soft ball, density up to 25, in a sea of nothing, on a jittered grid of about 6.7 tets a point
+// in the unit cube (`ball`: only points in the ball around it, so that the hull has many faces).
+RadianceField MakeField(const SizeOptions& options) {
+  const double points_wanted = double(options.tets) / 6.7 * (options.ball ? 6.0 / M_PI : 1.0);
+  const int grid = std::max(1, int(std::lround(std::cbrt(points_wanted))));
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> jitter(0.1, 0.9);
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 8 && !options.ball; ++i) points.emplace_back(i & 1, i >> 1 & 1, i >> 2);
+  for (int i = 0; i < grid * grid * grid; ++i) {
+    const glm::dvec3 cell(i % grid, i / grid % grid, i / grid / grid);
+    const glm::dvec3 offset(jitter(random), jitter(random), jitter(random));
+    const glm::dvec3 p = (cell + offset) / double(grid);
+    if (!options.ball || glm::distance(p, glm::dvec3(0.5)) < 0.5) points.emplace_back(p);
+  }
+  RadianceField field;
+  field.mesh = BuildDelaunay(points).mesh;
+  if (options.removed > 0.0) {
+    std::bernoulli_distribution removed(options.removed);
+    std::vector<uint32_t> new_id(field.mesh.positions.size(), kNoTet);
+    std::vector<glm::vec3> positions;
+    std::erase_if(field.mesh.tets, [&](const glm::uvec4&) { return removed(random); });
+    for (glm::uvec4& tet : field.mesh.tets) {
+      for (int i = 0; i < 4; ++i) {
+        uint32_t& id = new_id[tet[i]];
+        if (id == kNoTet) {
+          id = uint32_t(positions.size());
+          positions.push_back(field.mesh.positions[tet[i]]);
+        }
+        tet[i] = id;
+      }
+    }
+    field.mesh.positions = std::move(positions);
+    field.mesh.neighbors = ComputeNeighbors(field.mesh.tets, field.mesh.positions.size());
+  }
+  for (const glm::vec3& p : field.mesh.positions) {
+    const float radius = glm::length(p - glm::vec3(0.5f));
+    field.density.push_back(25.0f * std::clamp((0.4f - radius) / 0.1f, 0.0f, 1.0f));
+    field.color_srgb.push_back(0.5f + 0.5f * glm::sin(20.0f * p));
+  }
+  return field;
+}
+
+// From outside; the cube fills the picture's height.
+RenderView MakeView(int width, int height) {
+  const glm::dvec3 eye(2.1, 1.3, -0.4), forward = glm::normalize(glm::dvec3(0.5) - eye);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.02, -0.97, 0.2)));
+  const glm::dmat3 cam_from_world =
+      glm::transpose(glm::dmat3(right, glm::cross(forward, right), forward));
+  const double focal = 1.3 * height;
+  return {{width, height, focal, focal, 0.5 * width, 0.5 * height},
+          {cam_from_world, -(cam_from_world * eye)}};
+}
+
+double PeakMib() {
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  return double(usage.ru_maxrss) / 1024.0;
+}
+
+void Time(const std::string& what, int repetitions, const std::function<void()>& body) {
+  double least = 1e300;
+  for (int i = 0; i < repetitions; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    body();
+    least = std::min(
+        least, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  fmt::print("{}: {:.3f} s, peak {:.0f} MiB\n", what, least, PeakMib());
+  std::fflush(stdout);
+}
+
+void Run(SizeOptions options) {
+  options.words.Apply(options.renderer);
+  options.renderer.count_steps = true;
+  RadianceField field;
+  Time("mesh", 1, [&] { field = MakeField(options); });
+  fmt::print("{} tets, {} vertices, {} boundary faces\n", field.mesh.tets.size(),
+             field.mesh.positions.size(), MeasureQuality(field.mesh).boundary_faces);
+  const auto renderer = CreateRenderer(options.renderer);
+  Time("SetField", 1, [&] { renderer->SetField(field); });
+  const RenderView view = MakeView(options.width, options.height);
+  RenderedImage image;
+  Time("Render", options.repetitions, [&] { image = renderer->Render(view, 1); });
+  const RenderCounts counts = renderer->counts();
+  glm::dvec3 mean(0.0);
+  for (const glm::vec3& color : image.color_srgb) mean += glm::dvec3(color);
+  mean /= double(image.color_srgb.size());
+  fmt::print("mean colour {:.6f} {:.6f} {:.6f}, {} rays, {} lost, {} hit, {} steps\n", mean.r,
+             mean.g, mean.b, counts.rays, counts.lost_rays, counts.hit_rays, counts.steps);
+  const std::vector<glm::vec4> gradient(image.color_srgb.size(),
+                                        glm::vec4(1.0f, -1.0f, 0.5f, 0.1f));
+  const GradientParts parts =
+      options.positions ? GradientParts::kColorDensityPosition : GradientParts::kColorDensity;
+  Time("Backpropagate", options.repetitions, [&] {
+    const FieldGradient result = renderer->Backpropagate(view, gradient, parts);
+    double sum = 0;
+    for (float g : result.density) sum += double(g);
+    fmt::print("sum of density gradients {:.6g}\n", sum);
+  });
+}
+
+}  // namespace
+}  // namespace tetrec
+
+int main(int argc, char** argv) {
+  tetrec::SizeOptions options;
+  CLI::App app("One picture and its gradients on a mesh of any size: seconds and memory");
+  app.add_option("--tets", options.tets, "about so many")->capture_default_str();
+  app.add_option("--width", options.width)->capture_default_str();
+  app.add_option("--height", options.height)->capture_default_str();
+  app.add_option("--removed", options.removed, "share of the tets that is taken out again")
+      ->check(CLI::Range(0.0, 0.99));
+  app.add_option("--repetitions", options.repetitions, "of which the least time counts");
+  app.add_flag("--ball", options.ball, "a ball in place of a cube");
+  app.add_flag("--positions", options.positions, "gradients by positions too");
+  app.add_option("--renderer", options.words.renderer)->capture_default_str();
+  app.add_option("--order", options.words.order)->capture_default_str();
+  app.add_option("--fragment-memory", options.words.fragment_memory_mib, "[MiB]")
+      ->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  try {
+    tetrec::Run(options);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "bench_size: {}\n", error.what());
+    return 1;
+  }
+}
