@@ -20,6 +20,8 @@ class ProjectionIntegrator final : public Integrator {
   ProjectionIntegrator(const Device& device, VisibilityOrder order, const IntegralOptions& integral,
                        uint64_t fragment_memory);
   uint64_t BytesFor(const TetMesh& mesh) const override;
+  // Throws DataError where the order is to be exact and the boundary is not convex: both exact
+  // orders follow from how tets meet at faces, and nothing meets across a gap.
   void SetField(const DeviceField& field) override;
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;

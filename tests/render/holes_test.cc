@@ -1,4 +1,5 @@
 // Meshes with holes, cavities and several parts: what is left of a Delaunay mesh after pruning.
+#include "expect_error.h"
 #include "reference_loss.h"
 #include "scenes.h"
 
@@ -145,6 +146,18 @@ TEST_P(HolesTest, PicturesAreThoseOfTheReference) {
       }
       EXPECT_EQ(renderer.counts().lost_rays, 0u) << named.name;
     }
+  }
+}
+
+TEST_F(RendererTest, ProjectionInExactOrderRefusesMeshesWithHolesAndNamesTheOthers) {
+  RendererOptions options{.kind = RendererKind::kProjection};
+  TrainingRenderer& exact = MakeRenderer(options);
+  options.order = VisibilityOrder::kCentroid;
+  TrainingRenderer& centroid = MakeRenderer(options);
+  for (const NamedField& named : Fields(10.0f)) {
+    ExpectError<DataError>([&] { exact.SetField(named.field); },
+                           {"not convex", "march", "ppll", "--order centroid"});
+    EXPECT_NO_THROW(centroid.SetField(named.field)) << named.name;
   }
 }
 
