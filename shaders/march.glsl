@@ -266,19 +266,20 @@ void BeginMarch(inout Ray ray, Entry entry, bool go, inout MarchState state, ino
   }
 }
 
-// The entry that a ray has taken when it begins.
-Crossing FirstCrossing(Ray ray, Entry entry, MarchState state) {
-  return ray.start_tet != kNoTet
-             ? Crossing(-CameraRounding(ray), 0u)
-             : Crossing(HitDistance(state.e, state.a.p, state.b.p, state.c.p), entry.x);
+// The entries of a ray that begins by `entry`.
+Entries EntriesFrom(Ray ray, Entry entry, MarchState state) {
+  return EntriesBehind(
+      ray.start_tet != kNoTet
+          ? Crossing(-CameraRounding(ray), 0u)
+          : Crossing(HitDistance(state.e, state.a.p, state.b.p, state.c.p), entry.x));
 }
 
-// Lets a ray that has left the mesh come in again; `last` becomes kMiss where it never does.
-void EnterAgain(Ray ray, inout Crossing last, inout bool is_whole, inout MarchState state,
-                inout Begin begin) {
-  last = NextEntry(ray, last, is_whole);
-  TETREC_RARELY(last.face != kMiss) {
-    state = EnterThroughFace(ray, last.face);
+// Lets a ray that has left the mesh come in again; false where it never does.
+bool EnterAgain(Ray ray, inout Entries entries, inout MarchState state, inout Begin begin) {
+  uint face = TakeEntry(ray, entries);
+  TETREC_RARELY(face != kMiss) {
+    state = EnterThroughFace(ray, face);
     begin = BeginOnTriangle(state);
   }
+  return face != kMiss;
 }

@@ -127,9 +127,8 @@ void main() {
   state.tet = kNoTet;
   BeginMarch(ray, entry, go, state, begin);
   bool hit = go;
-  Crossing last = Crossing(0.0, kMiss);
-  if (kAnyBoundary != 0 && hit) last = FirstCrossing(ray, entry, state);
-  bool is_whole = true;
+  Entries entries;
+  if (kAnyBoundary != 0) entries = EntriesFrom(ray, entry, state);
 
   Walk walk;
   walk.depth = 0.0;
@@ -191,16 +190,15 @@ void main() {
       go = go && walk.depth < push.stop_depth;
     }
     if (kAnyBoundary != 0) {
-      TETREC_RARELY(last.face != kMiss && state.tet == kNoTet && walk.depth < push.stop_depth &&
+      TETREC_RARELY(hit && MayEnter(entries) && state.tet == kNoTet && walk.depth < push.stop_depth &&
                     steps < push.max_steps) {
         FlushTriangle(walk, state, segment);
-        EnterAgain(ray, last, is_whole, state, begin);
-        if (last.face != kMiss) {
+        go = EnterAgain(ray, entries, state, begin);
+        if (go) {
           segment.w_exit = begin.w;
           segment.k1 = begin.payload;
           z0 = max(z0, begin.z);
           segment.density1 = begin.density;
-          go = true;
         }
       }
     }

@@ -8,13 +8,28 @@
 //
 // The including kernel declares `hull`, `push`, PlaceInRayFrame.
 
-// An entering face, in the order in which a ray takes them.
+// An entering face; a ray takes them in the order of z, of equal ones in that of the numbers.
 struct Crossing {
   float z;
   uint face;  // or kMiss
 };
 
-bool IsBefore(Crossing a, Crossing b) { return a.z < b.z || (a.z == b.z && a.face < b.face); }
+const float kNoDistance = 3.0e38;
+
+// What a ray knows of its entries: those found ahead, in order (kMiss: none), and the last one taken.
+struct Entries {
+  vec4 z;
+  uvec4 face;
+  Crossing last;
+  bool more;      // there may be others behind those found
+  bool is_whole;  // no search was cut short
+};
+
+Entries EntriesBehind(Crossing last) {
+  return Entries(vec4(kNoDistance), uvec4(kMiss), last, true, true);
+}
+
+bool MayEnter(Entries entries) { return entries.more || entries.face.x != kMiss; }
 
 // Whether the ray has the way from a to b on its left. Of equal products the coordinates decide, as
 // if the ray were moved by (t, t^2), t -> 0: a shared edge belongs to one of its faces.
@@ -37,9 +52,23 @@ float EdgeFunction(vec3 from, vec3 to) {
   return e;
 }
 
-// `best`, or face `face` where the ray enters by it behind `last` and before `best`.
-Crossing NearerEntry(Ray ray, uint face, Crossing last, Crossing best) {
-  Crossing result = best;
+// Puts a crossing in its place; the last of those found before may fall out.
+void Insert(inout Entries entries, Crossing here) {
+  bvec4 before = bvec4(false);
+  before.x = here.z < entries.z.x || (here.z == entries.z.x && here.face < entries.face.x);
+  before.y = here.z < entries.z.y || (here.z == entries.z.y && here.face < entries.face.y);
+  before.z = here.z < entries.z.z || (here.z == entries.z.z && here.face < entries.face.z);
+  before.w = here.z < entries.z.w || (here.z == entries.z.w && here.face < entries.face.w);
+  vec4 z = mix(entries.z, vec4(here.z), before);
+  uvec4 face = mix(entries.face, uvec4(here.face), before);
+  z.yzw = mix(z.yzw, entries.z.xyz, before.xyz);
+  face.yzw = mix(face.yzw, entries.face.xyz, before.xyz);
+  entries.z = z;
+  entries.face = face;
+}
+
+// Adds face `face` where the ray enters by it behind the last entry taken.
+void Consider(Ray ray, uint face, inout Entries entries) {
   vec4 plane = texelFetch(hull, int(2u * face));
   // Faces that turn their backs beyond all rounding need no look.
   TETREC_RARELY(dot(plane.xyz, ray.direction) < 1e-3) {
@@ -48,45 +77,55 @@ Crossing NearerEntry(Ray ray, uint face, Crossing last, Crossing best) {
     vec3 c = PlaceInRayFrame(ray, ids.z);
     Crossing here = Crossing(0.0, face);
     here.z = HitDistance(vec3(EdgeFunction(b, c), EdgeFunction(c, a), EdgeFunction(a, b)), a, b, c);
-    bool enters = LeftOf(b, c) && LeftOf(c, a) && LeftOf(a, b);
-    if (enters && IsBefore(last, here) && IsBefore(here, best)) result = here;
+    Crossing last = entries.last;
+    bool is_behind = here.z > last.z || (here.z == last.z && here.face > last.face);
+    if (is_behind && LeftOf(b, c) && LeftOf(c, a) && LeftOf(a, b)) Insert(entries, here);
   }
-  return result;
 }
 
-// The face by which the line enters next behind `last`; kMiss where there is none. Walks over the
-// tree of boxes, nearer child first, so that what lies behind the nearest entry so far is cut off.
-// `is_whole` turns false where the walk was cut short.
-Crossing NextEntry(Ray ray, Crossing last, inout bool is_whole) {
+// The next entries behind the last one taken. Walks over the tree of boxes, nearer child first, so
+// that what lies behind the entries found is cut off.
+void FindEntries(Ray ray, inout Entries entries) {
   vec3 d = ray.direction;
   vec3 slope = 1.0 / mix(d, vec3(1e-18), lessThan(abs(d), vec3(1e-18)));
-  Crossing best = Crossing(3.0e38, kMiss);
   uint node = 1u;
   uint trail = 0u;  // a bit a level, the lowest of the node's own: whether its sibling is done
   while (node != 0u) {
-    int row = int(2u * (push.hull_faces + node));
-    vec4 low = texelFetch(hull, row), high = texelFetch(hull, row + 1);
-    vec3 to_low = (low.xyz - ray.origin) * slope, to_high = (high.xyz - ray.origin) * slope;
-    vec3 near = min(to_low, to_high), far = max(to_low, to_high);
-    float begin = max(near.x, max(near.y, near.z)), end = min(far.x, min(far.y, far.z));
-    bool is_met = begin <= end && end >= last.z && begin <= best.z;
-    bool is_leaf = node >= push.tree_leaves;
-    TETREC_RARELY(is_met && is_leaf) {
-      uint first = floatBitsToUint(low.w), second = floatBitsToUint(high.w);
-      best = NearerEntry(ray, first, last, best);
-      TETREC_RARELY(second != first) { best = NearerEntry(ray, second, last, best); }
+    // All rays of a group look for their next leaf before any tries its faces.
+    uvec2 leaf = uvec2(kMiss);
+    while (node != 0u && leaf.x == kMiss) {
+      int row = int(2u * (push.hull_faces + node));
+      vec4 low = texelFetch(hull, row), high = texelFetch(hull, row + 1);
+      vec3 to_low = (low.xyz - ray.origin) * slope, to_high = (high.xyz - ray.origin) * slope;
+      vec3 near = min(to_low, to_high), far = max(to_low, to_high);
+      float begin = max(near.x, max(near.y, near.z)), end = min(far.x, min(far.y, far.z));
+      bool is_met = begin <= end && end >= entries.last.z && begin <= entries.z.w;
+      bool is_leaf = node >= push.tree_leaves;
+      if (is_met && is_leaf) leaf = floatBitsToUint(vec2(low.w, high.w));
+      bool down = is_met && !is_leaf;
+      uint axis = floatBitsToUint(low.w);
+      uint backwards = (axis == 0u ? d.x : axis == 1u ? d.y : d.z) < 0.0 ? 1u : 0u;
+      // Up past all nodes whose sibling is done, then to the sibling; from the root: to none.
+      uint up = uint(findLSB(~trail));
+      uint sibling = (node >> up) ^ 1u;
+      node = down ? 2u * node + backwards : sibling;
+      trail = down ? trail << 1u : (trail >> up) | 1u;
     }
-    bool down = is_met && !is_leaf;
-    uint axis = floatBitsToUint(low.w);
-    uint backwards = (axis == 0u ? d.x : axis == 1u ? d.y : d.z) < 0.0 ? 1u : 0u;
-    // Up past all nodes whose sibling is done, then to the sibling; from the root: to none.
-    uint up = uint(findLSB(~trail));
-    uint sibling = (node >> up) ^ 1u;
-    node = down ? 2u * node + backwards : sibling;
-    trail = down ? trail << 1u : (trail >> up) | 1u;
+    if (leaf.x != kMiss) Consider(ray, leaf.x, entries);
+    if (leaf.x != leaf.y) Consider(ray, leaf.y, entries);
   }
-  is_whole = is_whole && node == 0u;
-  return best;
+  entries.is_whole = entries.is_whole && node == 0u;
+  entries.more = entries.face.w != kMiss;
+}
+
+// Takes the next face by which the line enters; kMiss where there is none.
+uint TakeEntry(Ray ray, inout Entries entries) {
+  TETREC_RARELY(entries.face.x == kMiss && entries.more) { FindEntries(ray, entries); }
+  uint face = entries.face.x;
+  if (face != kMiss) entries.last = Crossing(entries.z.x, face);
+  entries.z = vec4(entries.z.yzw, kNoDistance);
+  entries.face = uvec4(entries.face.yzw, kMiss);
+  return face;
 }
 
 // Farther behind the camera than this lies no face that a camera outside the mesh could enter by.

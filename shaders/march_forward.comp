@@ -18,7 +18,7 @@ void main() {
   Entry entry = kNoEntry;
   float hull_length = 0.0;
   float far = 0.0;
-  bool is_whole = true;  // no search for an entry was cut short
+  Entries entries = EntriesBehind(Crossing(-CameraRounding(ray), 0u));
   MarchState state;
   Begin begin;
   state.tet = kNoTet;
@@ -27,8 +27,7 @@ void main() {
       float frame = FrameBegin(ray);
       Ray at_mesh = ray;
       at_mesh.origin += frame * ray.direction;
-      Crossing first = NextEntry(at_mesh, Crossing(-CameraRounding(ray), 0u), is_whole);
-      entry = Entry(first.face, floatBitsToUint(frame));
+      entry = Entry(TakeEntry(at_mesh, entries), floatBitsToUint(frame));
       go = entry.x != kMiss;
     } else {
       vec2 interval = HullInterval(ray);
@@ -46,8 +45,6 @@ void main() {
   }
   bool hit = go;
   BeginMarch(ray, entry, go, state, begin);
-  Crossing last = Crossing(0.0, kMiss);
-  if (kAnyBoundary != 0 && hit) last = FirstCrossing(ray, entry, state);
 
   vec3 color = vec3(0.0);
   float depth = 0.0;  // optical
@@ -93,15 +90,14 @@ void main() {
       go = go && depth < push.stop_depth;
     }
     if (kAnyBoundary != 0) {
-      TETREC_RARELY(last.face != kMiss && state.tet == kNoTet && depth < push.stop_depth &&
+      TETREC_RARELY(hit && MayEnter(entries) && state.tet == kNoTet && depth < push.stop_depth &&
                     steps < push.max_steps) {
         strays = strays || Least(state.e) < 0.0;
-        EnterAgain(ray, last, is_whole, state, begin);
-        if (last.face != kMiss) {
+        go = EnterAgain(ray, entries, state, begin);
+        if (go) {
           z0 = max(z0, begin.z);
           density0 = begin.density;
           color0 = begin.payload;
-          go = true;
         }
       }
     }
@@ -117,7 +113,7 @@ void main() {
   bool astray = kAnyBoundary != 0 ? strays && !inside
                                   : !inside && abs(z0 - hull_length) >
                                                    1e-3 * (hull_length + z0) + 8e-6 * far;
-  bool lost = !is_whole || (hit && !stopped && (state.tet != kNoTet || astray));
+  bool lost = !entries.is_whole || (hit && !stopped && (state.tet != kNoTet || astray));
   if (lost) atomicAdd(counters[kCounterLostRays], 1u);
 #ifdef TETREC_COUNT_STEPS
   atomicAdd(counters[kCounterSteps], steps);

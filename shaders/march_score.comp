@@ -26,9 +26,9 @@ void main() {
   Begin begin;
   state.tet = kNoTet;
   BeginMarch(ray, entry, go, state, begin);
-  Crossing last = Crossing(0.0, kMiss);
-  if (kAnyBoundary != 0 && go) last = FirstCrossing(ray, entry, state);
-  bool is_whole = true;
+  bool hit = go;
+  Entries entries;
+  if (kAnyBoundary != 0) entries = EntriesFrom(ray, entry, state);
 
   float depth = 0.0;
   uint steps = 0u;
@@ -53,13 +53,12 @@ void main() {
     steps += 1u;
     go = state.tet != kNoTet && depth < push.stop_depth && steps < push.max_steps;
     if (kAnyBoundary != 0) {
-      TETREC_RARELY(last.face != kMiss && state.tet == kNoTet && depth < push.stop_depth &&
+      TETREC_RARELY(hit && MayEnter(entries) && state.tet == kNoTet && depth < push.stop_depth &&
                     steps < push.max_steps) {
-        EnterAgain(ray, last, is_whole, state, begin);
-        if (last.face != kMiss) {
+        go = EnterAgain(ray, entries, state, begin);
+        if (go) {
           z0 = max(z0, begin.z);
           density0 = begin.density;
-          go = true;
         }
       }
     }

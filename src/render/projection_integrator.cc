@@ -164,6 +164,12 @@ uint64_t ProjectionIntegrator::BytesFor(const TetMesh& mesh) const {
 }
 
 void ProjectionIntegrator::SetField(const DeviceField& field) {
+  if (order_ == VisibilityOrder::kExact && !field.not_convex.empty()) {
+    throw DataError(fmt::format(
+        "{}: no exact order of its tets is known across gaps; use --renderer march or ppll, or "
+        "--order centroid, which is approximate",
+        field.not_convex));
+  }
   field_ = &field;
   has_ranks_ = has_warned_ = false;
   const Bounds3 bounds = BoundsOf(field.mesh.positions);
