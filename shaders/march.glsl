@@ -59,23 +59,21 @@ struct Begin {
   float w_apex;
 };
 
-vec3 InRayFrame(Ray ray, vec3 position) {
-  precise vec3 r = position - ray.origin;
-  precise vec3 p = vec3(dot(r, ray.u), dot(r, ray.v), dot(r, ray.direction));
-  // A ray exactly through a vertex passes beside it, always on the same side: it cannot circle there.
+// A ray exactly through a vertex passes beside it, always on the same side: it cannot circle there.
+vec3 BesideTheRay(vec3 p) {
   if (p.x == 0.0 && p.y == 0.0) p.x = 1e-20;
   return p;
 }
 
 vec3 PlaceInRayFrame(Ray ray, uint id) {
-  return InRayFrame(ray, texelFetch(vertices, int(2u * id)).xyz);
+  return BesideTheRay(InRayFrame(ray, texelFetch(vertices, int(2u * id)).xyz));
 }
 
 Corner FetchCorner(Ray ray, uint id) {
   vec4 place = texelFetch(vertices, int(2u * id));
   vec3 color = FetchVertexColor(id);
   Corner corner;
-  corner.p = InRayFrame(ray, place.xyz);
+  corner.p = BesideTheRay(InRayFrame(ray, place.xyz));
   corner.density = place.w;
   corner.payload = MakePayload(color);
   corner.id = id;

@@ -47,11 +47,6 @@ float HitDistance(vec3 e, vec3 a, vec3 b, vec3 c) {
   return sum > 0.0 ? z / sum : min(a.z, min(b.z, c.z));
 }
 
-float EdgeFunction(vec3 from, vec3 to) {
-  precise float e = from.x * to.y - from.y * to.x;
-  return e;
-}
-
 // Puts a crossing in its place; the last of those found before may fall out.
 void Insert(inout Entries entries, Crossing here) {
   bvec4 before = bvec4(false);
