@@ -14,16 +14,18 @@
 namespace tetrec {
 namespace {
 
-void CheckRows(const std::vector<glm::vec4>& rows, size_t vertices, const char* what) {
-  if (rows.size() != vertices) {
-    throw DataError(
-        fmt::format("the mesh has {} vertices but {} for {}", vertices, what, rows.size()));
+// `owner`: vertex or tet.
+void CheckRows(const std::vector<glm::vec4>& rows, size_t owners, const char* owner,
+               const char* what) {
+  if (rows.size() != owners) {
+    throw DataError(fmt::format("{} for {} of {}: one row each is wanted", what, rows.size(),
+                                fmt::format("{} {}", owners, owner)));
   }
-  for (size_t v = 0; v < vertices; ++v) {
+  for (size_t v = 0; v < owners; ++v) {
     const glm::vec4& row = rows[v];
     for (int i = 0; i < 4; ++i) {
       if (!std::isfinite(row[i])) {
-        throw DataError(fmt::format("vertex {} has {} that are not finite: ({}, {}, {}, {})", v,
+        throw DataError(fmt::format("{} {} has {} that are not finite: ({}, {}, {}, {})", owner, v,
                                     what, row[0], row[1], row[2], row[3]));
       }
     }
@@ -46,10 +48,11 @@ uint64_t MemInfoBytes(const std::string& name) {
 void CheckRenderable(const TetMesh& mesh, const VertexState& state) {
   CheckTets(mesh);
   const size_t rows = RowCount(mesh, state.storage);
-  CheckRows(state.parameters, rows, "parameters (r, g, b, log density)");
+  const char* owner = state.storage == FieldStorage::kCell ? "tet" : "vertex";
+  CheckRows(state.parameters, rows, owner, "parameters (r, g, b, log density)");
   if (state.first_moment.empty() && state.second_moment.empty()) return;
-  CheckRows(state.first_moment, rows, "first moments");
-  CheckRows(state.second_moment, rows, "second moments");
+  CheckRows(state.first_moment, rows, owner, "first moments");
+  CheckRows(state.second_moment, rows, owner, "second moments");
 }
 
 uint64_t FieldBytes(const TetMesh& mesh, FieldStorage storage, bool fixed_point) {
@@ -62,9 +65,11 @@ uint64_t FieldBytes(const TetMesh& mesh, FieldStorage storage, bool fixed_point)
          faces * bytes.of_face;
 }
 
+FreeMemory MeasureFreeHostMemory() { return {MemInfoBytes("MemAvailable"), "the host"}; }
+
 FreeMemory MeasureFreeMemory(const Device& device) {
   if (device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU) {
-    return {MemInfoBytes("MemAvailable"), "the host"};
+    return MeasureFreeHostMemory();
   }
   uint64_t largest = 0;
   for (uint32_t i = 0; i < device.memory.memoryHeapCount; ++i) {

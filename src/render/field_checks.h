@@ -20,6 +20,8 @@ struct FreeMemory {
   std::string of;  // "device 'NAME'", "the host"
 };
 
+// What the host can give away without swapping.
+FreeMemory MeasureFreeHostMemory();
 // Of a software device: what the host can give away without swapping; of others: their largest
 // heap.
 FreeMemory MeasureFreeMemory(const Device& device);

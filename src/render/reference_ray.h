@@ -157,12 +157,14 @@ struct RayResult {
   Vec3<Real> color_srgb{Real(0)};  // before the background
   Real optical_depth{0};
   Real length{0};  // inside the mesh [world units]
+  uint64_t tets = 0;
 };
 
 template <class Real>
 RayResult<Real> IntegrateRay(const RadianceField& field, std::span<const RaySegment<Real>> segments,
                              const IntegralOptions& integral) {
   RayResult<Real> result;
+  result.tets = segments.size();
   for (const RaySegment<Real>& segment : segments) {
     const SegmentEnds<Real> ends = EndsOf(field, segment);
     const SegmentWeights<Real> weights =

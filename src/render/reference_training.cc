@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "render/adam_push.h"
 #include "render/dssim.h"
+#include "render/field_checks.h"
 #include "render/ray_batch.h"
 #include "render/reference_batch.h"
 #include "shared/adam.glsl.h"
@@ -12,11 +13,15 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <thread>
 
 namespace tetrec {
 namespace {
+
+// What a field takes: the mesh with its boxes and scores, and parameters, moments and gradients.
+constexpr uint64_t kBytesPerTet = 100, kBytesPerRow = 200;
 
 template <class Real>
 class ReferenceRenderer final : public TrainingRenderer {
@@ -26,13 +31,16 @@ class ReferenceRenderer final : public TrainingRenderer {
 
   // The field's own densities: no way there and back through logarithms.
   void SetField(const RadianceField& field) override {
+    CheckField(field);
     SetVertexState(field.mesh, {ParametersOf(field), {}, {}, field.storage});
     field_ = field;
   }
 
   void SetVertexState(const TetMesh& mesh, const VertexState& state) override {
+    CheckRenderable(mesh, state);
     const size_t rows = RowCount(mesh, state.storage);
-    TETREC_CHECK(state.parameters.size() == rows, "one parameter row a vertex, or a tet");
+    CheckMemory(mesh, kBytesPerTet * mesh.tets.size() + kBytesPerRow * rows,
+                MeasureFreeHostMemory());
     state_ = state;
     state_.first_moment.resize(rows, glm::vec4(0.0f));
     state_.second_moment.resize(rows, glm::vec4(0.0f));
@@ -141,7 +149,12 @@ class ReferenceRenderer final : public TrainingRenderer {
     return {rays.begin(), rays.end()};
   }
 
-  RenderCounts counts() const override { return counts_; }
+  RenderCounts counts() const override {
+    RenderCounts counts = counts_;
+    counts.hit_rays = hit_rays_;
+    counts.steps = steps_;
+    return counts;
+  }
 
   nlohmann::json DescribeDevice() const override {
     return {{"name", std::is_same_v<Real, double> ? "CPU, double precision" : "CPU, float"},
@@ -176,9 +189,14 @@ class ReferenceRenderer final : public TrainingRenderer {
     return RayThrough<Real>(batch.ViewOf(i), glm::dvec2(PixelOfRay(batch.blocks, i)) + in_pixel);
   }
 
-  RayResult<Real> Integrate(const WorldRay<Real>& ray) const {
-    return IntegrateRay<Real>(field_, CutMesh<Real>(field_, boxes_, ray, stop_depth_),
-                              options_.integral);
+  RayResult<Real> Integrate(const WorldRay<Real>& ray) {
+    const auto result = IntegrateRay<Real>(field_, CutMesh<Real>(field_, boxes_, ray, stop_depth_),
+                                           options_.integral);
+    if (options_.count_steps && result.tets > 0) {
+      ++hit_rays_;
+      steps_ += result.tets;
+    }
+    return result;
   }
 
   // Colour before the background and optical depth of every ray; 0 outside the picture.
@@ -332,6 +350,7 @@ class ReferenceRenderer final : public TrainingRenderer {
   }
 
   RendererOptions options_;
+  std::atomic<uint64_t> hit_rays_ = 0, steps_ = 0;  // by many threads
   Real stop_depth_;
   RadianceField field_;  // what the parameters of state_ mean
   TetBoxes boxes_;

@@ -258,7 +258,6 @@ TEST(DrawTiles, AreOfOneShapeInsideTheirPictures) {
   TrainingSet set = TwoViews(64, 32);
   const TrainingSet small = TwoViews(21, 19);
   set.targets[1] = small.targets[1];
-  set.views[1] = small.views[1];
   std::erase_if(set.blocks, [](const RayBlock& block) { return block.view == 1; });
   set.subject_blocks.clear();
   for (uint32_t y = 0; y < 19; y += 2) {

@@ -93,40 +93,6 @@ TEST_F(RendererTest, ListsAndMarchGiveTheSameRaysAndGradients) {
   }
 }
 
-// Every tet that `keeps` does not want is taken out; what is left need not be convex or connected.
-template <class Keeps>
-TetMesh Without(const TetMesh& mesh, const Keeps& keeps) {
-  TetMesh result{mesh.positions, {}, {}};
-  for (const glm::uvec4& tet : mesh.tets) {
-    glm::vec3 center(0.0f);
-    for (int i = 0; i < 4; ++i) center += 0.25f * mesh.positions[tet[i]];
-    if (keeps(center)) result.tets.push_back(tet);
-  }
-  result.neighbors = ComputeNeighbors(result.tets, result.positions.size());
-  return result;
-}
-
-TEST_F(RendererTest, ListsPassHolesAndGapsOfTheMesh) {
-  RadianceField field = RandomField(300, 81, 6.0f);
-  field.mesh = Without(field.mesh, [](const glm::vec3& center) {
-    const bool in_gap = std::abs(center.x - 0.1f) < 0.12f;
-    return !in_gap && glm::distance(center, glm::vec3(-0.2f, 0.4f, 0.6f)) > 0.2f;
-  });
-  TrainingRenderer& lists = MakeRenderer({.kind = RendererKind::kPpll, .stop_transmittance = 0.0f});
-  lists.SetField(field);
-  std::vector<RenderView> views = FourViews(31, 23);
-  views.push_back(LookAt({-0.2, 0.4, 0.6}, {0.3, 0.5, 0.6}, 31, 23));  // in the hole
-  for (const RenderView& view : views) {
-    const RenderedImage image = lists.Render(view, 1);
-    const ReferenceImage truth = RenderReference(field, view, 0.0);
-    for (size_t i = 0; i < truth.color_srgb.size(); ++i) {
-      ASSERT_LT(glm::distance(glm::dvec3(image.color_srgb[i]), truth.color_srgb[i]), kTolerance)
-          << "pixel " << i;
-      ASSERT_NEAR(image.transmittance[i], std::exp(-truth.optical_depth[i]), kTolerance);
-    }
-  }
-}
-
 TEST_F(RendererTest, TilesGiveTheSameBitsAsOnePass) {
   const RadianceField field = RandomField(300, 82, 10.0f);
   TrainingRenderer& whole = MakeRenderer({.kind = RendererKind::kPpll});

@@ -169,6 +169,8 @@ class EveryRendererTest : public RendererTest, public ::testing::WithParamInterf
   }
 };
 
+inline const auto kEveryVulkanRenderer =
+    ::testing::Values(RendererKind::kMarch, RendererKind::kPpll, RendererKind::kProjection);
 inline const auto kEveryRenderer = ::testing::Values(
     RendererKind::kMarch, RendererKind::kPpll, RendererKind::kProjection, RendererKind::kReference);
 
