@@ -43,8 +43,9 @@ TEST_P(EveryRendererTest, PicturesAreThoseOfTheReference) {
 }
 
 // Also where lists are made a part at a time.
+// Pictures of whole blocks: the Vulkan renderers count rays beside the picture too.
 TEST_P(EveryRendererTest, CountsAreThoseOfTheMarch) {
-  for (const Scene& scene : {Scene{0, 2, 45, 33}, Scene{300, 4, 45, 33}}) {
+  for (const Scene& scene : {Scene{0, 2, 44, 34}, Scene{300, 4, 44, 34}}) {
     for (float stop : {0.0f, 1e-3f}) {
       for (uint64_t memory : {20'000ull, 512ull << 20}) {
         const RendererOptions options{
