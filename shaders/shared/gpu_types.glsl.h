@@ -51,7 +51,7 @@ struct MarchPush {
   uint ray_count;
   uint hull_faces;
   uint tree_leaves;  // of the tree of boxes over the faces, where there is one
-  uint max_steps;  // a ray that needs more is counted as lost
+  uint max_steps;    // a ray that needs more is counted as lost
   uint jitter_seed;
   float jitter_px;   // rays are moved inside their pixel by up to half of this
   float stop_depth;  // rays stop at this optical depth (-log of transmittance)
@@ -167,8 +167,8 @@ struct SpreadPush {
 #define kRayStateBytes 64
 #define kRayStateBytesWithPositions 128
 
-// Of march kernels, beside those of the integral (integral.glsl.h): not 0 where the boundary may have
-// any shape.
+// Of march kernels, beside those of the integral (integral.glsl.h): not 0 where the boundary may
+// have any shape.
 #define kConstantAnyBoundary 2
 
 // Counters of the march kernels.
@@ -181,8 +181,8 @@ struct SpreadPush {
 // Bindings.
 #define kBindTets 0      // texels uvec4: vertex ids, neighbours
 #define kBindVertices 1  // texels vec4: position | density, colour | 0 a vertex (storage.glsl)
-// texels: per boundary face plane (n, w) and ids (a, b, c, tet) as bits; where the boundary has a tree
-// of boxes per node (min, first) and (max, second), node 0 none (mesh/boundary.h)
+// texels: per boundary face plane (n, w) and ids (a, b, c, tet) as bits; where the boundary has a
+// tree of boxes per node (min, first) and (max, second), node 0 none (mesh/boundary.h)
 #define kBindHull 2
 #define kBindViews 3
 #define kBindBlocks 4
