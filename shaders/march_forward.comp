@@ -103,6 +103,7 @@ void main() {
     }
   }
 
+  strays = strays || (hit && state.tet == kNoTet && Least(state.e) < 0.0);  // at the last exit
   if (exists) {
     ray_colors[index] = vec4(color, depth);
     ray_entries[index] = entry;

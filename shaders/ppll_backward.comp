@@ -81,6 +81,7 @@ void main() {
       behind += t * (adjoint.w0 * hit0.payload + adjoint.w1 * hit1.payload);
     }
     DepositAt(held, hit1, at_hit1);
+    TETREC_RARELY(hit0.behind == kNoTet || hit1.before == kNoTet) { LetGo(held); }  // across a gap
     at_hit1 = at_hit0;
     hit1 = hit0;
     go = n > 0u;

@@ -93,6 +93,9 @@ void Pass(inout Walk walk, TetCut cut, uint tet) {
   }
   DepositMove(walk.held, cut.w0, MoveOf(slopes0, ends.entry));
   DepositMove(walk.held, cut.w1, MoveOf(SlopesOnTetFace(cut, cut.face1, payload), ends.exit));
+  // A passage ends where the mesh does.
+  bvec4 is_open = equal(texelFetch(tets, int(2u * tet + 1u)), uvec4(kNoTet));
+  TETREC_RARELY(any(bvec4(uvec4(is_open) & uvec4(cut.face1)))) { LetGo(walk.held); }
 #endif
   walk.depth += 0.5 * (s0 + s1);
 }

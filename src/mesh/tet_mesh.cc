@@ -80,6 +80,7 @@ void CheckLinks(const TetMesh& mesh) {
     for (int i = 0; i < 4; ++i) {
       const uint32_t neighbor = mesh.neighbors[t][i];
       if (neighbor == kNoTet) continue;
+      if (neighbor == t) throw DataError(fmt::format("tet {} links to itself over face {}", t, i));
       int back = 0;
       while (back < 4 && mesh.neighbors[neighbor][back] != t) ++back;
       if (back == 4) {
@@ -234,7 +235,10 @@ void CheckTetMesh(const TetMesh& mesh) {
 
 void CheckConvexDomain(const TetMesh& mesh) {
   const std::string why = WhyNotConvex(mesh, BoundaryFaces(mesh));
-  if (!why.empty()) throw DataError(why);
+  if (!why.empty()) {
+    throw DataError(fmt::format(
+        "{}: only tetrec-render takes such a mesh; make another with tetrec-tetrahedralize", why));
+  }
 }
 
 TetMeshQuality MeasureQuality(const TetMesh& mesh) {

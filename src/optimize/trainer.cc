@@ -345,7 +345,7 @@ class Trainer {
     stage_.Count("vertices", mesh_.positions.size());
     stage_.Count("rounds", state_.rounds);
     stage_.Count("rays", counts.rays);
-    stage_.Count("lost_rays", counts.lost_rays);
+    if (ChecksRays(options_.renderer)) stage_.Count("lost_rays", counts.lost_rays);
     if (options_.renderer.deterministic) stage_.Count("clamped_addends", counts.clamped_addends);
     stage_.Seconds("optimize", state_.seconds);
     if (!watched_.empty()) stage_.Count("watched_psnr", psnr);

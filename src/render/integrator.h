@@ -53,6 +53,8 @@ class Integrator {
   virtual ~Integrator() = default;
   // What SetField and the passes over pictures will take for a mesh, at most.
   virtual uint64_t BytesFor(const TetMesh&) const { return 0; }
+  // Throws DataError where the integrator cannot render the mesh.
+  virtual void CheckMesh(const TetMesh&) const {}
   // A new mesh is on the device, which is idle. The field stays where it is until the next call.
   virtual void SetField(const DeviceField&) {}
   // Records what fills rays.colors. May submit what was recorded so far, wait, and begin again.

@@ -113,9 +113,7 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
 }
 
 // A tet has 4 faces at most of its own, 4 bytes each.
-uint64_t PpllIntegrator::BytesFor(const TetMesh& mesh) const {
-  return mesh.tets.size() * 16 + fragment_capacity_ * kFragmentBytes;
-}
+uint64_t PpllIntegrator::BytesFor(const TetMesh& mesh) const { return mesh.tets.size() * 16; }
 
 void PpllIntegrator::SetField(const DeviceField& field) {
   TETREC_CHECK(field.tet_count < 1u << 28, "6 vertices for each of 2 faces a tet, in 32 bits");

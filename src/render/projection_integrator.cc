@@ -5,6 +5,7 @@
 #include "core/log.h"
 #include "embedded_shaders.h"
 #include "geometry/bounds3.h"
+#include "mesh/boundary.h"
 
 #include <fmt/format.h>
 
@@ -160,16 +161,20 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, const RendererO
 // and on the host (32 + 4 faces of 12).
 uint64_t ProjectionIntegrator::BytesFor(const TetMesh& mesh) const {
   const uint64_t spheres = order_ == VisibilityOrder::kExact ? 112 : 0;
-  return mesh.tets.size() * (8 + 4 * 4 + 16 + 8 + spheres) + fragment_memory_;
+  return mesh.tets.size() * (8 + 4 * 4 + 16 + 8 + spheres);
+}
+
+void ProjectionIntegrator::CheckMesh(const TetMesh& mesh) const {
+  if (order_ != VisibilityOrder::kExact) return;
+  const std::string why = WhyNotConvex(mesh, BoundaryFaces(mesh));
+  if (why.empty()) return;
+  throw DataError(
+      fmt::format("{}: no exact order of its tets is known across gaps; use --renderer march or "
+                  "ppll, or --order centroid, which is approximate",
+                  why));
 }
 
 void ProjectionIntegrator::SetField(const DeviceField& field) {
-  if (order_ == VisibilityOrder::kExact && !field.not_convex.empty()) {
-    throw DataError(fmt::format(
-        "{}: no exact order of its tets is known across gaps; use --renderer march or ppll, or "
-        "--order centroid, which is approximate",
-        field.not_convex));
-  }
   field_ = &field;
   has_ranks_ = has_warned_ = false;
   const Bounds3 bounds = BoundsOf(field.mesh.positions);

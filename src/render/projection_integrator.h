@@ -19,6 +19,7 @@ class ProjectionIntegrator final : public Integrator {
   // tiles: where they do not fit, the sorted tets are composited a stretch at a time.
   ProjectionIntegrator(const Device& device, const RendererOptions& options, FieldStorage storage);
   uint64_t BytesFor(const TetMesh& mesh) const override;
+  void CheckMesh(const TetMesh& mesh) const override;
   // Throws DataError where the order is to be exact and the boundary is not convex: both exact
   // orders follow from how tets meet at faces, and nothing meets across a gap.
   void SetField(const DeviceField& field) override;

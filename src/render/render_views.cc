@@ -43,6 +43,12 @@ Image MaskOf(const Image& rgba) {
   return mask;
 }
 
+// Pictures tell of lost rays, whatever renders them.
+RendererOptions CheckingRays(RendererOptions options) {
+  options.count_steps |= !ChecksRays(options);
+  return options;
+}
+
 }  // namespace
 
 void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
@@ -58,7 +64,7 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
     throw DataError(fmt::format("{}: the scene has no {} views; use --views all",
                                 scene_folder.string(), options.views));
   }
-  const std::unique_ptr<TrainingRenderer> renderer = CreateRenderer(options.renderer);
+  const std::unique_ptr<TrainingRenderer> renderer = CreateRenderer(CheckingRays(options.renderer));
   stage.Device(renderer->DescribeDevice());
   renderer->SetField(field);
   for (const char* folder : {"renders", "gt"}) fs::create_directories(stage.Output(folder));

@@ -218,6 +218,13 @@ struct RendererOptions {
   FragmentSort fragment_sort = FragmentSort::kAuto;
 };
 
+// Whether RenderCounts::lost_rays is known: lists and projected tets are checked where steps are
+// counted.
+inline bool ChecksRays(const RendererOptions& options) {
+  return options.kind == RendererKind::kMarch || options.kind == RendererKind::kReference ||
+         options.count_steps;
+}
+
 // Throws EnvironmentError where there is no such device.
 std::unique_ptr<TrainingRenderer> CreateRenderer(const RendererOptions& options);
 

@@ -88,6 +88,15 @@ DeviceOptions DeviceOptionsOf(const RendererOptions& options) {
   return device;
 }
 
+// Tets on one ray that the device's kernels can walk: a step's own loops and those of rare
+// branches, the parts of a split segment, and what sums take, in fixed point or by compare and
+// swap.
+uint32_t LongestWalk(const Device& device, const RendererOptions& options) {
+  const bool is_split = options.integral.kind == IntegralKind::kSplit;
+  const uint32_t sums = options.deterministic ? 8 : device.has_float_atomics ? 0 : 72;
+  return MostLoopRounds(device) / (6 + (is_split ? uint32_t(options.integral.splits) : 0) + sums);
+}
+
 // Null for the march.
 std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
                                                 const RendererOptions& options,
@@ -130,9 +139,13 @@ class VulkanRenderer final : public TrainingRenderer {
 
   void SetVertexState(const TetMesh& mesh, const VertexState& state) override {
     CheckRenderable(mesh, state);
+    integrator_->CheckMesh(mesh);
     WaitAll();
+    FreeMemory free = MeasureFreeMemory(*device_);
+    if (field_.tet_count > 0)
+      free.bytes += FieldBytes(field_.mesh, storage_, options_.deterministic);
+    CheckMemory(mesh, BytesFor(mesh, state.storage), free);
     field_ = {};  // frees the old mesh before the new one takes memory
-    CheckMemory(mesh, BytesFor(mesh, state.storage), MeasureFreeMemory(*device_));
     UseStorage(state.storage);
     field_ = UploadField(*device_, mesh, state, options_.deterministic);
     render_recorder_.Begin();
@@ -246,7 +259,7 @@ class VulkanRenderer final : public TrainingRenderer {
           gradients[r] = pixel_gradient[size_t(at.y) * width + at.x];
         }
       }
-      rays_[0].gradients.Upload(gradients);
+      picture_rays_.gradients.Upload(gradients);
       render_recorder_.Begin();
       RayPass pass = RenderPass(blocks, fixed);
       pass.parts = parts;
@@ -410,7 +423,7 @@ class VulkanRenderer final : public TrainingRenderer {
 
   // Forward march of blocks of the render view: colour and optical depth a ray.
   std::vector<glm::vec4> MarchBatch(std::span<const RayBlock> blocks) {
-    RayBatch& rays = rays_[0];
+    RayBatch& rays = picture_rays_;
     PutBlocks(rays, blocks);
     RayPass pass = RenderPass(blocks, {});
     pass.count_steps = options_.count_steps;
@@ -430,7 +443,7 @@ class VulkanRenderer final : public TrainingRenderer {
   }
 
   RayPass RenderPass(std::span<const RayBlock> blocks, const FixedPoint& fixed) {
-    return PassOver(rays_[0], render_view_, blocks, gpu_render_view_, {}, fixed);
+    return PassOver(picture_rays_, render_view_, blocks, gpu_render_view_, {}, fixed);
   }
 
   RayPass PassOver(RayBatch& rays, const Buffer& views, std::span<const RayBlock> blocks,
@@ -445,7 +458,7 @@ class VulkanRenderer final : public TrainingRenderer {
                       .ray_count = rays.count,
                       .hull_faces = field_.hull_faces,
                       .tree_leaves = field_.tree_leaves,
-                      .max_steps = options_.max_steps,
+                      .max_steps = std::min(options_.max_steps, LongestWalk(*device_, options_)),
                       .jitter_seed = step.seed,
                       .jitter_px = step.jitter_px,
                       .stop_depth = -std::log(options_.stop_transmittance),
@@ -511,7 +524,8 @@ class VulkanRenderer final : public TrainingRenderer {
   std::vector<GpuView> gpu_views_;  // as in training_views_
   GpuView gpu_render_view_;         // as in render_view_
   std::vector<uint32_t> first_pixels_;
-  std::array<RayBatch, 2> rays_;
+  std::array<RayBatch, 2> rays_;  // of steps
+  RayBatch picture_rays_;         // their own: the losses of steps are read late
   std::array<uint32_t, 2> in_flight_rays_{};
   std::unique_ptr<DssimLoss> dssim_;  // once a step asks for it
   std::array<DssimBatch, 2> dssim_batches_;

@@ -200,11 +200,9 @@ TEST_P(HolesTest, GradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
           SCOPED_TRACE(::testing::Message() << named.name << ", view " << number++ << ", stop "
                                             << stop << ", atomics " << float_atomics);
           const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, 84);
-          const GradientParts parts = GetParam() == RendererKind::kMarch
-                                          ? GradientParts::kColorDensityPosition
-                                          : GradientParts::kColorDensity;
           const FieldGradient gradient =
-              renderer.Backpropagate(view, std::vector<glm::vec4>(g.begin(), g.end()), parts);
+              renderer.Backpropagate(view, std::vector<glm::vec4>(g.begin(), g.end()),
+                                     GradientParts::kColorDensityPosition);
           ExpectSameGradient(gradient, BackpropagateReference(named.field, view, g, stop));
         }
       }
