@@ -50,6 +50,7 @@ int main(int argc, char** argv) {
   app.option_defaults()->always_capture_default();
   std::filesystem::path field, out;
   tetrec::BenchOptions options;
+  std::string storage;
   uint64_t fragment_memory_mib = options.renderer.fragment_memory >> 20;
   app.add_option("FIELD", field,
                  "Folder of tetrec-optimize; without: a soft ball in a cube, seen from outside");
@@ -67,6 +68,11 @@ int main(int argc, char** argv) {
   list("--tets", options.tets,
        "sizes of the meshes: the field's vertices thinned out, or middles of edges added; default: "
        "the field's own mesh, without a field 10000,100000,1000000");
+  app.add_option(
+         "--storage", storage,
+         "where density and colour live: vertex or cell; default: where the field has them, "
+         "without a field vertex")
+      ->check(CLI::IsMember({"vertex", "cell"}));
   list("--size", options.sizes, "sides of the square pictures [px]");
   app.add_option("--repeat", options.repeat, "turns of each variant, after one to warm up");
   app.add_option("--error-size", options.error_size,
@@ -81,9 +87,15 @@ int main(int argc, char** argv) {
   app.add_option("--seed", options.seed, "of the choice of vertices and of gradients");
   app.add_option("--fragment-memory", fragment_memory_mib, "of ppll and projection [MiB]")
       ->check(CLI::Range(uint64_t(1), uint64_t(1) << 24));
+  app.add_flag("--deterministic", options.renderer.deterministic,
+               "gradients are summed in fixed point, the same bytes for any number of threads");
   app.add_option("--device", options.renderer.device.device,
                  "Vulkan device: auto, cpu, gpu or a number");
   return tetrec::RunPlainCommand(app, argc, argv, [&] {
+    if (!storage.empty()) {
+      options.storage =
+          storage == "cell" ? tetrec::FieldStorage::kCell : tetrec::FieldStorage::kVertex;
+    }
     options.renderer.fragment_memory = fragment_memory_mib << 20;
     Bench(options, field, out);
   });

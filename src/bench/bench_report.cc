@@ -3,6 +3,7 @@
 
 #include "bench/stopwatch.h"
 #include "core/file.h"
+#include "core/log.h"
 #include "core/progress.h"
 #include "eval/plot.h"
 
@@ -43,6 +44,10 @@ std::string Named(const BenchVariant& variant, bool with_integral) {
   return name;
 }
 
+std::string StorageWord(const BenchRow& row) {
+  return row.storage == FieldStorage::kCell ? "cell" : "vertex";
+}
+
 // Of a case: names and values of the CSV's columns.
 using Columns = std::vector<std::pair<std::string, std::string>>;
 
@@ -66,6 +71,8 @@ Columns CsvColumns(const BenchRow& row) {
       {"integral", row.variant.integral},
       {"tets", fmt::format("{}", row.tets)},
       {"vertices", fmt::format("{}", row.vertices)},
+      {"storage", StorageWord(row)},
+      {"deterministic", row.variant.options.deterministic ? "1" : "0"},
       {"px", fmt::format("{}", row.size)},
       {"repetitions", fmt::format("{}", row.forward.wall.size())},
       {"skipped_at_most_s", row.skipped_seconds ? number(*row.skipped_seconds) : std::string()}};
@@ -80,7 +87,7 @@ Columns CsvColumns(const BenchRow& row) {
                   {"forward_Msteps_per_s", if_measured(Rate(steps, row.forward.wall))},
                   {"backward_Msteps_per_s", if_measured(Rate(steps, backward.wall))},
                   {"backward_positions_Msteps_per_s", if_measured(Rate(steps, positions.wall))},
-                  {"steps_per_ray", number(row.steps_per_ray)},
+                  {"steps_per_ray", if_measured(row.steps_per_ray)},
                   {"device_bytes", measured ? fmt::format("{}", row.device_bytes) : std::string()},
                   {"picture_error_largest", number(row.errors.largest)},
                   {"picture_error_rms", number(row.errors.rms)},
@@ -129,7 +136,7 @@ std::vector<std::string> TableCells(const BenchRow& row) {
           rate(steps, row.forward),
           rate(steps, backward),
           rate(steps, positions),
-          fmt::format("{:.1f}", row.steps_per_ray),
+          row.steps_per_ray > 0 ? fmt::format("{:.1f}", row.steps_per_ray) : "-",
           row.device_bytes > 0 && !row.forward.wall.empty()
               ? fmt::format("{:.3g}", double(row.device_bytes) / (1 << 20))
               : "-",
@@ -143,17 +150,20 @@ std::vector<std::string> TableCells(const BenchRow& row) {
 
 std::string Caption(const BenchResult& result) {
   return fmt::format(
-      "{}; {}. Times are medians of the repetitions, wall / CPU (all threads) in ms a picture; "
+      "{}, attributes a {}; {}; gradients summed in {}. Times are medians of the repetitions, wall "
+      "/ CPU (all threads) in ms a picture; "
       "variants take turns on the same views. Backward: what a pass with gradients takes longer "
-      "than forward alone. Rates by wall time; a step is one tet on one ray, counted by the march "
+      "than forward alone. Rates by wall time; a step is one tet on one ray, counted by {} "
       "with the early stop at transmittance {:g}. MiB: the most that buffers took so far. Errors: "
       "against the reference in double with the exact integral, no early stop, pictures of "
       "{} x {} px over black and white, full scale 1; gradients of colour, density, position by "
       "random pixel gradients, relative in the norm. A case that took {:g} s is not repeated; one "
       "that may take more than {:g} s a turn, by what smaller ones took, is left out.\n",
-      result.scene, result.device, result.options.renderer.stop_transmittance,
-      result.options.error_size, result.options.error_size, result.options.case_seconds,
-      result.options.longest_turn);
+      result.scene, StorageWord(result.rows[0]), result.device,
+      result.options.renderer.deterministic ? "64-bit fixed point" : "floats",
+      UsesVulkan(result.options) ? "the march" : "the reference",
+      result.options.renderer.stop_transmittance, result.options.error_size,
+      result.options.error_size, result.options.case_seconds, result.options.longest_turn);
 }
 
 // The largest picture that every variant was measured at on the mesh; 0 where there is none.
@@ -210,6 +220,13 @@ Plot AccuracyPlot(const BenchResult& result) {
     plot.series.insert(plot.series.begin(), splits);
   }
   return plot;
+}
+
+// The reference has none, and a logarithmic axis no place for 0.
+bool HasErrors(const Plot& plot) {
+  return std::any_of(plot.series.begin(), plot.series.end(), [](const PlotSeries& series) {
+    return std::any_of(series.y.begin(), series.y.end(), [](double error) { return error > 0; });
+  });
 }
 
 // Milliseconds against tets at the largest picture that all were measured at on the smallest mesh:
@@ -276,8 +293,16 @@ void WriteBench(const BenchResult& result, const fs::path& out) {
   WriteText(out / "bench.csv", Csv(result));
   WriteText(out / "table.md", BenchTable(result));
   const fs::path scratch = out / ".gnuplot";
+  const Plot accuracy = AccuracyPlot(result);
+  const bool any_error = HasErrors(accuracy);
+  if (!any_error) LogInfo("no chart of accuracy: nothing that it shows has an error");
   for (const char* kind : {".svg", ".png"}) {
-    DrawPlot(AccuracyPlot(result), out / (std::string("accuracy") + kind), scratch);
+    const fs::path accuracy_file = out / (std::string("accuracy") + kind);
+    if (any_error) {
+      DrawPlot(accuracy, accuracy_file, scratch);
+    } else {
+      fs::remove(accuracy_file);  // an older run's
+    }
     DrawPlot(ScalingPlot(result), out / (std::string("scaling") + kind), scratch);
   }
   fs::remove_all(scratch);

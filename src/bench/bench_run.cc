@@ -5,6 +5,8 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "field/change_storage.h"
+#include "render/ray_blocks.h"
 #include "render/renderer_words.h"
 
 #include <fmt/format.h>
@@ -13,6 +15,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <random>
 
 namespace tetrec {
@@ -21,16 +24,6 @@ namespace {
 constexpr int kViews = 4, kErrorViews = 2;
 
 using RendererPointer = std::unique_ptr<TrainingRenderer>;
-
-std::vector<RayBlock> BlocksOf(const RenderView& view) {
-  std::vector<RayBlock> blocks;
-  for (int y = 0; y < view.camera.height; y += kRayBlockHeight) {
-    for (int x = 0; x < view.camera.width; x += kRayBlockWidth) {
-      blocks.push_back({0, uint32_t(x), uint32_t(y)});
-    }
-  }
-  return blocks;
-}
 
 std::vector<glm::vec4> RandomGradient(const RenderView& view, uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -117,14 +110,14 @@ RendererPointer MakeForErrors(const RadianceField& field, RendererOptions option
 
 // Tets that the rays of each view pass.
 std::vector<double> StepsOf(const RadianceField& field, const std::vector<RenderView>& views,
-                            RendererOptions options) {
-  options.kind = RendererKind::kMarch;
+                            RendererKind counter, RendererOptions options) {
+  options.kind = counter;
   options.count_steps = true;
   const RendererPointer renderer = MakeWith(field, options);
   std::vector<double> steps;
   uint64_t before = 0;
   for (const RenderView& view : views) {
-    renderer->MarchBlocks(view, BlocksOf(view));
+    renderer->MarchBlocks(view, CoveringBlocks(view.camera.width, view.camera.height));
     steps.push_back(double(renderer->counts().steps - before));
     before = renderer->counts().steps;
   }
@@ -154,7 +147,7 @@ struct Case {
   // time for no other.
   void TakeTurn(TrainingRenderer& renderer, const RenderView& view,
                 std::span<const glm::vec4> gradient, const BenchOptions& options) {
-    const auto blocks = BlocksOf(view);
+    const auto blocks = CoveringBlocks(view.camera.width, view.camera.height);
     BenchRow turn;
     const Seconds all = Measure([&] {
       Add(turn.forward, Measure([&] { renderer.MarchBlocks(view, blocks); }));
@@ -235,7 +228,6 @@ class Bench {
              const std::vector<RendererPointer>& renderers) {
     const Timer timer;
     const std::vector<RenderView> views = views_(size);
-    const std::vector<double> steps = StepsOf(field, views, options_.renderer);
     const std::vector<glm::vec4> gradient = RandomGradient(views[0], options_.seed);
     std::vector<Case> cases(variants_.size());
     for (size_t i = 0; i < cases.size(); ++i) {
@@ -243,13 +235,14 @@ class Bench {
       row.variant = variants_[i];
       row.tets = field.mesh.tets.size();
       row.vertices = field.mesh.positions.size();
+      row.storage = field.storage;
       row.size = size;
       row.rays = double(size) * size;
       row.errors = errors[i];
-      for (double count : steps) row.steps_per_ray += count / row.rays / double(steps.size());
       const double most = MostSeconds(done_, row);
       if (most > options_.longest_turn) row.skipped_seconds = most;
     }
+    CountSteps(field, views, cases);
     bool again = true;
     for (size_t turn = 0; again; ++turn) {
       again = false;
@@ -264,6 +257,22 @@ class Bench {
       done_.push_back(cases[i]);
     }
     LogInfo("{} x {} px: {:.1f} s", size, size, timer.seconds());
+  }
+
+  // By the march, the fastest, where there is a Vulkan device in play; the slow reference counts
+  // only for what is measured.
+  void CountSteps(const RadianceField& field, const std::vector<RenderView>& views,
+                  std::vector<Case>& cases) const {
+    const bool by_march = UsesVulkan(options_);
+    const bool all_skipped = std::all_of(cases.begin(), cases.end(), [](const Case& one) {
+      return one.row.skipped_seconds.has_value();
+    });
+    if (!by_march && all_skipped) return;
+    const std::vector<double> steps =
+        StepsOf(field, views, by_march ? RendererKind::kMarch : RendererKind::kReference,
+                options_.renderer);
+    const double mean = std::accumulate(steps.begin(), steps.end(), 0.0) / double(steps.size());
+    for (Case& one : cases) one.row.steps_per_ray = mean / one.row.rays;
   }
 
   const BenchOptions& options_;
@@ -292,7 +301,16 @@ void BenchOptions::Check() const {
   VariantsOf(*this);
 }
 
+bool UsesVulkan(const BenchOptions& options) {
+  return std::any_of(options.renderers.begin(), options.renderers.end(),
+                     [](const std::string& renderer) { return renderer != "reference"; });
+}
+
 std::vector<BenchVariant> VariantsOf(const BenchOptions& options) {
+  const auto has_lists = [](const std::string& renderer) {
+    return renderer == "ppll" || renderer == "projection";
+  };
+  const bool any_lists = std::any_of(options.renderers.begin(), options.renderers.end(), has_lists);
   std::vector<BenchVariant> variants;
   for (const std::string& renderer : options.renderers) {
     const bool all = options.all_pairs || renderer == options.renderers.front();
@@ -304,8 +322,13 @@ std::vector<BenchVariant> VariantsOf(const BenchOptions& options) {
         words.renderer = renderer;
         words.integral = integral;
         if (sorts_tets) words.order = order;
-        words.fragment_memory_mib = options.renderer.fragment_memory >> 20;
         BenchVariant variant{renderer, order, integral, options.renderer};
+        // An option that this renderer does not know is for the others; Apply refuses it where
+        // none of them does.
+        if (has_lists(renderer) || !any_lists) {
+          words.fragment_memory_mib = options.renderer.fragment_memory >> 20;
+        }
+        if (renderer == "reference" && UsesVulkan(options)) variant.options.device = {};
         words.Apply(variant.options);
         variants.push_back(std::move(variant));
       }
@@ -328,9 +351,12 @@ BenchResult RunBench(const BenchOptions& options, const RadianceField* field,
     }
     return chosen;
   });
-  if (field != nullptr && sorted.tets.empty()) bench.RunOn(*field);
+  const FieldStorage storage =
+      options.storage.value_or(field != nullptr ? field->storage : FieldStorage::kVertex);
+  if (field != nullptr && sorted.tets.empty()) bench.RunOn(WithStorage(*field, storage));
   for (uint64_t tets : sorted.tets) {
-    bench.RunOn(field != nullptr ? Resample(*field, tets, options.seed) : BallFieldOfTets(tets));
+    bench.RunOn(WithStorage(
+        field != nullptr ? Resample(*field, tets, options.seed) : BallFieldOfTets(tets), storage));
   }
   return {bench.device(), field != nullptr ? "field" : "ball in a cube", options, bench.Rows()};
 }

@@ -26,7 +26,9 @@ struct BenchOptions {
   double case_seconds = 20;   // a case that has taken this long is not repeated
   double longest_turn = 300;  // [s] a case that may take longer for one turn is left out
   uint64_t seed = 1;          // of meshes and gradients
-  RendererOptions renderer;   // device, memory, early stop
+  // Of the meshes' attributes; none: the field's own, without a field of vertices.
+  std::optional<FieldStorage> storage;
+  RendererOptions renderer;  // device, memory, early stop, deterministic
 
   void Check() const;  // throws UsageError naming the option and its value
 };
@@ -36,6 +38,9 @@ struct BenchVariant {
   std::string renderer, order, integral;  // order: empty where there is none
   RendererOptions options;
 };
+
+// Whether any of the renderers needs a Vulkan device.
+bool UsesVulkan(const BenchOptions& options);
 
 std::vector<BenchVariant> VariantsOf(const BenchOptions& options);
 
@@ -54,9 +59,11 @@ struct BenchErrors {
 struct BenchRow {
   BenchVariant variant;
   uint64_t tets = 0, vertices = 0;
-  int size = 0;              // [px] a side
-  double rays = 0;           // of a picture
-  double steps_per_ray = 0;  // tets, over the views of the turns, early stop and misses included
+  FieldStorage storage = FieldStorage::kVertex;
+  int size = 0;     // [px] a side
+  double rays = 0;  // of a picture
+  // Tets, over the views of the turns, early stop and misses included; 0: not counted.
+  double steps_per_ray = 0;
   std::optional<double> skipped_seconds;  // a turn may have taken so long: nothing was measured
   // Forward; forward and backward by colour and density; and by positions too.
   BenchTime forward, backward, positions;

@@ -1,6 +1,8 @@
 // What benchmarks render: fields of a wanted size and cameras around or inside them.
 #include "bench/bench_scene.h"
 
+#include "field/change_storage.h"
+#include "mesh/boundary.h"
 #include "mesh/delaunay.h"
 
 #include <algorithm>
@@ -14,18 +16,6 @@ namespace {
 
 // Of Delaunay meshes of points without structure.
 constexpr double kTetsPerPoint = 6.63;
-
-// (V) true for vertices of boundary faces.
-std::vector<bool> OnHull(const TetMesh& mesh) {
-  std::vector<bool> on_hull(mesh.positions.size(), false);
-  for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    for (int face = 0; face < 4; ++face) {
-      if (mesh.neighbors[t][face] != kNoTet) continue;
-      for (int corner : kFaceVertices[face]) on_hull[mesh.tets[t][corner]] = true;
-    }
-  }
-  return on_hull;
-}
 
 // Points with what the field is there.
 struct Samples {
@@ -51,7 +41,11 @@ RadianceField MeshOf(const Samples& samples) {
 
 }  // namespace
 
-RadianceField BallField(int grid) {
+int GridOfTets(double tets) {
+  return std::max(1, int(std::lround(std::cbrt(tets / kTetsPerPoint))));
+}
+
+std::vector<glm::vec3> JitteredCube(int grid) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> jitter(0.1, 0.9);
   std::vector<glm::vec3> points;
@@ -61,8 +55,12 @@ RadianceField BallField(int grid) {
     const glm::dvec3 offset(jitter(random), jitter(random), jitter(random));
     points.emplace_back((cell + offset) / double(grid));
   }
+  return points;
+}
+
+RadianceField BallOn(TetMesh mesh) {
   RadianceField field;
-  field.mesh = BuildDelaunay(points).mesh;
+  field.mesh = std::move(mesh);
   for (const glm::vec3& p : field.mesh.positions) {
     const float radius = glm::length(p - glm::vec3(0.5f));
     field.density.push_back(25.0f * std::clamp((0.4f - radius) / 0.1f, 0.0f, 1.0f));
@@ -71,11 +69,12 @@ RadianceField BallField(int grid) {
   return field;
 }
 
-RadianceField BallFieldOfTets(uint64_t tets) {
-  return BallField(std::max(1, int(std::lround(std::cbrt(double(tets) / kTetsPerPoint)))));
-}
+RadianceField BallField(int grid) { return BallOn(BuildDelaunay(JitteredCube(grid)).mesh); }
 
-RadianceField Resample(const RadianceField& field, uint64_t tets, uint64_t seed) {
+RadianceField BallFieldOfTets(uint64_t tets) { return BallField(GridOfTets(double(tets))); }
+
+RadianceField Resample(const RadianceField& of_any_storage, uint64_t tets, uint64_t seed) {
+  const RadianceField field = WithStorage(of_any_storage, FieldStorage::kVertex);
   const TetMesh& mesh = field.mesh;
   // As many tets a point as the field's own mesh has.
   const size_t vertices = mesh.positions.size();
@@ -85,7 +84,7 @@ RadianceField Resample(const RadianceField& field, uint64_t tets, uint64_t seed)
   const auto keep = [&](size_t v) {
     samples.Add(mesh.positions[v], field.color_srgb[v], field.density[v]);
   };
-  const std::vector<bool> on_hull = OnHull(mesh);
+  const std::vector<uint8_t> on_hull = BoundaryVertices(mesh);
   std::vector<uint32_t> inner;
   for (uint32_t v = 0; v < vertices; ++v) {
     if (on_hull[v]) {
@@ -108,14 +107,18 @@ RadianceField Resample(const RadianceField& field, uint64_t tets, uint64_t seed)
   return MeshOf(samples);
 }
 
-RenderView SquareView(const glm::dvec3& eye, const glm::dvec3& target, int size) {
+RenderView LookingAt(const glm::dvec3& eye, const glm::dvec3& target, int width, int height,
+                     double focal_px) {
   const glm::dvec3 forward = glm::normalize(target - eye);
   const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.02, -0.97, 0.2)));
   const glm::dmat3 cam_from_world =
       glm::transpose(glm::dmat3(right, glm::cross(forward, right), forward));
-  const double focal = 1.25 * size;
-  return {{size, size, focal, focal, 0.5 * size, 0.5 * size},
+  return {{width, height, focal_px, focal_px, 0.5 * width, 0.5 * height},
           {cam_from_world, -(cam_from_world * eye)}};
+}
+
+RenderView SquareView(const glm::dvec3& eye, const glm::dvec3& target, int size) {
+  return LookingAt(eye, target, size, size, 1.25 * size);
 }
 
 std::vector<RenderView> ViewsAroundCube(int count, int size) {

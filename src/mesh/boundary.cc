@@ -1,4 +1,4 @@
-// The boundary of a mesh: its faces, whether it is convex, a tree of boxes over them.
+// The boundary of a mesh: its faces and vertices, whether it is convex, a tree of boxes over them.
 #include "mesh/boundary.h"
 
 #include "core/error.h"
@@ -174,6 +174,14 @@ std::vector<BoundaryFace> BoundaryFaces(const TetMesh& mesh) {
     }
   }
   return faces;
+}
+
+std::vector<uint8_t> BoundaryVertices(const TetMesh& mesh) {
+  std::vector<uint8_t> on_boundary(mesh.positions.size(), 0);
+  for (const BoundaryFace& face : BoundaryFaces(mesh)) {
+    for (uint32_t v : VerticesOf(mesh, face)) on_boundary[v] = 1;
+  }
+  return on_boundary;
 }
 
 std::string WhyNotConvex(const TetMesh& mesh, std::span<const BoundaryFace> faces) {

@@ -1,4 +1,4 @@
-// The boundary of a mesh: its faces, whether it is convex, a tree of boxes over them.
+// The boundary of a mesh: its faces and vertices, whether it is convex, a tree of boxes over them.
 #pragma once
 
 #include "mesh/tet_mesh.h"
@@ -18,6 +18,9 @@ struct BoundaryFace {
 
 // In the order of the tets.
 std::vector<BoundaryFace> BoundaryFaces(const TetMesh& mesh);
+
+// (V) 1 for vertices of boundary faces, else 0.
+std::vector<uint8_t> BoundaryVertices(const TetMesh& mesh);
 
 // Why the boundary (`faces`: all of it) encloses no convex solid, by exact predicates; empty where
 // it does.

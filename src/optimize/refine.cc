@@ -2,6 +2,7 @@
 #include "optimize/refine.h"
 
 #include "core/error.h"
+#include "mesh/boundary.h"
 #include "mesh/delaunay.h"
 #include "mesh/locate.h"
 #include "optimize/random.h"
@@ -20,17 +21,6 @@ struct Edge {
 };
 
 constexpr int kTetEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-
-std::vector<uint8_t> HullVertices(const TetMesh& mesh) {
-  std::vector<uint8_t> on_hull(mesh.positions.size(), 0);
-  for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    for (int face = 0; face < 4; ++face) {
-      if (mesh.neighbors[t][face] != kNoTet) continue;
-      for (int corner : kFaceVertices[face]) on_hull[mesh.tets[t][corner]] = 1;
-    }
-  }
-  return on_hull;
-}
 
 double EdgeLength(const TetMesh& mesh, Edge e) {
   return glm::distance(mesh.positions[e.a], mesh.positions[e.b]);
@@ -163,7 +153,7 @@ RefineResult Refine(const TetMesh& mesh, const VertexState& state, std::span<con
                     const RefineOptions& options) {
   const size_t count = mesh.positions.size();
   TETREC_CHECK(error.size() == mesh.tets.size(), "one score a tet");
-  const std::vector<uint8_t> on_hull = HullVertices(mesh);
+  const std::vector<uint8_t> on_hull = BoundaryVertices(mesh);
   const std::vector<uint8_t> empty = EmptyVertices(mesh, state, options.empty_depth);
 
   RefineResult result;

@@ -144,9 +144,4 @@ DrawnTiles DrawTiles(const TrainingSet& set, size_t tiles, size_t count, double 
   return drawn;
 }
 
-std::vector<RayBlock> DrawTile(const TrainingSet& set, size_t count, double subject_share,
-                               uint64_t seed, uint64_t iteration) {
-  return DrawTiles(set, 1, count, subject_share, seed, iteration).blocks;
-}
-
 }  // namespace tetrec

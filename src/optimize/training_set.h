@@ -31,17 +31,12 @@ std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double su
 
 // `tiles` rectangles of about `count` blocks each, all of one shape, around blocks drawn as by
 // DrawBlocks, each row by row; none wider or higher than the smallest picture where there are
-// several.
+// several, or than its own where there is one.
 struct DrawnTiles {
   std::vector<RayBlock> blocks;
   TileShape shape;
 };
 DrawnTiles DrawTiles(const TrainingSet& set, size_t tiles, size_t count, double subject_share,
                      uint64_t seed, uint64_t iteration);
-
-// A rectangle of one view of about `count` blocks around a block drawn as by DrawBlocks, row by
-// row; the whole view where it is smaller.
-std::vector<RayBlock> DrawTile(const TrainingSet& set, size_t count, double subject_share,
-                               uint64_t seed, uint64_t iteration);
 
 }  // namespace tetrec

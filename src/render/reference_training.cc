@@ -4,7 +4,7 @@
 #include "render/adam_push.h"
 #include "render/dssim.h"
 #include "render/field_checks.h"
-#include "render/ray_batch.h"
+#include "render/ray_blocks.h"
 #include "render/reference_batch.h"
 #include "shared/adam.glsl.h"
 #include "shared/loss.glsl.h"

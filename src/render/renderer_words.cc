@@ -52,8 +52,9 @@ void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOpt
   command.DoesNotChangeResults(
       app.add_flag("--time-kernels", options.device.time_kernels,
                    "ends the log with the device's time in each kernel, by timestamps"));
-  command.DoesNotChangeResults(app.add_option("--device", options.device.device,
-                                              "Vulkan device: auto, cpu, gpu or a number"));
+  command.DoesNotChangeResults(
+      app.add_option("--device", options.device.device,
+                     "Vulkan device: auto, cpu, gpu or a number; not of the reference"));
 }
 
 void RendererWords::Apply(RendererOptions& options) const {
@@ -78,6 +79,12 @@ void RendererWords::Apply(RendererOptions& options) const {
   if (options.fragment_sort != FragmentSort::kAuto && options.kind != RendererKind::kPpll) {
     throw UsageError(fmt::format(
         "--fragment-sort {}: only --renderer ppll sorts lists of fragments; leave it out", sort));
+  }
+  if (options.device.device != DeviceOptions().device && options.kind == RendererKind::kReference) {
+    throw UsageError(
+        fmt::format("--device {}: --renderer reference runs on the CPU without Vulkan; "
+                    "leave it out",
+                    options.device.device));
   }
   if (options.precision != Precision::kDouble && options.kind != RendererKind::kReference) {
     throw UsageError(fmt::format(

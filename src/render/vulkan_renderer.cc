@@ -11,6 +11,7 @@
 #include "render/march_integrator.h"
 #include "render/ppll_integrator.h"
 #include "render/projection_integrator.h"
+#include "render/ray_blocks.h"
 #include "shared/loss.glsl.h"
 
 #include <fmt/format.h>
@@ -28,7 +29,8 @@ using gpu_types::LossPush;
 using gpu_types::MarchPush;
 using gpu_types::SpreadPush;
 
-// Rays of one submit while rendering pictures; bounds the ray buffers.
+// Rays of one submit while rendering pictures; bounds the ray buffers, the workgroups of a dispatch
+// and what the device's 32-bit counters must hold.
 constexpr uint32_t kRaysPerSubmit = 1u << 17;
 
 // `grid` rays a pixel side; `start_tet` as FindTet gives it.
@@ -227,16 +229,17 @@ class VulkanRenderer final : public TrainingRenderer {
     RenderedImage image{width, height, std::vector<glm::vec3>(size_t(width) * height),
                         std::vector<float>(size_t(width) * height)};
     const float share = 1.0f / float(samples * samples);
-    ForEachBatch(width * samples, height * samples, [&](std::span<const RayBlock> blocks) {
-      const std::vector<glm::vec4> colors = MarchBatch(blocks);
-      for (size_t r = 0; r < colors.size(); ++r) {
-        const glm::ivec2 at = PixelOfRay(blocks, r);
-        if (at.x >= width * samples || at.y >= height * samples) continue;
-        const size_t pixel = size_t(at.y / samples) * width + at.x / samples;
-        image.color_srgb[pixel] += share * glm::vec3(colors[r]);
-        image.transmittance[pixel] += share * std::exp(-colors[r].a);
-      }
-    });
+    ForEachBatch(CoveringBlocks(width * samples, height * samples),
+                 [&](std::span<const RayBlock> blocks) {
+                   const std::vector<glm::vec4> colors = MarchBatch(blocks);
+                   for (size_t r = 0; r < colors.size(); ++r) {
+                     const glm::ivec2 at = PixelOfRay(blocks, r);
+                     if (at.x >= width * samples || at.y >= height * samples) continue;
+                     const size_t pixel = size_t(at.y / samples) * width + at.x / samples;
+                     image.color_srgb[pixel] += share * glm::vec3(colors[r]);
+                     image.transmittance[pixel] += share * std::exp(-colors[r].a);
+                   }
+                 });
     return image;
   }
 
@@ -250,7 +253,7 @@ class VulkanRenderer final : public TrainingRenderer {
     const FixedPoint fixed = FixedPointOf(LargestValue(pixel_gradient), pixel_gradient.size());
     field_.gradients.FillZero();
     if (with_positions) AllocatePositionGradients(*device_, field_);
-    ForEachBatch(width, height, [&](std::span<const RayBlock> blocks) {
+    ForEachBatch(CoveringBlocks(width, height), [&](std::span<const RayBlock> blocks) {
       MarchBatch(blocks);
       std::vector<glm::vec4> gradients(blocks.size() * kRaysPerBlock, glm::vec4(0.0f));
       for (size_t r = 0; r < gradients.size(); ++r) {
@@ -289,7 +292,13 @@ class VulkanRenderer final : public TrainingRenderer {
                                      std::span<const RayBlock> blocks) override {
     WaitAll();
     UploadRenderView(view, 1);
-    return MarchBatch(blocks);
+    std::vector<glm::vec4> rays;
+    rays.reserve(blocks.size() * kRaysPerBlock);
+    ForEachBatch(blocks, [&](std::span<const RayBlock> batch) {
+      const std::vector<glm::vec4> colors = MarchBatch(batch);
+      rays.insert(rays.end(), colors.begin(), colors.end());
+    });
+    return rays;
   }
 
   RenderCounts counts() const override {
@@ -410,14 +419,13 @@ class VulkanRenderer final : public TrainingRenderer {
     counts_.rays += rays.count;
   }
 
-  // Batches of whole rows of blocks, so that each is a tile.
+  // Batches of a tile are whole rows of its blocks, so that each is a tile.
   template <class Body>
-  void ForEachBatch(int width, int height, const Body& body) {
-    const std::vector<RayBlock> blocks = CoveringBlocks(width, height);
-    const size_t row = (width + kRayBlockWidth - 1) / kRayBlockWidth;
+  void ForEachBatch(std::span<const RayBlock> blocks, const Body& body) {
+    const size_t row = std::max(1u, TileColumns(blocks));
     const size_t batch = std::max<size_t>(1, kRaysPerSubmit / kRaysPerBlock / row) * row;
     for (size_t first = 0; first < blocks.size(); first += batch) {
-      body(std::span(blocks).subspan(first, std::min(batch, blocks.size() - first)));
+      body(blocks.subspan(first, std::min(batch, blocks.size() - first)));
     }
   }
 

@@ -1,7 +1,7 @@
 // The Vulkan march beside one written by hand for AVX2, on the same mesh and views, in turns.
-#include "bench/bench_scene.h"
 #include "bench/stopwatch.h"
 #include "hand_march.h"
+#include "march_scene.h"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -12,18 +12,7 @@
 namespace tetrec {
 namespace {
 
-constexpr int kPicture = 256;  // [px] a side
-constexpr int kViews = 32;
-constexpr int kGrid = 26;
 constexpr float kStop = 1e-3f;
-
-std::vector<RayBlock> AllBlocks() {
-  std::vector<RayBlock> blocks;
-  for (uint32_t y = 0; y < kPicture; y += kRayBlockHeight) {
-    for (uint32_t x = 0; x < kPicture; x += kRayBlockWidth) blocks.push_back({0, x, y});
-  }
-  return blocks;
-}
 
 // Largest difference of colour and transmittance over all views, and how many rays differ by more
 // than rounding can explain. Where a ray stops early may differ by one tet, and its colour by the

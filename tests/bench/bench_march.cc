@@ -2,9 +2,9 @@
 // each form of the segment integral (compare these with
 // --benchmark_enable_random_interleaving=true), and a long march that counts lost rays
 // (--lost_rays=N rays, a million unless told).
-#include "bench/bench_scene.h"
 #include "bench/stopwatch.h"
 #include "field/change_storage.h"
+#include "march_scene.h"
 #include "render/renderer.h"
 
 #include <benchmark/benchmark.h>
@@ -21,18 +21,6 @@
 
 namespace tetrec {
 namespace {
-
-constexpr int kPicture = 256;  // [px] a side
-constexpr int kViews = 32;
-constexpr int kGrid = 26;  // jittered points a side: 17,576, about 110,000 tets
-
-std::vector<RayBlock> AllBlocks(uint32_t view) {
-  std::vector<RayBlock> blocks;
-  for (uint32_t y = 0; y < kPicture; y += kRayBlockHeight) {
-    for (uint32_t x = 0; x < kPicture; x += kRayBlockWidth) blocks.push_back({view, x, y});
-  }
-  return blocks;
-}
 
 // Reports rays a second from its birth to Report.
 class RayClock {
@@ -87,7 +75,7 @@ struct Stage {
 
 void Forward(benchmark::State& state, const std::string& integral) {
   Stage& stage = Stage::Get(integral);
-  const std::vector<RayBlock> blocks = AllBlocks(0);
+  const std::vector<RayBlock> blocks = AllBlocks();
   size_t i = 0;
   const RayClock clock;
   for (auto _ : state) {
@@ -159,7 +147,7 @@ std::vector<double> StepsOfViews(const Stage& stage) {
   std::vector<double> steps;
   for (const RenderView& view : stage.views) {
     const uint64_t before = renderer->counts().steps;
-    renderer->MarchBlocks(view, AllBlocks(0));
+    renderer->MarchBlocks(view, AllBlocks());
     steps.push_back(double(renderer->counts().steps - before));
   }
   return steps;
@@ -193,7 +181,7 @@ void Compare(benchmark::State& state) {
         });
       };
       const Seconds forward =
-          Measure([&] { stage.renderer->MarchBlocks(stage.views[view], AllBlocks(0)); });
+          Measure([&] { stage.renderer->MarchBlocks(stage.views[view], AllBlocks()); });
       const Seconds both = backpropagate(*stage.renderer, GradientParts::kColorDensity);
       const Seconds moved = backpropagate(*stage.renderer, GradientParts::kColorDensityPosition);
       const Seconds step = train(*stage.renderer), fixed = train(*deterministic),
@@ -224,7 +212,7 @@ void LostRays(benchmark::State& state, uint64_t rays) {
   renderer->SetField(Stage::Get().field);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> inside(0.0, 1.0), around(-2.0, 3.0);
-  const std::vector<RayBlock> blocks = AllBlocks(0);
+  const std::vector<RayBlock> blocks = AllBlocks();
   const RayClock clock;
   for (auto _ : state) {
     for (int i = 0; renderer->counts().rays < rays; ++i) {
@@ -247,7 +235,7 @@ void PrintScene() {
   options.count_steps = true;
   const auto renderer = CreateRenderer(options);
   renderer->SetField(stage.field);
-  for (const RenderView& view : stage.views) renderer->MarchBlocks(view, AllBlocks(0));
+  for (const RenderView& view : stage.views) renderer->MarchBlocks(view, AllBlocks());
   const RenderCounts counts = renderer->counts();
   fmt::print("device {}\n{} tets, {} vertices, {} views of {} x {} px, {:.0f} % of rays hit\n",
              renderer->DescribeDevice()["name"].get<std::string>(), stage.field.mesh.tets.size(),

@@ -1,6 +1,8 @@
 // One picture and its gradients on a mesh of any size, whole or with holes, by any renderer:
 // seconds and memory. For example
 //   /usr/bin/time -v bench_size --tets 4000000 --width 1920 --height 1080 --renderer march
+#include "bench/bench_scene.h"
+#include "bench/stopwatch.h"
 #include "mesh/delaunay.h"
 #include "mesh/tet_mesh.h"
 #include "render/renderer_words.h"
@@ -10,7 +12,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -27,58 +28,38 @@ struct SizeOptions {
   RendererOptions renderer;
 };
 
-// A soft ball, density up to 25, in a sea of nothing, on a jittered grid of about 6.7 tets a point
-// in the unit cube (`ball`: only points in the ball around it, so that the hull has many faces).
-RadianceField MakeField(const SizeOptions& options) {
-  const double points_wanted = double(options.tets) / 6.7 * (options.ball ? 6.0 / M_PI : 1.0);
-  const int grid = std::max(1, int(std::lround(std::cbrt(points_wanted))));
+// Takes out a share of the tets, and the vertices that none is left at.
+void RemoveTets(TetMesh& mesh, double share) {
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> jitter(0.1, 0.9);
-  std::vector<glm::vec3> points;
-  for (int i = 0; i < 8 && !options.ball; ++i) points.emplace_back(i & 1, i >> 1 & 1, i >> 2);
-  for (int i = 0; i < grid * grid * grid; ++i) {
-    const glm::dvec3 cell(i % grid, i / grid % grid, i / grid / grid);
-    const glm::dvec3 offset(jitter(random), jitter(random), jitter(random));
-    const glm::dvec3 p = (cell + offset) / double(grid);
-    if (!options.ball || glm::distance(p, glm::dvec3(0.5)) < 0.5) points.emplace_back(p);
-  }
-  RadianceField field;
-  field.mesh = BuildDelaunay(points).mesh;
-  if (options.removed > 0.0) {
-    std::bernoulli_distribution removed(options.removed);
-    std::vector<uint32_t> new_id(field.mesh.positions.size(), kNoTet);
-    std::vector<glm::vec3> positions;
-    std::erase_if(field.mesh.tets, [&](const glm::uvec4&) { return removed(random); });
-    for (glm::uvec4& tet : field.mesh.tets) {
-      for (int i = 0; i < 4; ++i) {
-        uint32_t& id = new_id[tet[i]];
-        if (id == kNoTet) {
-          id = uint32_t(positions.size());
-          positions.push_back(field.mesh.positions[tet[i]]);
-        }
-        tet[i] = id;
+  std::bernoulli_distribution removed(share);
+  std::vector<uint32_t> new_id(mesh.positions.size(), kNoTet);
+  std::vector<glm::vec3> positions;
+  std::erase_if(mesh.tets, [&](const glm::uvec4&) { return removed(random); });
+  for (glm::uvec4& tet : mesh.tets) {
+    for (int i = 0; i < 4; ++i) {
+      uint32_t& id = new_id[tet[i]];
+      if (id == kNoTet) {
+        id = uint32_t(positions.size());
+        positions.push_back(mesh.positions[tet[i]]);
       }
+      tet[i] = id;
     }
-    field.mesh.positions = std::move(positions);
-    field.mesh.neighbors = ComputeNeighbors(field.mesh.tets, field.mesh.positions.size());
   }
-  for (const glm::vec3& p : field.mesh.positions) {
-    const float radius = glm::length(p - glm::vec3(0.5f));
-    field.density.push_back(25.0f * std::clamp((0.4f - radius) / 0.1f, 0.0f, 1.0f));
-    field.color_srgb.push_back(0.5f + 0.5f * glm::sin(20.0f * p));
-  }
-  return field;
+  mesh.positions = std::move(positions);
+  mesh.neighbors = ComputeNeighbors(mesh.tets, mesh.positions.size());
 }
 
-// From outside; the cube fills the picture's height.
-RenderView MakeView(int width, int height) {
-  const glm::dvec3 eye(2.1, 1.3, -0.4), forward = glm::normalize(glm::dvec3(0.5) - eye);
-  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.02, -0.97, 0.2)));
-  const glm::dmat3 cam_from_world =
-      glm::transpose(glm::dmat3(right, glm::cross(forward, right), forward));
-  const double focal = 1.3 * height;
-  return {{width, height, focal, focal, 0.5 * width, 0.5 * height},
-          {cam_from_world, -(cam_from_world * eye)}};
+// The ball in the cube; `ball`: only points in the ball around it, so that the hull has many faces.
+RadianceField MakeField(const SizeOptions& options) {
+  std::vector<glm::vec3> points =
+      JitteredCube(GridOfTets(double(options.tets) * (options.ball ? 6.0 / M_PI : 1.0)));
+  if (options.ball) {
+    std::erase_if(points,
+                  [](const glm::vec3& p) { return glm::distance(p, glm::vec3(0.5f)) >= 0.5f; });
+  }
+  TetMesh mesh = BuildDelaunay(points).mesh;
+  if (options.removed > 0.0) RemoveTets(mesh, options.removed);
+  return BallOn(std::move(mesh));
 }
 
 double PeakMib() {
@@ -89,12 +70,7 @@ double PeakMib() {
 
 void Time(const std::string& what, int repetitions, const std::function<void()>& body) {
   double least = 1e300;
-  for (int i = 0; i < repetitions; ++i) {
-    const auto begin = std::chrono::steady_clock::now();
-    body();
-    least = std::min(
-        least, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-  }
+  for (int i = 0; i < repetitions; ++i) least = std::min(least, Measure(body).wall);
   fmt::print("{}: {:.3f} s, peak {:.0f} MiB\n", what, least, PeakMib());
   std::fflush(stdout);
 }
@@ -108,7 +84,9 @@ void Run(SizeOptions options) {
              field.mesh.positions.size(), MeasureQuality(field.mesh).boundary_faces);
   const auto renderer = CreateRenderer(options.renderer);
   Time("SetField", 1, [&] { renderer->SetField(field); });
-  const RenderView view = MakeView(options.width, options.height);
+  // From outside; the cube fills the picture's height.
+  const RenderView view = LookingAt({2.1, 1.3, -0.4}, glm::dvec3(0.5), options.width,
+                                    options.height, 1.3 * options.height);
   RenderedImage image;
   Time("Render", options.repetitions, [&] { image = renderer->Render(view, 1); });
   const RenderCounts counts = renderer->counts();

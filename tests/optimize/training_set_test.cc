@@ -216,11 +216,11 @@ TEST(DrawBlocks, TakesTheGivenShareFromTheSubject) {
   }
 }
 
-TEST(DrawTile, IsARectangleOfWholeBlocksInsideOnePicture) {
+TEST(DrawTiles, OneIsARectangleOfWholeBlocksInsideOnePicture) {
   for (const auto& [width, height] : {std::pair{33, 31}, {4, 2}, {5, 3}, {64, 32}}) {
     const TrainingSet set = TwoViews(width, height);
     for (uint64_t iteration = 0; iteration < 200; ++iteration) {
-      const std::vector<RayBlock> tile = DrawTile(set, 24, 0.5, 1, iteration);
+      const std::vector<RayBlock> tile = DrawTiles(set, 1, 24, 0.5, 1, iteration).blocks;
       ASSERT_FALSE(tile.empty());
       const auto wider = std::find_if(tile.begin(), tile.end(),
                                       [&](const RayBlock& block) { return block.y != tile[0].y; });
@@ -236,16 +236,16 @@ TEST(DrawTile, IsARectangleOfWholeBlocksInsideOnePicture) {
     }
   }
   // 24 blocks are 192 pixels: the side nearest to 13.9 is 12 pixels wide, 16 high.
-  const std::vector<RayBlock> tile = DrawTile(TwoViews(64, 32), 24, 0.5, 1, 0);
+  const std::vector<RayBlock> tile = DrawTiles(TwoViews(64, 32), 1, 24, 0.5, 1, 0).blocks;
   EXPECT_EQ(tile.size(), 24u);
   EXPECT_EQ(tile.back().x - tile[0].x, 8u);
 }
 
-TEST(DrawTile, CoversEveryPixelThatBlocksCanCover) {
+TEST(DrawTiles, OneCoversEveryPixelThatBlocksCanCover) {
   const TrainingSet set = TwoViews(28, 20);
   std::vector<int> hits(28 * 20, 0);
   for (uint64_t iteration = 0; iteration < 500; ++iteration) {
-    for (const RayBlock& block : DrawTile(set, 8, 0.5, 1, iteration)) {
+    for (const RayBlock& block : DrawTiles(set, 1, 8, 0.5, 1, iteration).blocks) {
       for (int i = 0; i < kRaysPerBlock; ++i) {
         ++hits[(block.y + size_t(i) / kRayBlockWidth) * 28 + block.x + size_t(i) % kRayBlockWidth];
       }

@@ -34,6 +34,44 @@ class BenchTest(StageCase):
             for kind in ("svg", "png"):
                 self.assertGreater((out / f"{chart}.{kind}").stat().st_size, 1000)
 
+    def test_the_reference_alone_needs_no_vulkan_driver(self):
+        out = self.folder / "bench"
+        nowhere = {"VK_ICD_FILENAMES": "/nowhere.json", "VK_DRIVER_FILES": "/nowhere.json"}
+        result = self.run_stage("bench", "-o", out, "--renderer", "reference", "--integral", "exact",
+                                "--tets", 300, "--size", 16, "--repeat", 1, "--error-size", 16,
+                                environment=nowhere)
+        self.assert_done(result)
+        rows = list(csv.DictReader((out / "bench.csv").read_text().splitlines()))
+        self.assertEqual(len(rows), 1)
+        self.assertGreater(float(rows[0]["steps_per_ray"]), 1)
+        self.assertIn("counted by the reference", (out / "table.md").read_text())
+        # It does not err against itself.
+        self.assertIn("no chart of accuracy", result.stderr)
+        self.assertTrue((out / "scaling.svg").exists())
+
+    def test_cells_and_fixed_point_are_measured_where_asked_for(self):
+        out = self.folder / "bench"
+        self.assert_done(self.run_stage("bench", "-o", out, "--integral", "exact", "--tets", 500, "--size", 16,
+                                        "--repeat", 1, "--error-size", 16, "--storage", "cell",
+                                        "--deterministic"))
+        rows = list(csv.DictReader((out / "bench.csv").read_text().splitlines()))
+        self.assertEqual({row["renderer"] for row in rows}, {"march", "ppll", "projection"})
+        for row in rows:
+            self.assertEqual((row["storage"], row["deterministic"]), ("cell", "1"))
+            if row["order"] != "centroid":
+                self.assertLess(float(row["density_gradient_error"]), 1e-3)
+        table = (out / "table.md").read_text()
+        self.assertIn("attributes a cell", table)
+        self.assertIn("64-bit fixed point", table)
+
+    def test_a_large_picture_is_measured(self):
+        out = self.folder / "bench"
+        self.assert_done(self.run_stage("bench", "-o", out, "--renderer", "march", "--integral", "mean",
+                                        "--tets", 50, "--size", 2048, "--repeat", 1, "--error-size", 8,
+                                        "--case-seconds", 0.01))
+        rows = list(csv.DictReader((out / "bench.csv").read_text().splitlines()))
+        self.assertEqual((rows[0]["px"], rows[0]["repetitions"]), ("2048", "1"))
+
     def test_what_takes_too_long_is_left_out_and_said_so(self):
         out = self.folder / "bench"
         self.assert_done(self.run_stage("bench", "-o", out, "--renderer", "march", "--integral", "exact",

@@ -37,6 +37,12 @@ class StagesTest(StageCase):
             result = self.run_stage(stage, self.folder, "-o", self.folder / "out", "--precision", "float")
             self.assert_fails(result, 2, "--precision float", "--renderer reference")
 
+    def test_the_reference_has_no_device(self):
+        for stage in ("optimize", "render"):
+            result = self.run_stage(stage, self.folder, "-o", self.folder / "out", "--renderer", "reference",
+                                    "--device", "cpu")
+            self.assert_fails(result, 2, "--device cpu", "--renderer reference", "leave it out")
+
     def test_a_missing_input_folder_is_bad_data(self):
         for stage in STAGES:
             with self.subTest(stage):

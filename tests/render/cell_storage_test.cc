@@ -193,16 +193,7 @@ TEST_P(EveryRenderersCells, StepsLowerTheLoss) {
   std::fill(start.density.begin(), start.density.end(), 0.2f);
   std::fill(start.color_srgb.begin(), start.color_srgb.end(), glm::vec3(0.5f));
   renderer.SetField(start);
-  const std::vector<RayBlock> blocks = AllBlocks(views[0].camera);
-  std::vector<double> losses;
-  for (uint32_t i = 1; i <= 150; ++i) {
-    losses.push_back(renderer
-                         .Step({.blocks = blocks,
-                                .background_srgb = glm::vec3(i % 3 == 0, i % 2, 0.5f),
-                                .seed = i,
-                                .adam_step = i})
-                         .loss);
-  }
+  const std::vector<double> losses = LearnPictures(renderer, views, 150);
   EXPECT_LT(losses.back(), 0.02 * losses[2]);
 }
 
@@ -250,18 +241,16 @@ TEST_F(CellMarch, ScoresShareOutTheSquaredResidualOfEveryRay) {
   renderer.SetTargets(views, black);
   renderer.SetField(field);
   double expected = 0, residuals = 0;
-  std::vector<RayBlock> blocks;
-  for (uint32_t v = 0; v < views.size(); ++v) {
-    const ReferenceImage image = RenderReference(field, views[v], 0.0);
+  for (const RenderView& view : views) {
+    const ReferenceImage image = RenderReference(field, view, 0.0);
     for (size_t i = 0; i < image.color_srgb.size(); ++i) {
       const double square = glm::dot(image.color_srgb[i], image.color_srgb[i]);
       residuals += square;
       expected += square * -std::expm1(-image.optical_depth[i]);
     }
-    const std::vector<RayBlock> all = AllBlocks(views[v].camera, v);
-    blocks.insert(blocks.end(), all.begin(), all.end());
   }
   renderer.ClearScores();
+  const std::vector<RayBlock> blocks = BlocksOf(views);
   renderer.AddScores({.blocks = blocks});
   const std::vector<float> scores = renderer.ReadScores();
   const double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
@@ -271,26 +260,7 @@ TEST_F(CellMarch, ScoresShareOutTheSquaredResidualOfEveryRay) {
 }
 
 TEST_F(CellMarch, StateComesBackAsItWasSet) {
-  TrainingRenderer& renderer = MakeRenderer();
-  const TetMesh mesh = RandomBoxMesh(40, 56);
-  std::mt19937 random(1);
-  std::normal_distribution<float> normal;
-  VertexState state;
-  state.storage = FieldStorage::kCell;
-  for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    const auto row = [&] {
-      return glm::vec4(normal(random), normal(random), normal(random), normal(random));
-    };
-    state.parameters.push_back(row());
-    state.first_moment.push_back(row());
-    state.second_moment.push_back(glm::abs(row()));
-  }
-  renderer.SetVertexState(mesh, state);
-  const VertexState back = renderer.ReadVertexState();
-  EXPECT_EQ(back.storage, FieldStorage::kCell);
-  EXPECT_EQ(back.parameters, state.parameters);
-  EXPECT_EQ(back.first_moment, state.first_moment);
-  EXPECT_EQ(back.second_moment, state.second_moment);
+  ExpectStateComesBack(MakeRenderer(), RandomBoxMesh(40, 56), FieldStorage::kCell);
 }
 
 // Adam's first step moves every row that was seen by its rate.

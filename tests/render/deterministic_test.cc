@@ -70,15 +70,6 @@ void ExpectSameBits(const VertexState& a, const VertexState& b) {
 
 constexpr int kWidth = 40, kHeight = 30;
 
-std::vector<RayBlock> BlocksOfThreeViews() {
-  std::vector<RayBlock> blocks;
-  for (uint32_t view = 0; view < 3; ++view) {
-    const auto more = AllBlocks(ThreeViews(kWidth, kHeight)[view].camera, view);
-    blocks.insert(blocks.end(), more.begin(), more.end());
-  }
-  return blocks;
-}
-
 void SetGreyTargets(TrainingRenderer& renderer) {
   const TargetImage grey{kWidth, kHeight, std::vector<uint32_t>(kWidth * kHeight, 0xFF808080u)};
   renderer.SetTargets(ThreeViews(kWidth, kHeight), std::vector<TargetImage>(3, grey));
@@ -95,7 +86,7 @@ Learned Learn(TrainingRenderer& renderer, uint32_t order, uint32_t read_back_at 
   const RadianceField start = RandomField(300, 71, 6.0f);
   renderer.SetField(start);
   SetGreyTargets(renderer);
-  std::vector<RayBlock> blocks = BlocksOfThreeViews();
+  std::vector<RayBlock> blocks = BlocksOf(ThreeViews(kWidth, kHeight));
   for (uint32_t i = 1; i <= 9; ++i) {
     std::mt19937 random(order + i);
     if (order > 0) std::shuffle(blocks.begin(), blocks.end(), random);

@@ -86,5 +86,59 @@ TEST_F(RendererTest, BackwardPassesGiveTheSameGradientEachTime) {
   }
 }
 
+// As one dispatch it would be 65,792 workgroups, more than a device must take.
+TEST_F(RendererTest, APictureLargerThanADispatchIsMarchedWhole) {
+  TrainingRenderer& renderer = MakeRenderer({.count_steps = true});
+  renderer.SetField(RandomField(0, 25, 12.0f));
+  constexpr int kSide = 2048, kRows = 2056;
+  // The box fills a few percent of the picture, in its middle.
+  const RenderView view = LookAt({3.0, 4.0, -5.0}, {0.0, 0.375, 0.625}, kSide, kRows);
+  const std::vector<RayBlock> blocks = AllBlocks(view.camera);
+  const std::vector<glm::vec4> rays = renderer.MarchBlocks(view, blocks);
+  ASSERT_EQ(rays.size(), size_t(kSide) * kRows);
+  const RenderCounts counts = renderer.counts();
+  EXPECT_EQ(counts.rays, rays.size());
+  const auto hits =
+      std::count_if(rays.begin(), rays.end(), [](const glm::vec4& ray) { return ray.a > 0.0f; });
+  EXPECT_GT(double(hits), 0.01 * double(rays.size()));
+  // Through 5 or 6 tets: in at one face, out at another.
+  EXPECT_GE(counts.hit_rays, uint64_t(hits));
+  EXPECT_LT(counts.steps, 7 * counts.hit_rays);
+  // Some blocks one by one.
+  for (size_t i = 0; i < blocks.size(); i += blocks.size() / 40) {
+    const std::vector<glm::vec4> alone = renderer.MarchBlocks(view, {&blocks[i], 1});
+    for (int r = 0; r < kRaysPerBlock; ++r) {
+      EXPECT_EQ(std::bit_cast<glm::uvec4>(alone[r]),
+                std::bit_cast<glm::uvec4>(rays[i * kRaysPerBlock + r]));
+    }
+  }
+}
+
+class EveryRenderersBlocks : public EveryRendererTest {};
+INSTANTIATE_TEST_SUITE_P(, EveryRenderersBlocks, kEveryVulkanRenderer, RendererName);
+
+// 135,720 rays are more than one submit takes; each part is a tile again.
+TEST_P(EveryRenderersBlocks, ManyAreMarchedInPartsWithTheSameBits) {
+  const RenderView view = LookAt({0.9, 1.4, -0.6}, {0.0, 0.3, 0.6}, 348, 390);
+  const std::vector<RayBlock> blocks = AllBlocks(view.camera);
+  TrainingRenderer& renderer = MakeRenderer({.count_steps = true});
+  renderer.SetField(RandomField(20, 26, 12.0f));
+  const std::vector<glm::vec4> all = renderer.MarchBlocks(view, blocks);
+  const RenderCounts whole = renderer.counts();
+  std::vector<glm::vec4> parts;
+  const size_t row = 348 / kRayBlockWidth;
+  for (size_t first = 0; first < blocks.size(); first += 65 * row) {
+    const auto part = renderer.MarchBlocks(view, std::span(blocks).subspan(first, 65 * row));
+    parts.insert(parts.end(), part.begin(), part.end());
+  }
+  ASSERT_EQ(all.size(), parts.size());
+  for (size_t r = 0; r < all.size(); ++r) {
+    ASSERT_EQ(std::bit_cast<glm::uvec4>(all[r]), std::bit_cast<glm::uvec4>(parts[r])) << r;
+  }
+  EXPECT_EQ(renderer.counts().rays, 2 * whole.rays);
+  EXPECT_EQ(renderer.counts().steps, 2 * whole.steps);
+  EXPECT_EQ(whole.lost_rays, 0u);
+}
+
 }  // namespace
 }  // namespace tetrec::test

@@ -22,15 +22,6 @@ std::vector<RenderView> FourViews() {
   return views;
 }
 
-std::vector<RayBlock> BlocksOf(const std::vector<RenderView>& views) {
-  std::vector<RayBlock> all;
-  for (uint32_t v = 0; v < views.size(); ++v) {
-    const auto blocks = AllBlocks(views[v].camera, v);
-    all.insert(all.end(), blocks.begin(), blocks.end());
-  }
-  return all;
-}
-
 TargetImage TargetOf(const RenderedImage& image) {
   TargetImage target{image.width, image.height, {}};
   for (size_t i = 0; i < image.color_srgb.size(); ++i) {
@@ -168,24 +159,7 @@ TEST_F(RendererTest, FirstStepMovesEveryParameterAgainstItsGradient) {
 }
 
 TEST_F(RendererTest, VertexStateComesBackAsItWasSet) {
-  TrainingRenderer& renderer = MakeRenderer();
-  const TetMesh mesh = RandomBoxMesh(40, 56);
-  std::mt19937 random(1);
-  std::normal_distribution<float> normal;
-  VertexState state;
-  for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    const auto row = [&] {
-      return glm::vec4(normal(random), normal(random), normal(random), normal(random));
-    };
-    state.parameters.push_back(row());
-    state.first_moment.push_back(row());
-    state.second_moment.push_back(glm::abs(row()));
-  }
-  renderer.SetVertexState(mesh, state);
-  const VertexState back = renderer.ReadVertexState();
-  EXPECT_EQ(back.parameters, state.parameters);
-  EXPECT_EQ(back.first_moment, state.first_moment);
-  EXPECT_EQ(back.second_moment, state.second_moment);
+  ExpectStateComesBack(MakeRenderer(), RandomBoxMesh(40, 56), FieldStorage::kVertex);
 }
 
 // A step after a round trip ends where a step without it ends, up to the order of float sums.

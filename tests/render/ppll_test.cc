@@ -229,16 +229,7 @@ TEST_F(RendererTest, StepsOverTilesLowerTheLoss) {
   }
   renderer.SetTargets(views, targets);
   renderer.SetField(ConstantField(truth.mesh, 0.2f, glm::vec3(0.5f)));
-  std::vector<double> losses;
-  for (uint32_t i = 1; i <= 200; ++i) {
-    const auto blocks = AllBlocks(views[i % 4].camera, i % 4);
-    losses.push_back(renderer
-                         .Step({.blocks = blocks,
-                                .background_srgb = glm::vec3(i % 3 == 0, i % 2, 0.5f),
-                                .seed = i,
-                                .adam_step = i})
-                         .loss);
-  }
+  const std::vector<double> losses = LearnPictures(renderer, views, 200);
   const auto mean_of_12 = [&](size_t first) {
     double sum = 0;
     for (size_t i = 0; i < 12; ++i) sum += losses[first + i] / 12;

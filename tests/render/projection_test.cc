@@ -284,17 +284,7 @@ TEST_F(RendererTest, StepsOverProjectedTetsLowerTheLossAsTheMarchDoes) {
     for (const RenderView& view : views) targets.push_back(TargetOf(renderer.Render(view, 1)));
     renderer.SetTargets(views, targets);
     renderer.SetField(ConstantField(truth.mesh, 0.2f, glm::vec3(0.5f)));
-    losses.emplace_back();
-    for (uint32_t i = 1; i <= 90; ++i) {
-      const std::vector<RayBlock> blocks = AllBlocks(views[i % 3].camera, i % 3);
-      losses.back().push_back(renderer
-                                  .Step({.blocks = blocks,
-                                         .background_srgb = glm::vec3(i % 3 == 0, i % 2, 0.5f),
-                                         .jitter_px = 1.0f,
-                                         .seed = i,
-                                         .adam_step = i})
-                                  .loss);
-    }
+    losses.push_back(LearnPictures(renderer, views, 90, 1.0f));
   }
   EXPECT_LT(losses[1].back(), 0.2 * losses[1][2]);
   // Adam divides gradients by their own size, which lets roundings of small ones grow.

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "mesh/delaunay.h"
+#include "render/ray_blocks.h"
 #include "render/renderer.h"
 
 #include <glm/glm.hpp>
@@ -110,13 +111,59 @@ inline glm::dvec3 Eye(const RenderView& view) { return view.cam_from_world.Inver
 
 // Every 4 x 2 block of a picture, row by row.
 inline std::vector<RayBlock> AllBlocks(const Camera& camera, uint32_t view = 0) {
-  std::vector<RayBlock> blocks;
-  for (int y = 0; y < camera.height; y += kRayBlockHeight) {
-    for (int x = 0; x < camera.width; x += kRayBlockWidth) {
-      blocks.push_back({view, uint32_t(x), uint32_t(y)});
-    }
+  return CoveringBlocks(camera.width, camera.height, view);
+}
+
+// Those of one view after the other.
+inline std::vector<RayBlock> BlocksOf(const std::vector<RenderView>& views) {
+  std::vector<RayBlock> all;
+  for (uint32_t v = 0; v < views.size(); ++v) {
+    const auto blocks = AllBlocks(views[v].camera, v);
+    all.insert(all.end(), blocks.begin(), blocks.end());
   }
-  return blocks;
+  return all;
+}
+
+// What `steps` steps say of the loss, each on a whole picture, the views in turns.
+inline std::vector<double> LearnPictures(TrainingRenderer& renderer,
+                                         const std::vector<RenderView>& views, uint32_t steps,
+                                         float jitter_px = 0.0f) {
+  std::vector<double> losses;
+  for (uint32_t i = 1; i <= steps; ++i) {
+    const uint32_t view = i % uint32_t(views.size());
+    const std::vector<RayBlock> blocks = AllBlocks(views[view].camera, view);
+    losses.push_back(renderer
+                         .Step({.blocks = blocks,
+                                .background_srgb = glm::vec3(i % 3 == 0, i % 2, 0.5f),
+                                .jitter_px = jitter_px,
+                                .seed = i,
+                                .adam_step = i})
+                         .loss);
+  }
+  return losses;
+}
+
+// A random state must be read back as it was set, bit by bit.
+inline void ExpectStateComesBack(TrainingRenderer& renderer, const TetMesh& mesh,
+                                 FieldStorage storage) {
+  std::mt19937 random(1);
+  std::normal_distribution<float> normal;
+  const auto row = [&] {
+    return glm::vec4(normal(random), normal(random), normal(random), normal(random));
+  };
+  VertexState state;
+  state.storage = storage;
+  for (size_t i = 0; i < RowCount(mesh, storage); ++i) {
+    state.parameters.push_back(row());
+    state.first_moment.push_back(row());
+    state.second_moment.push_back(glm::abs(row()));
+  }
+  renderer.SetVertexState(mesh, state);
+  const VertexState back = renderer.ReadVertexState();
+  EXPECT_EQ(back.storage, storage);
+  EXPECT_EQ(back.parameters, state.parameters);
+  EXPECT_EQ(back.first_moment, state.first_moment);
+  EXPECT_EQ(back.second_moment, state.second_moment);
 }
 
 // Holds renderers with validation on; a message of the layer fails the test that caused it.
