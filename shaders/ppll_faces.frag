@@ -1,13 +1,15 @@
-// Appends the face to the list of every ray that passes it. One module counts and stores, so that both
-// passes decide alike.
+// Stores the face for every ray that passes it: as a node behind all others, counting what every list
+// holds, or into lists of known lengths. One module does both, so that they decide alike.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #include "ppll.glsl"
 
 layout(std430, binding = kBindLists) readonly buffer Lists { uvec2 lists[]; };
+// The last one, behind those of the rays, counts the nodes.
 layout(std430, binding = kBindListFills) buffer ListFills { uint list_fills[]; };
 layout(std430, binding = kBindFragments) writeonly buffer Fragments { uvec2 fragments[]; };
+layout(std430, binding = kBindAppended) writeonly buffer Appended { uvec4 appended[]; };
 layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
 layout(location = 0) flat in vec3 position0;  // by ascending vertex id
@@ -50,26 +52,39 @@ bool TurnsLeft(vec3 a, vec3 b) {
   return turn > 0.0;
 }
 
+// Counts what it cannot store.
+void Store(uint ray, uvec2 fragment) {
+  uint place = atomicAdd(list_fills[ray], 1u);
+  if (push.appends != 0u) {
+    uint node = atomicAdd(list_fills[push.ray_count], 1u);
+    if (node < push.most_appended) appended[node] = uvec4(fragment, ray, place);
+  } else {
+    uvec2 list = lists[ray];
+    if (place < list.y) {
+      fragments[list.x + place] = fragment;
+    } else {
+      atomicAdd(counters[kCounterLostRays], 1u);  // the passes decided unlike
+    }
+  }
+}
+
 void main() {
-  uint index = RayOfPixel(uvec2(gl_FragCoord.xy));
-  ListRay list_ray = MakeListRay(index);
+  uvec2 at = uvec2(gl_FragCoord.xy);
+  ListRay list_ray = MakeListRay(at);
   vec3 a = InRayFrame(list_ray.ray, position0);
   vec3 b = InRayFrame(list_ray.ray, position1);
   vec3 c = InRayFrame(list_ray.ray, position2);
-  bool ab = TurnsLeft(a, b), bc = TurnsLeft(b, c), ac = TurnsLeft(a, c);
-  vec3 w = HitWeights(a, b, c);
+  precise vec3 p = vec3(b.x * c.y, a.x * c.y, a.x * b.y);
+  precise vec3 q = vec3(b.y * c.x, a.y * c.x, a.y * b.x);
+  bvec3 left = greaterThan(p, q);
+  TETREC_RARELY(any(equal(p, q))) {
+    left = bvec3(TurnsLeft(b, c), TurnsLeft(a, c), TurnsLeft(a, b));
+  }
+  vec3 w = WeightsOf(p - q);
   float z = w.x * a.z + w.y * b.z + w.z * c.z;
-  if (list_ray.ray.valid && ab == bc && ab != ac && z > list_ray.camera_z) {
-    uint place = atomicAdd(list_fills[index], 1u);
-    if (push.only_counts == 0u) {
-      uvec2 list = lists[index];
-      bool outward = (face & 1u) != 0u;
-      uint entering = ab == outward ? 0u : 1u;
-      if (place < list.y) {
-        fragments[list.x + place] = uvec2(floatBitsToUint(z), (face & ~1u) | entering);
-      } else {
-        atomicAdd(counters[kCounterLostRays], 1u);  // the passes decided unlike
-      }
-    }
+  if (list_ray.ray.valid && left.z == left.x && left.z != left.y && z > list_ray.camera_z) {
+    bool outward = (face & 1u) != 0u;
+    uint entering = left.z == outward ? 0u : 1u;
+    Store(RayOfPixel(at), uvec2(floatBitsToUint(z), (face & ~1u) | entering));
   }
 }
