@@ -1,7 +1,6 @@
 // Per-pixel lists of the faces that rays pass.
 //
-// Which faces a ray passes is decided in its own frame (axes u, v across it, z along it) by the signs
-// of edge functions, exactly: the sign of a difference of products of floats is computed without
+// Which faces a ray passes is decided in a frame that has it as an axis by the signs of edge functions, exactly: the sign of a difference of products of floats is computed without
 // rounding, and a zero is decided as if every vertex were moved by its own infinitesimal amount
 // (Edelsbrunner and Muecke 1990, "Simulation of simplicity"). So a ray passes 0 or 2 faces of every
 // tet, through edges and vertices too, and its faces form chains from hull to hull. Rounding can only

@@ -12,10 +12,8 @@ layout(std430, binding = kBindFragments) writeonly buffer Fragments { uvec2 frag
 layout(std430, binding = kBindAppended) writeonly buffer Appended { uvec4 appended[]; };
 layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
-layout(location = 0) flat in vec3 position0;  // by ascending vertex id
-layout(location = 1) flat in vec3 position1;
-layout(location = 2) flat in vec3 position2;
-layout(location = 3) flat in uint face;
+#include "ppll_face_view.glsl"
+TETREC_FACE_VIEW(in)
 
 // A normal float as mantissa x 2^exponent.
 uint Mantissa(float x) { return (floatBitsToUint(x) & 0x7FFFFFu) | 0x800000u; }
@@ -68,12 +66,19 @@ void Store(uint ray, uvec2 fragment) {
   }
 }
 
+// A vertex seen along the ray of slope `slope`, sheared so that the ray is the axis: the ray passes the
+// same faces in this frame as in any other that has it as an axis.
+vec3 AlongRay(vec3 corner, vec2 axis, vec2 slope) {
+  precise vec2 across = (corner.xy + axis) - slope * corner.z;
+  return vec3(across, corner.z);
+}
+
 void main() {
-  uvec2 at = uvec2(gl_FragCoord.xy);
-  ListRay list_ray = MakeListRay(at);
-  vec3 a = InRayFrame(list_ray.ray, position0);
-  vec3 b = InRayFrame(list_ray.ray, position1);
-  vec3 c = InRayFrame(list_ray.ray, position2);
+  vec2 slope = (gl_FragCoord.xy + pixel_origin_focal.xy) / pixel_origin_focal.zw;
+  vec2 axis = reference.xy - slope * reference.z;
+  vec3 a = AlongRay(corner0, axis, slope);
+  vec3 b = AlongRay(corner1, axis, slope);
+  vec3 c = AlongRay(corner2, axis, slope);
   precise vec3 p = vec3(b.x * c.y, a.x * c.y, a.x * b.y);
   precise vec3 q = vec3(b.y * c.x, a.y * c.x, a.y * b.x);
   bvec3 left = greaterThan(p, q);
@@ -81,10 +86,14 @@ void main() {
     left = bvec3(TurnsLeft(b, c), TurnsLeft(a, c), TurnsLeft(a, b));
   }
   vec3 w = WeightsOf(p - q);
-  float z = w.x * a.z + w.y * b.z + w.z * c.z;
-  if (list_ray.ray.valid && left.z == left.x && left.z != left.y && z > list_ray.camera_z) {
+  float depth = w.x * a.z + w.y * b.z + w.z * c.z;
+  if (left.z == left.x && left.z != left.y && depth + reference.z > 0.0) {
     bool outward = (face & 1u) != 0u;
     uint entering = left.z == outward ? 0u : 1u;
-    Store(RayOfPixel(at), uvec2(floatBitsToUint(z), (face & ~1u) | entering));
+    // As MakeListRay counts.
+    float stretch = sqrt(1.0 + dot(slope, slope));
+    float begin = max(dot(reference.xyz, vec3(slope, 1.0)) / stretch - reference.w, 0.0);
+    float z = depth * stretch + (reference.z * stretch - begin);
+    Store(RayOfPixel(uvec2(gl_FragCoord.xy)), uvec2(floatBitsToUint(z), (face & ~1u) | entering));
   }
 }

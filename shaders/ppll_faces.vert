@@ -11,10 +11,8 @@
 layout(std430, binding = kBindFaces) readonly buffer Faces { uint faces[]; };
 layout(std430, binding = kBindFaceChunks) readonly buffer FaceChunks { uint face_chunks[]; };
 
-layout(location = 0) flat out vec3 position0;  // by ascending vertex id
-layout(location = 1) flat out vec3 position1;
-layout(location = 2) flat out vec3 position2;
-layout(location = 3) flat out uint face;  // | 1 where this order winds outwards
+#include "ppll_face_view.glsl"
+TETREC_FACE_VIEW(out)
 
 // Far beyond any picture, still exact in fixed point after the clamp to it.
 const float kFar = 1e9;
@@ -50,10 +48,12 @@ Bounds TakeEdge(Bounds bounds, vec3 p, vec3 q, float rounding) {
   return bounds;
 }
 
-vec3 InCamera(GpuView view, vec3 position) {
-  vec3 r = position - view.center_in_world_cy.xyz;
-  return vec3(dot(r, view.right_in_world_fx.xyz), dot(r, view.down_in_world_fy.xyz),
-              dot(r, view.forward_in_world_cx.xyz));
+// Along the camera's axes. The same bits wherever the position is the same.
+vec3 InCamera(GpuView view, vec3 position, vec3 origin) {
+  precise vec3 r = position - origin;
+  precise vec3 p = vec3(dot(r, view.right_in_world_fx.xyz), dot(r, view.down_in_world_fy.xyz),
+                        dot(r, view.forward_in_world_cx.xyz));
+  return p;
 }
 
 vec2 InBatch(GpuView view, vec3 p, vec2 first_pixel) {
@@ -122,15 +122,25 @@ void main() {
   if (ids.x > ids.y) ids = ids.yxz, outward = !outward;
   if (ids.y > ids.z) ids = ids.xzy, outward = !outward;
   if (ids.x > ids.y) ids = ids.yxz, outward = !outward;
-  position0 = texelFetch(vertices, int(2u * ids.x)).xyz;
-  position1 = texelFetch(vertices, int(2u * ids.y)).xyz;
-  position2 = texelFetch(vertices, int(2u * ids.z)).xyz;
+  vec3 position0 = texelFetch(vertices, int(2u * ids.x)).xyz;
+  vec3 position1 = texelFetch(vertices, int(2u * ids.y)).xyz;
+  vec3 position2 = texelFetch(vertices, int(2u * ids.z)).xyz;
   face = code | (outward ? 1u : 0u);
 
   GpuBlock first = blocks[0];
   GpuView view = views[push.view];
-  vec3 corners[3] = vec3[](InCamera(view, position0), InCamera(view, position1),
-                           InCamera(view, position2));
+  vec3 eye = view.center_in_world_cy.xyz;
+  bool is_inside = view.size_pixel_tet.w != kNoTet;
+  vec3 origin = is_inside ? eye : push.mesh_ball.xyz;
+  corner0 = InCamera(view, position0, origin);
+  corner1 = InCamera(view, position1, origin);
+  corner2 = InCamera(view, position2, origin);
+  reference = vec4(InCamera(view, origin, eye), is_inside ? 0.0 : push.mesh_ball.w);
+  vec2 center = vec2(view.forward_in_world_cx.w, view.center_in_world_cy.w);
+  pixel_origin_focal = vec4(vec2(first.x, first.y) + Jitter(0u) - center,
+                            view.right_in_world_fx.w, view.down_in_world_fy.w);
+  vec3 corners[3] = vec3[](InCamera(view, position0, eye), InCamera(view, position1, eye),
+                           InCamera(view, position2, eye));
   vec2 first_pixel = vec2(first.x, first.y);
   vec2 images[3] = vec2[](InBatch(view, corners[0], first_pixel), InBatch(view, corners[1], first_pixel),
                           InBatch(view, corners[2], first_pixel));

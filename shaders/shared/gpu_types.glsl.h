@@ -84,7 +84,7 @@ struct PpllPush {
 };
 
 // Faces come in runs, which are drawn or left out as a whole.
-#define kFacesPerChunk 64
+#define kFacesPerChunk 16
 
 
 struct LossPush {

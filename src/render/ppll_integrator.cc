@@ -65,7 +65,7 @@ std::vector<FaceChunk> BoundFaces(const TetMesh& mesh, std::span<const uint32_t>
   return chunks;
 }
 
-// Appends the chunks that rays through a tile may pass.
+// Appends the chunks that rays through a tile may pass, front to back.
 void AppendVisible(const RayPass& pass, const FragmentTile& tile, std::span<const FaceChunk> chunks,
                    std::vector<uint32_t>& visible) {
   const gpu_types::GpuView& view = pass.view;
@@ -83,6 +83,7 @@ void AppendVisible(const RayPass& pass, const FragmentTile& tile, std::span<cons
   const glm::vec4 ball = pass.push.mesh_ball;
   const double rounding =
       1e-5 * (glm::length(eye) + glm::length(glm::dvec3(ball)) + double(ball.w));
+  std::vector<std::pair<double, uint32_t>> found;
   for (uint32_t i = 0; i < chunks.size(); ++i) {
     const glm::dvec3 r = chunks[i].center - eye;
     const glm::dvec2 across(glm::dot(r, right), glm::dot(r, down));
@@ -90,9 +91,11 @@ void AppendVisible(const RayPass& pass, const FragmentTile& tile, std::span<cons
     const glm::dvec2 left_of = low * z - across - radius * low_length;
     const glm::dvec2 right_of = across - high * z - radius * high_length;
     if (z > -radius && std::max({left_of.x, left_of.y, right_of.x, right_of.y}) < 0.0) {
-      visible.push_back(i);
+      found.emplace_back(glm::length(r), i);
     }
   }
+  std::sort(found.begin(), found.end());
+  for (const auto& [distance, i] : found) visible.push_back(i);
 }
 
 // What every kernel reads, and `more`.
@@ -232,13 +235,19 @@ void PpllIntegrator::DrawFaces(CommandRecorder& recorder, const RayPass& pass,
   push.first_chunk = uint32_t(first_visible_[i]);
   const uint64_t chunks = first_visible_[i + 1] - first_visible_[i];
   const uint32_t width = pass.rays.columns * kBlockWidth;
+  // Pixels of the batch that the picture has.
+  const uint32_t columns =
+      pass.view.size_pixel_tet.x - std::min(pass.view.size_pixel_tet.x, pass.blocks[0].x);
+  const uint32_t rows =
+      pass.view.size_pixel_tet.y - std::min(pass.view.size_pixel_tet.y, pass.blocks[0].y);
   recorder.FillZero(list_fills_);
   recorder.Draw(faces_program_,
                 MeshAnd(pass, {&faces_, &lists_, &list_fills_, &fragments_, &visible_chunks_,
                                &appended_, &pass.counters}),
                 push, uint32_t(3 * kFacesPerChunk * chunks),
                 {.width = width, .height = pass.rays.count / width},
-                {tile.x, tile.y, tile.width, tile.height});
+                {tile.x, tile.y, std::min(tile.width, tile.x < columns ? columns - tile.x : 0),
+                 std::min(tile.height, tile.y < rows ? rows - tile.y : 0)});
 }
 
 // Draws the whole batch, counting, and waits.
