@@ -1,7 +1,6 @@
 // Per-pixel lists of the faces that rays pass.
 //
-// Which faces a ray passes is decided in its own frame (axes u, v across it, z along it) by the signs
-// of edge functions, exactly: the sign of a difference of products of floats is computed without
+// Which faces a ray passes is decided in a frame that has it as an axis by the signs of edge functions, exactly: the sign of a difference of products of floats is computed without
 // rounding, and a zero is decided as if every vertex were moved by its own infinitesimal amount
 // (Edelsbrunner and Muecke 1990, "Simulation of simplicity"). So a ray passes 0 or 2 faces of every
 // tet, through edges and vertices too, and its faces form chains from hull to hull. Rounding can only
@@ -34,9 +33,12 @@ struct ListRay {
   float camera_z;
 };
 
-ListRay MakeListRay(uint index) {
+// `at` counts from the batch's first pixel. No index here differs from ray to ray: loads that
+// lavapipe does once for eight of them.
+ListRay MakeListRay(uvec2 at) {
   ListRay result;
-  result.ray = MakeRay(index);
+  GpuBlock first = blocks[0];
+  result.ray = MakeRayThrough(views[push.view], first.x + at.x, first.y + at.y, Jitter(0u));
   float begin =
       dot(push.mesh_ball.xyz - result.ray.origin, result.ray.direction) - push.mesh_ball.w;
   begin = result.ray.start_tet == kNoTet ? max(begin, 0.0) : 0.0;
@@ -49,12 +51,14 @@ vec3 EdgeFunctions(vec3 a, vec3 b, vec3 c) {
   return vec3(EdgeFunction(b, c), EdgeFunction(c, a), EdgeFunction(a, b));
 }
 
-// Hit point of a ray that passes the triangle: barycentric weights.
-vec3 HitWeights(vec3 a, vec3 b, vec3 c) {
-  vec3 w = abs(EdgeFunctions(a, b, c));
+// Hit point of a ray that passes a triangle: barycentric weights, of the vertices opposite the edges.
+vec3 WeightsOf(vec3 edge_functions) {
+  vec3 w = abs(edge_functions);
   float sum = w.x + w.y + w.z;
   return sum > 0.0 ? w * (1.0 / sum) : vec3(1.0 / 3.0);
 }
+
+vec3 HitWeights(vec3 a, vec3 b, vec3 c) { return WeightsOf(EdgeFunctions(a, b, c)); }
 
 // Vertices of face i, ascending by their place in the tet; wound outwards where i is even.
 uvec3 FaceVertices(uvec4 ids, uint i) {

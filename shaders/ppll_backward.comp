@@ -36,9 +36,9 @@ void main() {
   uint i = gl_GlobalInvocationID.x;
   bool exists = i < push.tile_pixels;
   uint pixel = exists ? i : 0u;
-  uint index = RayOfPixel(uvec2(push.tile_x + pixel % push.tile_width,
-                                push.tile_y + pixel / push.tile_width));
-  ListRay list_ray = MakeListRay(index);
+  uvec2 at = uvec2(push.tile_x + pixel % push.tile_width, push.tile_y + pixel / push.tile_width);
+  uint index = RayOfPixel(at);
+  ListRay list_ray = MakeListRay(at);
   uvec2 list = lists[index];
   vec4 gradient = ray_gradients[index];
   uvec2 entry = ray_entries[index];

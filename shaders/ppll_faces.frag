@@ -1,19 +1,19 @@
-// Appends the face to the list of every ray that passes it. One module counts and stores, so that both
-// passes decide alike.
+// Stores the face for every ray that passes it: as a node behind all others, counting what every list
+// holds, or into lists of known lengths. One module does both, so that they decide alike.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #include "ppll.glsl"
 
 layout(std430, binding = kBindLists) readonly buffer Lists { uvec2 lists[]; };
+// The last one, behind those of the rays, counts the nodes.
 layout(std430, binding = kBindListFills) buffer ListFills { uint list_fills[]; };
 layout(std430, binding = kBindFragments) writeonly buffer Fragments { uvec2 fragments[]; };
+layout(std430, binding = kBindAppended) writeonly buffer Appended { uvec4 appended[]; };
 layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
-layout(location = 0) flat in vec3 position0;  // by ascending vertex id
-layout(location = 1) flat in vec3 position1;
-layout(location = 2) flat in vec3 position2;
-layout(location = 3) flat in uint face;
+#include "ppll_face_view.glsl"
+TETREC_FACE_VIEW(in)
 
 // A normal float as mantissa x 2^exponent.
 uint Mantissa(float x) { return (floatBitsToUint(x) & 0x7FFFFFu) | 0x800000u; }
@@ -50,26 +50,50 @@ bool TurnsLeft(vec3 a, vec3 b) {
   return turn > 0.0;
 }
 
-void main() {
-  uint index = RayOfPixel(uvec2(gl_FragCoord.xy));
-  ListRay list_ray = MakeListRay(index);
-  vec3 a = InRayFrame(list_ray.ray, position0);
-  vec3 b = InRayFrame(list_ray.ray, position1);
-  vec3 c = InRayFrame(list_ray.ray, position2);
-  bool ab = TurnsLeft(a, b), bc = TurnsLeft(b, c), ac = TurnsLeft(a, c);
-  vec3 w = HitWeights(a, b, c);
-  float z = w.x * a.z + w.y * b.z + w.z * c.z;
-  if (list_ray.ray.valid && ab == bc && ab != ac && z > list_ray.camera_z) {
-    uint place = atomicAdd(list_fills[index], 1u);
-    if (push.only_counts == 0u) {
-      uvec2 list = lists[index];
-      bool outward = (face & 1u) != 0u;
-      uint entering = ab == outward ? 0u : 1u;
-      if (place < list.y) {
-        fragments[list.x + place] = uvec2(floatBitsToUint(z), (face & ~1u) | entering);
-      } else {
-        atomicAdd(counters[kCounterLostRays], 1u);  // the passes decided unlike
-      }
+// Counts what it cannot store.
+void Store(uint ray, uvec2 fragment) {
+  uint place = atomicAdd(list_fills[ray], 1u);
+  if (push.appends != 0u) {
+    uint node = atomicAdd(list_fills[push.ray_count], 1u);
+    if (node < push.most_appended) appended[node] = uvec4(fragment, ray, place);
+  } else {
+    uvec2 list = lists[ray];
+    if (place < list.y) {
+      fragments[list.x + place] = fragment;
+    } else {
+      atomicAdd(counters[kCounterLostRays], 1u);  // the passes decided unlike
     }
+  }
+}
+
+// A vertex seen along the ray of slope `slope`, sheared so that the ray is the axis: the ray passes the
+// same faces in this frame as in any other that has it as an axis.
+vec3 AlongRay(vec3 corner, vec2 axis, vec2 slope) {
+  precise vec2 across = (corner.xy + axis) - slope * corner.z;
+  return vec3(across, corner.z);
+}
+
+void main() {
+  vec2 slope = (gl_FragCoord.xy + pixel_origin_focal.xy) / pixel_origin_focal.zw;
+  vec2 axis = reference.xy - slope * reference.z;
+  vec3 a = AlongRay(corner0, axis, slope);
+  vec3 b = AlongRay(corner1, axis, slope);
+  vec3 c = AlongRay(corner2, axis, slope);
+  precise vec3 p = vec3(b.x * c.y, a.x * c.y, a.x * b.y);
+  precise vec3 q = vec3(b.y * c.x, a.y * c.x, a.y * b.x);
+  bvec3 left = greaterThan(p, q);
+  TETREC_RARELY(any(equal(p, q))) {
+    left = bvec3(TurnsLeft(b, c), TurnsLeft(a, c), TurnsLeft(a, b));
+  }
+  vec3 w = WeightsOf(p - q);
+  float depth = w.x * a.z + w.y * b.z + w.z * c.z;
+  if (left.z == left.x && left.z != left.y && depth + reference.z > 0.0) {
+    bool outward = (face & 1u) != 0u;
+    uint entering = left.z == outward ? 0u : 1u;
+    // As MakeListRay counts.
+    float stretch = sqrt(1.0 + dot(slope, slope));
+    float begin = max(dot(reference.xyz, vec3(slope, 1.0)) / stretch - reference.w, 0.0);
+    float z = depth * stretch + (reference.z * stretch - begin);
+    Store(RayOfPixel(uvec2(gl_FragCoord.xy)), uvec2(floatBitsToUint(z), (face & ~1u) | entering));
   }
 }

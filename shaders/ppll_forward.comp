@@ -50,9 +50,9 @@ void main() {
   uint i = gl_GlobalInvocationID.x;
   bool exists = i < push.tile_pixels;
   uint pixel = exists ? i : 0u;
-  uint index = RayOfPixel(uvec2(push.tile_x + pixel % push.tile_width,
-                                push.tile_y + pixel / push.tile_width));
-  ListRay list_ray = MakeListRay(index);
+  uvec2 at = uvec2(push.tile_x + pixel % push.tile_width, push.tile_y + pixel / push.tile_width);
+  uint index = RayOfPixel(at);
+  ListRay list_ray = MakeListRay(at);
   uvec2 list = lists[index];
   bool go = exists && list.y > 0u;
   vec3 color = vec3(0.0);

@@ -58,31 +58,45 @@ void Sort(uint first, uint count) {
 
 #else
 
-// Shell sort with the gaps of Ciura 2001; the last gap alone is an insertion sort.
-const uint kGaps[9] = uint[](1750u, 701u, 301u, 132u, 57u, 23u, 10u, 4u, 1u);
+// Shell sort with the gaps of Ciura 2001; the last gap alone is an insertion sort. Faces are drawn
+// front to back by chunks, so that most lists are all but sorted: an insertion sort alone goes first,
+// for as long as it moves fragments by kShortWay places on average.
+const uint kGaps[10] = uint[](1u, 1750u, 701u, 301u, 132u, 57u, 23u, 10u, 4u, 1u);
+const uint kShortWay = 12u;
+// At most so many rounds: llvmpipe ends the loops of one invocation after 65,535.
+const uint kMostShortRounds = 4096u;
 
+// One round compares the fragment that is moved with one other: lists of neighbours, which lavapipe
+// sorts together, wait for each other at their ends only.
 void Sort(uint first, uint count) {
-  uint g = 0u;
-  while (g < 9u) {
-    uint gap = kGaps[g];
-    uint i = gap;
-    while (i < count) {
-      uvec2 moved = fragments[first + i];
-      uint place = i;
-      bool go = true;
-      while (go) {
-        uvec2 other = fragments[first + place - gap];
-        go = Before(moved, other);
-        if (go) {
-          fragments[first + place] = other;
-          place -= gap;
-          go = place >= gap;
-        }
-      }
-      fragments[first + place] = moved;
+  uint g = 0u, gap = 1u, i = 1u, place = 1u;
+  uint rounds = 0u;
+  uvec2 moved = uvec2(0u);
+  bool go = count > 1u;
+  if (go) moved = fragments[first + 1u];
+  while (go) {
+    uvec2 other = fragments[first + place - gap];
+    bool moves = Before(moved, other);
+    fragments[first + place] = moves ? other : moved;
+    place -= moves ? gap : 0u;
+    bool at_begin = moves && place < gap;
+    if (at_begin) fragments[first + place] = moved;
+    rounds += 1u;
+    bool placed = !moves || at_begin;
+    if (placed) {
       i += 1u;
+      bool short_ways = g > 0u || rounds <= min(kShortWay * count, kMostShortRounds);
+      if (i >= count || !short_ways) {
+        // Gaps that are as long as the list have nothing to sort.
+        go = g < 9u && !(g == 0u && short_ways);
+        g += 1u;
+        while (go && kGaps[min(g, 9u)] >= count) g += 1u;
+        gap = kGaps[min(g, 9u)];
+        i = gap;
+      }
+      place = i;
+      if (go) moved = fragments[first + i];
     }
-    g += 1u;
   }
 }
 

@@ -24,12 +24,8 @@ vec2 Jitter(uint index) {
   return push.jitter_px * vec2(UnitFloat(random) - 0.5, UnitFloat(Hash(random)) - 0.5);
 }
 
-Ray MakeRay(uint index) {
-  GpuBlock block = blocks[index / kBlockRays];
-  GpuView view = views[block.view];
-  uint lane = index % kBlockRays;
-  uint x = block.x + lane % kBlockWidth, y = block.y + lane / kBlockWidth;
-  vec2 jitter = Jitter(index);
+// Through pixel (x, y) of a view.
+Ray MakeRayThrough(GpuView view, uint x, uint y, vec2 jitter) {
   float image_x = (float(x) + 0.5 + jitter.x - view.forward_in_world_cx.w) / view.right_in_world_fx.w;
   float image_y = (float(y) + 0.5 + jitter.y - view.center_in_world_cy.w) / view.down_in_world_fy.w;
   Ray ray;
@@ -47,6 +43,13 @@ Ray MakeRay(uint index) {
   ray.pixel = view.size_pixel_tet.z + y * view.size_pixel_tet.x + x;
   ray.start_tet = view.size_pixel_tet.w;
   return ray;
+}
+
+Ray MakeRay(uint index) {
+  GpuBlock block = blocks[index / kBlockRays];
+  uint lane = index % kBlockRays;
+  return MakeRayThrough(views[block.view], block.x + lane % kBlockWidth,
+                        block.y + lane / kBlockWidth, Jitter(index));
 }
 
 // Axes u, v across the ray, d along it. The same bits wherever the position is the same.

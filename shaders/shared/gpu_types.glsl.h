@@ -69,16 +69,22 @@ struct PpllPush {
   float jitter_px;   // all rays are moved alike, by up to half of this
   float stop_depth;  // rays stop at this optical depth (-log of transmittance)
   uint face_count;
-  uint only_counts;     // the faces' pixels are counted, nothing is stored
+  uint appends;         // faces become nodes and are counted, else they go into lists
   uint tile_x, tile_y;  // [px] from the batch's first pixel
   uint tile_width;      // [px]
   uint tile_pixels;
   uint shortest, longest;  // lists that the sort takes
   // Of fixed-point sums, as in MarchPush.
   float color_quanta, density_quanta, position_quanta, largest_quanta;
-  uint first_cell;  // as in MarchPush
-  uint padding0, padding1;
+  uint first_cell;     // as in MarchPush
+  uint view;           // that all blocks name
+  uint most_appended;  // nodes that there is room for, or are
+  uint first_chunk;    // of the draw's, among the visible ones
+  uint padding0, padding1, padding2;
 };
+
+// Faces come in runs, which are drawn or left out as a whole.
+#define kFacesPerChunk 16
 
 struct LossPush {
   uint ray_count;
@@ -222,12 +228,14 @@ struct SpreadPush {
 #define kBindWindowRows 36  // floats a channel and ray, 5 planes: sums of SSIM's windows along rows
 #define kBindWindowTerms 37   // floats a channel and ray, 3 planes: dSSIM / d(means of a window)
 #define kBindPartialSsims 38  // float a workgroup
+#define kBindFaceChunks 39    // uint a chunk of faces that a tile may see
+#define kBindAppended 40      // uvec4: fragment, ray, place in the ray's list
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 80 && sizeof(GpuBlock) == 16);
 static_assert(sizeof(MarchPush) <= 128 && sizeof(LossPush) <= 128 && sizeof(AdamPush) <= 128);
 static_assert(sizeof(DssimPush) == 32);
-static_assert(sizeof(ProjectionPush) <= 128 && sizeof(PpllPush) == 96);
+static_assert(sizeof(ProjectionPush) <= 128 && sizeof(PpllPush) == 112);
 }  // namespace tetrec::gpu_types
 #endif
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace tetrec {
@@ -15,7 +16,7 @@ namespace {
 
 using gpu_types::PpllPush;
 
-constexpr uint64_t kFragmentBytes = 8;
+constexpr uint64_t kFragmentBytes = 8, kAppendedBytes = 16;
 // Longer lists are sorted by heap: its n log n overtakes shell sort there.
 constexpr uint32_t kLongestShellSort = 1024;
 
@@ -40,6 +41,63 @@ std::vector<uint32_t> UniqueFaces(const TetMesh& mesh) {
   return faces;
 }
 
+// Balls around the chunks of faces.
+std::vector<FaceChunk> BoundFaces(const TetMesh& mesh, std::span<const uint32_t> faces) {
+  std::vector<FaceChunk> chunks;
+  for (size_t first = 0; first < faces.size(); first += kFacesPerChunk) {
+    const auto part = faces.subspan(first, std::min<size_t>(kFacesPerChunk, faces.size() - first));
+    const auto for_each_corner = [&](const auto& body) {
+      for (const uint32_t face : part) {
+        for (int i = 0; i < 4; ++i) {
+          const uint32_t vertex = mesh.tets[face >> 3][i];
+          if (i != int(face >> 1 & 3)) body(glm::dvec3(mesh.positions[vertex]));
+        }
+      }
+    };
+    glm::dvec3 low(std::numeric_limits<double>::max()), high = -low;
+    for_each_corner([&](const glm::dvec3& p) { low = glm::min(low, p), high = glm::max(high, p); });
+    FaceChunk chunk{0.5 * (low + high), 0.0};
+    for_each_corner([&](const glm::dvec3& p) {
+      chunk.radius = std::max(chunk.radius, glm::distance(chunk.center, p));
+    });
+    chunks.push_back(chunk);
+  }
+  return chunks;
+}
+
+// Appends the chunks that rays through a tile may pass, front to back.
+void AppendVisible(const RayPass& pass, const FragmentTile& tile, std::span<const FaceChunk> chunks,
+                   std::vector<uint32_t>& visible) {
+  const gpu_types::GpuView& view = pass.view;
+  const glm::dvec3 eye(view.center_in_world_cy), right(view.right_in_world_fx),
+      down(view.down_in_world_fy), forward(view.forward_in_world_cx);
+  const glm::dvec2 focal(view.right_in_world_fx.w, view.down_in_world_fy.w);
+  const glm::dvec2 center(view.forward_in_world_cx.w, view.center_in_world_cy.w);
+  // Half a pixel more than the tile's outer rays need.
+  const glm::dvec2 first(pass.blocks[0].x + tile.x, pass.blocks[0].y + tile.y);
+  const double margin = 0.5 * double(pass.push.jitter_px);
+  const glm::dvec2 low = (first - margin - center) / focal;
+  const glm::dvec2 high = (first + glm::dvec2(tile.width, tile.height) + margin - center) / focal;
+  const glm::dvec2 low_length = glm::sqrt(1.0 + low * low),
+                   high_length = glm::sqrt(1.0 + high * high);
+  const glm::vec4 ball = pass.push.mesh_ball;
+  const double rounding =
+      1e-5 * (glm::length(eye) + glm::length(glm::dvec3(ball)) + double(ball.w));
+  std::vector<std::pair<double, uint32_t>> found;
+  for (uint32_t i = 0; i < chunks.size(); ++i) {
+    const glm::dvec3 r = chunks[i].center - eye;
+    const glm::dvec2 across(glm::dot(r, right), glm::dot(r, down));
+    const double z = glm::dot(r, forward), radius = chunks[i].radius + rounding;
+    const glm::dvec2 left_of = low * z - across - radius * low_length;
+    const glm::dvec2 right_of = across - high * z - radius * high_length;
+    if (z > -radius && std::max({left_of.x, left_of.y, right_of.x, right_of.y}) < 0.0) {
+      found.emplace_back(glm::length(r), i);
+    }
+  }
+  std::sort(found.begin(), found.end());
+  for (const auto& [distance, i] : found) visible.push_back(i);
+}
+
 // What every kernel reads, and `more`.
 std::vector<BindingSpec> WithMesh(std::vector<BindingSpec> more) {
   std::vector<BindingSpec> all = {{kBindTets, Access::kTexelRead},
@@ -62,6 +120,7 @@ std::vector<const Buffer*> MeshAnd(const RayPass& pass, std::initializer_list<co
 PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& options,
                                FieldStorage storage)
     : device_(device),
+      fragment_memory_(options.fragment_memory),
       fragment_capacity_(std::min<uint64_t>(options.fragment_memory,
                                             device.properties.limits.maxStorageBufferRange) /
                          kFragmentBytes),
@@ -72,6 +131,8 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
                                                {kBindLists, Access::kRead},
                                                {kBindListFills, Access::kReadWrite},
                                                {kBindFragments, Access::kReadWrite},
+                                               {kBindFaceChunks, Access::kRead},
+                                               {kBindAppended, Access::kWrite},
                                                {kBindCounters, Access::kReadWrite}}),
                                      sizeof(PpllPush));
   const auto constants_of_rays = ConstantsOf(options.integral, storage);
@@ -82,6 +143,10 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
   };
   const std::vector<BindingSpec> sorted = {{kBindLists, Access::kRead},
                                            {kBindFragments, Access::kReadWrite}};
+  gather_ = make("ppll_gather", kPpllGather,
+                 {{kBindLists, Access::kRead},
+                  {kBindAppended, Access::kRead},
+                  {kBindFragments, Access::kWrite}});
   sort_shell_ = make("ppll_sort (shell)", kPpllSortShell, sorted);
   sort_heap_ = make("ppll_sort (heap)", kPpllSortHeap, sorted);
   const std::vector<BindingSpec> forward = WithMesh({{kBindLists, Access::kRead},
@@ -110,16 +175,18 @@ PpllIntegrator::PpllIntegrator(const Device& device, const RendererOptions& opti
       make("ppll_backward (positions)", positions.For(device, options.deterministic), backward,
            constants_of_rays);
   fragments_ = Buffer(device, "fragments", kFragmentBytes);
+  appended_ = Buffer(device, "appended fragments", kAppendedBytes);
 }
 
-// A tet has 4 faces at most of its own, 4 bytes each.
-uint64_t PpllIntegrator::BytesFor(const TetMesh& mesh) const { return mesh.tets.size() * 16; }
+// A tet has 4 faces at most of its own, 4 bytes each, and their chunks.
+uint64_t PpllIntegrator::BytesFor(const TetMesh& mesh) const { return mesh.tets.size() * 17; }
 
 void PpllIntegrator::SetField(const DeviceField& field) {
-  TETREC_CHECK(field.tet_count < 1u << 28, "6 vertices for each of 2 faces a tet, in 32 bits");
+  TETREC_CHECK(field.tet_count < 1u << 28, "3 vertices for each of 2 to 4 faces a tet, in 32 bits");
   const std::vector<uint32_t> faces = UniqueFaces(field.mesh);
   face_count_ = uint32_t(faces.size());
   faces_ = MakeBuffer(device_, "faces", faces);
+  face_chunks_ = BoundFaces(field.mesh, faces);
   mesh_ball_ = field.ball;
   tiles_.clear();
 }
@@ -140,46 +207,80 @@ PpllPush PpllIntegrator::PushOf(const RayPass& pass, const FragmentTile& tile) c
           .density_quanta = pass.push.density_quanta,
           .position_quanta = pass.push.position_quanta,
           .largest_quanta = pass.push.largest_quanta,
-          .first_cell = pass.field.first_cell};
+          .first_cell = pass.field.first_cell,
+          .view = pass.blocks[0].view};
 }
 
+// The chunks that each tile may see; the device is idle.
+void PpllIntegrator::CullFaces(const RayPass& pass, std::span<const FragmentTile> tiles) {
+  std::vector<uint32_t> visible;
+  first_visible_ = {0};
+  for (const FragmentTile& tile : tiles) {
+    AppendVisible(pass, tile, face_chunks_, visible);
+    first_visible_.push_back(visible.size());
+  }
+  TETREC_CHECK(visible.size() <= UINT32_MAX, "visible chunks of faces are numbered in 32 bits");
+  Grow(device_, visible_chunks_, "visible chunks", visible.size() * 4);
+  visible_chunks_.Upload(visible);
+}
+
+// `i` counts the tiles of the last CullFaces.
 void PpllIntegrator::DrawFaces(CommandRecorder& recorder, const RayPass& pass,
-                               const FragmentTile& tile, bool only_counts) {
+                               const FragmentTile& tile, size_t i, bool appends) {
   PpllPush push = PushOf(pass, tile);
-  push.only_counts = only_counts;
+  push.appends = appends;
+  push.most_appended = uint32_t(appended_.bytes() / kAppendedBytes);
+  push.first_chunk = uint32_t(first_visible_[i]);
+  const uint64_t chunks = first_visible_[i + 1] - first_visible_[i];
   const uint32_t width = pass.rays.columns * kBlockWidth;
+  // Pixels of the batch that the picture has.
+  const uint32_t columns =
+      pass.view.size_pixel_tet.x - std::min(pass.view.size_pixel_tet.x, pass.blocks[0].x);
+  const uint32_t rows =
+      pass.view.size_pixel_tet.y - std::min(pass.view.size_pixel_tet.y, pass.blocks[0].y);
   recorder.FillZero(list_fills_);
   recorder.Draw(faces_program_,
-                MeshAnd(pass, {&faces_, &lists_, &list_fills_, &fragments_, &pass.counters}), push,
-                6 * face_count_, {.width = width, .height = pass.rays.count / width},
-                {tile.x, tile.y, tile.width, tile.height});
+                MeshAnd(pass, {&faces_, &lists_, &list_fills_, &fragments_, &visible_chunks_,
+                               &appended_, &pass.counters}),
+                push, uint32_t(3 * kFacesPerChunk * chunks),
+                {.width = width, .height = pass.rays.count / width},
+                {tile.x, tile.y, std::min(tile.width, tile.x < columns ? columns - tile.x : 0),
+                 std::min(tile.height, tile.y < rows ? rows - tile.y : 0)});
 }
 
-// Counts the batch's fragments and cuts it into tiles. Earlier work is done when this returns.
+// Draws the whole batch, counting, and waits.
+std::vector<uint32_t> PpllIntegrator::CountFragments(CommandRecorder& recorder,
+                                                     const RayPass& pass) {
+  const uint32_t rays = pass.rays.count, width = pass.rays.columns * kBlockWidth;
+  recorder.EndAndSubmit();  // earlier batches may still use what changes here
+  recorder.Wait();
+  Grow(device_, lists_, "lists", uint64_t(rays) * 8);
+  Grow(device_, list_fills_, "list fills", uint64_t(rays + 1) * 4);
+  const FragmentTile whole{.width = width, .height = rays / width};
+  CullFaces(pass, std::span(&whole, 1));
+  recorder.Begin();
+  DrawFaces(recorder, pass, whole, 0, true);
+  recorder.EndAndSubmit();
+  recorder.Wait();
+  return list_fills_.DownloadAs<uint32_t>(rays + 1);
+}
+
+// Finds the batch's fragments and cuts it into tiles. Earlier work is done when this returns.
 void PpllIntegrator::PlanTiles(CommandRecorder& recorder, const RayPass& pass) {
   const uint32_t rays = pass.rays.count;
   const uint32_t width = pass.rays.columns * kBlockWidth, height = rays / width;
-  if (lists_.bytes() < uint64_t(rays) * 8) {
-    recorder.EndAndSubmit();  // earlier batches may still use the old ones
-    recorder.Wait();
-    lists_ = Buffer(device_, "lists", uint64_t(rays) * 8);
-    list_fills_ = Buffer(device_, "list fills", uint64_t(rays) * 4);
-    recorder.Begin();
-  }
-  DrawFaces(recorder, pass, {.width = width, .height = height}, true);
-  recorder.EndAndSubmit();
-  recorder.Wait();
-  const auto counts = list_fills_.DownloadAs<uint32_t>(rays);
+  const std::vector<uint32_t> counts = CountFragments(recorder, pass);
   const auto ray_at = [&](uint32_t x, uint32_t y) {
     const uint32_t block = y / kBlockHeight * pass.rays.columns + x / kBlockWidth;
     return block * kBlockRays + y % kBlockHeight * kBlockWidth + x % kBlockWidth;
   };
   tiles_ = CutIntoTiles(width, height, fragment_capacity_,
                         [&](uint32_t x, uint32_t y) { return counts[ray_at(x, y)]; });
-  uint64_t most = 0;
+  uint64_t most = 0, all = 0;
   std::vector<glm::uvec2> lists(rays);
   for (const FragmentTile& tile : tiles_) {
     most = std::max(most, tile.fragments);
+    all += tile.fragments;
     uint32_t first = 0;
     for (uint32_t y = tile.y; y < tile.y + tile.height; ++y) {
       for (uint32_t x = tile.x; x < tile.x + tile.width; ++x) {
@@ -205,11 +306,27 @@ void PpllIntegrator::PlanTiles(CommandRecorder& recorder, const RayPass& pass) {
         longest, device_.properties.deviceName, longest_list_));
   }
   lists_.Upload(lists);
-  if (fragments_.bytes() < most * kFragmentBytes) {
-    fragments_ = {};  // frees the old one before the new one takes memory
-    fragments_ = Buffer(device_, "fragments", most * kFragmentBytes);
-  }
+  Keep(pass, all, most);
   recorder.Begin();
+}
+
+// Makes room for the fragments of the largest tile; and, where the memory suffices, for those of
+// the next batch, so that it need be drawn once only.
+void PpllIntegrator::Keep(const RayPass& pass, uint64_t all, uint64_t most) {
+  appended_count_ = 0;
+  const uint64_t room =
+      std::min(fragment_memory_ / (kAppendedBytes + kFragmentBytes),
+               uint64_t(device_.properties.limits.maxStorageBufferRange) / kAppendedBytes);
+  if (tiles_.size() == 1 && all * kAppendedBytes <= appended_.bytes()) {
+    appended_count_ = all;
+  } else {
+    CullFaces(pass, tiles_);
+    appended_ = {};
+    const uint64_t wanted = all <= room ? std::min(room, all + all / 4) : 1;
+    appended_ =
+        Buffer(device_, "appended fragments", std::max<uint64_t>(wanted, 1) * kAppendedBytes);
+  }
+  Grow(device_, fragments_, "fragments", most * kFragmentBytes);
 }
 
 void PpllIntegrator::Sort(CommandRecorder& recorder, const RayPass& pass,
@@ -228,9 +345,16 @@ void PpllIntegrator::Sort(CommandRecorder& recorder, const RayPass& pass,
   }
 }
 
-void PpllIntegrator::LoadTile(CommandRecorder& recorder, const RayPass& pass,
-                              const FragmentTile& tile) {
-  DrawFaces(recorder, pass, tile, false);
+void PpllIntegrator::LoadTile(CommandRecorder& recorder, const RayPass& pass, size_t i) {
+  const FragmentTile& tile = tiles_[i];
+  if (appended_count_ > 0) {
+    PpllPush push = PushOf(pass, tile);
+    push.most_appended = uint32_t(appended_count_);
+    const Buffer* buffers[] = {&lists_, &appended_, &fragments_};
+    recorder.DispatchMany(gather_, buffers, push, appended_count_, kWorkgroupSize);
+  } else {
+    DrawFaces(recorder, pass, tile, i, false);
+  }
   Sort(recorder, pass, tile);
 }
 
@@ -246,8 +370,9 @@ void PpllIntegrator::Forward(CommandRecorder& recorder, const RayPass& pass) {
                     limits.maxFramebufferHeight, width, height));
   }
   PlanTiles(recorder, pass);
-  for (const FragmentTile& tile : tiles_) {
-    LoadTile(recorder, pass, tile);
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    const FragmentTile& tile = tiles_[i];
+    LoadTile(recorder, pass, i);
     recorder.Dispatch(pass.count_steps ? forward_counting_ : forward_,
                       MeshAnd(pass, {&lists_, &list_fills_, &fragments_, &pass.rays.colors,
                                      &pass.rays.entries, &pass.counters}),
@@ -264,7 +389,7 @@ void PpllIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
   if (with_positions) buffers.push_back(&pass.field.position_gradients);
   for (size_t i = tiles_.size(); i-- > 0;) {
     const FragmentTile& tile = tiles_[i];
-    if (i + 1 < tiles_.size()) LoadTile(recorder, pass, tile);
+    if (i + 1 < tiles_.size()) LoadTile(recorder, pass, i);
     recorder.Dispatch(with_positions ? backward_positions_ : backward_, buffers, PushOf(pass, tile),
                       tile.width * tile.height, kWorkgroupSize);
   }

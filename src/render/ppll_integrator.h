@@ -10,6 +10,12 @@
 
 namespace tetrec {
 
+// A ball that holds kFacesPerChunk faces of the mesh.
+struct FaceChunk {
+  glm::dvec3 center;
+  double radius;
+};
+
 // Batches must be tiles. MarchPush::max_steps bounds nothing here: a list ends by itself.
 class PpllIntegrator final : public Integrator {
  public:
@@ -17,27 +23,34 @@ class PpllIntegrator final : public Integrator {
   PpllIntegrator(const Device& device, const RendererOptions& options, FieldStorage storage);
   uint64_t BytesFor(const TetMesh& mesh) const override;
   void SetField(const DeviceField& field) override;
-  // Counts, waits, then fills, sorts and resolves tile by tile. Throws EnvironmentError where the
-  // list of one ray alone exceeds the memory for fragments.
+  // Draws, waits, then sorts and resolves; where the fragments did not fit, draws, sorts and
+  // resolves again tile by tile, each within what the first draw counted. Throws EnvironmentError
+  // where the list of one ray alone exceeds the memory for fragments.
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;
 
  private:
   gpu_types::PpllPush PushOf(const RayPass& pass, const FragmentTile& tile) const;
-  void DrawFaces(CommandRecorder& recorder, const RayPass& pass, const FragmentTile& tile,
-                 bool only_counts);
+  void CullFaces(const RayPass& pass, std::span<const FragmentTile> tiles);
+  void DrawFaces(CommandRecorder& recorder, const RayPass& pass, const FragmentTile& tile, size_t i,
+                 bool appends);
+  std::vector<uint32_t> CountFragments(CommandRecorder& recorder, const RayPass& pass);
   void PlanTiles(CommandRecorder& recorder, const RayPass& pass);
-  void LoadTile(CommandRecorder& recorder, const RayPass& pass, const FragmentTile& tile);
+  void Keep(const RayPass& pass, uint64_t all, uint64_t most);
+  void LoadTile(CommandRecorder& recorder, const RayPass& pass, size_t i);
   void Sort(CommandRecorder& recorder, const RayPass& pass, const FragmentTile& tile);
 
   const Device& device_;
-  uint64_t fragment_capacity_;
+  uint64_t fragment_memory_, fragment_capacity_;
   uint32_t longest_list_;  // that the device can walk
   FragmentSort sort_;
-  Program faces_program_, sort_shell_, sort_heap_;
+  Program faces_program_, gather_, sort_shell_, sort_heap_;
   Program forward_, forward_counting_, backward_, backward_positions_;
-  Buffer faces_, lists_, list_fills_, fragments_;
+  Buffer faces_, visible_chunks_, lists_, list_fills_, appended_, fragments_;
+  std::vector<FaceChunk> face_chunks_;
+  std::vector<size_t> first_visible_;  // a tile, and the end, of visible_chunks_
   uint32_t face_count_ = 0;
+  uint64_t appended_count_ = 0;  // fragments of the whole batch that are appended; 0: not all are
   glm::vec4 mesh_ball_{0.0f};
   std::vector<FragmentTile> tiles_;  // of the batch of the last Forward; the last one is loaded
 };

@@ -25,8 +25,8 @@ struct HalfTransmittanceLevel {
 // is a soft ramp whose height depends on the scene's scale and on the tets' size, so no fixed
 // density is right; half transmittance is where an eye would put the wall. Rays that are not
 // stopped inside `bounds` do not count. Without cameras the rays come from a sphere around the
-// bounds. Throws DataError where fewer than one ray in 100 is stopped, and where the mesh's boundary
-// is not convex.
+// bounds. Throws DataError where fewer than one ray in 100 is stopped, and where the mesh's
+// boundary is not convex.
 HalfTransmittanceLevel FindHalfTransmittanceLevel(const RadianceField& field, const Bounds3& bounds,
                                                   std::span<const glm::dvec3> cameras_in_world,
                                                   int rays, uint64_t seed);
