@@ -21,10 +21,10 @@ constexpr double kPictureTolerance = 2e-5;
 INSTANTIATE_TEST_SUITE_P(Pictures, EveryRendererTest, kEveryRenderer, RendererName);
 
 TEST_P(EveryRendererTest, PicturesAreThoseOfTheReference) {
-  for (const Scene& scene : kScenes) {
-    for (float stop : {0.0f, 1e-3f}) {
+  for (float stop : {0.0f, 1e-3f}) {
+    TrainingRenderer& renderer = MakeRenderer({.stop_transmittance = stop});
+    for (const Scene& scene : kScenes) {
       const RadianceField field = RandomField(scene.points, scene.seed, 10.0f);
-      TrainingRenderer& renderer = MakeRenderer({.stop_transmittance = stop});
       renderer.SetField(field);
       for (const RenderView& view : ThreeViews(scene.width, scene.height)) {
         const RenderedImage image = renderer.Render(view, 1);
@@ -120,13 +120,13 @@ void ExpectSameGradient(const FieldGradient& gradient, const ReferenceGradient& 
 
 TEST_P(EveryRendererTest, GradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
   for (bool float_atomics : {true, false}) {
-    for (const Scene& scene : kScenes) {
-      for (float stop : {0.0f, 1e-3f}) {
+    for (float stop : {0.0f, 1e-3f}) {
+      TrainingRenderer& renderer =
+          MakeRenderer({.device = {.float_atomics = float_atomics}, .stop_transmittance = stop});
+      for (const Scene& scene : kScenes) {
         SCOPED_TRACE(::testing::Message() << scene.points << " points, seed " << scene.seed
                                           << ", stop " << stop << ", atomics " << float_atomics);
         const RadianceField field = RandomField(scene.points, scene.seed, 10.0f);
-        TrainingRenderer& renderer =
-            MakeRenderer({.device = {.float_atomics = float_atomics}, .stop_transmittance = stop});
         renderer.SetField(field);
         for (const RenderView& view : ThreeViews(scene.width, scene.height)) {
           const std::vector<glm::dvec4> g = RandomPixelGradient(view.camera, scene.seed);
@@ -152,11 +152,11 @@ const char* const kIntegrals[] = {"exact", "mean", "split:1", "split:4", "split:
 // Densities up to 40 make thick segments too, which only the exact integral treats apart.
 TEST_P(EveryRendererTest, EveryIntegralHasThePictureAndTheGradientsOfTheReference) {
   for (const char* words : kIntegrals) {
+    const RendererOptions options = WithIntegral(words);
+    TrainingRenderer& renderer = MakeRenderer(options);
     for (const Scene& scene : {Scene{0, 2, 29, 21}, Scene{20, 3, 29, 21}, Scene{300, 4, 21, 15}}) {
       SCOPED_TRACE(::testing::Message() << words << ", " << scene.points << " points");
       const RadianceField field = RandomField(scene.points, scene.seed, 40.0f);
-      const RendererOptions options = WithIntegral(words);
-      TrainingRenderer& renderer = MakeRenderer(options);
       renderer.SetField(field);
       for (const RenderView& view : ThreeViews(scene.width, scene.height)) {
         const RenderedImage image = renderer.Render(view, 1);
