@@ -13,19 +13,8 @@
 namespace tetrec::test {
 namespace {
 
-// A row a tet in place of RandomField's row a vertex.
 RadianceField RandomCells(int points, uint32_t seed, float max_density) {
-  RadianceField field;
-  field.mesh = RandomBoxMesh(points, seed);
-  field.storage = FieldStorage::kCell;
-  std::mt19937 random(seed + 1);
-  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  for (size_t t = 0; t < field.mesh.tets.size(); ++t) {
-    const bool almost_empty = unit(random) < 0.2f;
-    field.density.push_back(max_density * unit(random) * (almost_empty ? 1e-4f : 1.0f));
-    field.color_srgb.emplace_back(unit(random), unit(random), unit(random));
-  }
-  return field;
+  return RandomField(points, seed, max_density, FieldStorage::kCell);
 }
 
 // Largest difference over largest value.

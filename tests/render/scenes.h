@@ -41,12 +41,14 @@ inline TetMesh RandomBoxMesh(int points, uint32_t seed) {
 }
 
 // Random colours in [0, 1]; densities uniform in [0, max_density], some of them tiny.
-inline RadianceField RandomField(int points, uint32_t seed, float max_density) {
+inline RadianceField RandomField(int points, uint32_t seed, float max_density,
+                                 FieldStorage storage = FieldStorage::kVertex) {
   RadianceField field;
   field.mesh = RandomBoxMesh(points, seed);
+  field.storage = storage;
   std::mt19937 random(seed + 1);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-  for (size_t v = 0; v < field.mesh.positions.size(); ++v) {
+  for (size_t row = 0; row < RowCount(field.mesh, storage); ++row) {
     const bool almost_empty = unit(random) < 0.2f;
     field.density.push_back(max_density * unit(random) * (almost_empty ? 1e-4f : 1.0f));
     field.color_srgb.emplace_back(unit(random), unit(random), unit(random));
