@@ -7,10 +7,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"
 #include "shared/loss.glsl.h"
+#include "views.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
-layout(std430, binding = kBindViews) readonly buffer Views { GpuView views[]; };
-layout(std430, binding = kBindBlocks) readonly buffer Blocks { GpuBlock blocks[]; };
 layout(std430, binding = kBindRayColors) readonly buffer RayColors { vec4 ray_colors[]; };
 layout(std430, binding = kBindRayGradients) writeonly buffer RayGradients { vec4 ray_gradients[]; };
 layout(std430, binding = kBindPartialLosses) writeonly buffer PartialLosses { vec2 partial_losses[]; };
@@ -27,8 +26,8 @@ void main() {
   uint lane = gl_LocalInvocationID.x;
   vec2 sum = vec2(0.0);
   if (index < push.ray_count) {
-    GpuBlock block = blocks[index / kBlockRays];
-    uvec4 size_pixel = views[block.view].size_pixel_tet;
+    GpuBlock block = FetchBlock(index / kBlockRays);
+    uvec4 size_pixel = FetchView(block.view).size_pixel_tet;
     uint x = block.x + index % kBlockWidth, y = block.y + (index % kBlockRays) / kBlockWidth;
     vec4 gradient = vec4(0.0);
     if (x < size_pixel.x && y < size_pixel.y) {

@@ -90,42 +90,72 @@ vec3 EdgeFunctions(Corner a, Corner b, Corner c) {
 
 float Least(vec3 e) { return min(e.x, min(e.y, e.z)); }
 
-// Where the line meets the convex hull: x entry, y exit, along the ray.
-vec2 HullInterval(Ray ray) {
-  vec2 interval = vec2(-3.0e38, 3.0e38);
+// Rows of the planes of a convex boundary: its plane, and its first face and the one after its last.
+int PlaneRow(uint plane) { return int(2u * (push.hull_faces + plane)); }
+
+// The part of a line inside a convex boundary; empty where begin > end.
+struct Chord {
+  float begin, end;   // along the ray
+  uint entry_plane;
+  float exit_cosine;  // between the ray and the outward normal where it leaves
+};
+
+Chord FindChord(Ray ray) {
+  Chord chord = Chord(-3.0e38, 3.0e38, 0u, 1.0);
   uint i = 0u;
-  while (i < push.hull_faces) {
-    vec4 plane = texelFetch(hull, int(2u * i));
+  while (i < push.hull_planes) {
+    vec4 plane = texelFetch(hull, PlaneRow(i));
     float along = dot(plane.xyz, ray.direction);
     float t = (plane.w - dot(plane.xyz, ray.origin)) / along;
-    if (along < 0.0) interval.x = max(interval.x, t);
-    if (along > 0.0) interval.y = min(interval.y, t);
+    bool enters = along < 0.0 && t > chord.begin;
+    bool leaves = along > 0.0 && t < chord.end;
+    chord.begin = enters ? t : chord.begin;
+    chord.entry_plane = enters ? i : chord.entry_plane;
+    chord.end = leaves ? t : chord.end;
+    chord.exit_cosine = leaves ? along : chord.exit_cosine;
     i += 1u;
   }
-  return interval;
+  return chord;
 }
 
-// The hull face at the origin of a ray that was moved to the hull, or kMiss. Candidates are the faces
-// whose plane holds the origin within `rounding`; of these the one that holds the ray best.
-uint FindEntryFace(Ray ray, float rounding) {
-  uint face = kMiss;
-  float best = -3.0e38;
-  uint i = 0u;
-  while (i < push.hull_faces) {
-    vec4 plane = texelFetch(hull, int(2u * i));
-    TETREC_RARELY(dot(plane.xyz, ray.direction) < 0.0 &&
-                  abs(dot(plane.xyz, ray.origin) - plane.w) <= rounding) {
-      uvec4 ids = floatBitsToUint(texelFetch(hull, int(2u * i + 1u)));
-      float inside = Least(EdgeFunctions(FetchCorner(ray, ids.x), FetchCorner(ray, ids.y),
-                                         FetchCorner(ray, ids.z)));
-      if (inside > best) {
-        best = inside;
-        face = i;
-      }
-    }
+// A face that a ray may enter by, and how far inside of it the ray is: its least edge function.
+struct EntryFace {
+  uint face;
+  float inside;
+};
+
+// Of the faces of a plane and `best` the one that holds the ray best.
+EntryFace BestFaceOfPlane(Ray ray, uint plane, EntryFace best) {
+  uvec2 faces = floatBitsToUint(texelFetch(hull, PlaneRow(plane) + 1).xy);
+  uint i = faces.x;
+  while (i < faces.y) {
+    uvec4 ids = floatBitsToUint(texelFetch(hull, int(2u * i + 1u)));
+    vec3 a = PlaceInRayFrame(ray, ids.x), b = PlaceInRayFrame(ray, ids.y);
+    vec3 c = PlaceInRayFrame(ray, ids.z);
+    float inside = Least(vec3(EdgeFunction(b, c), EdgeFunction(c, a), EdgeFunction(a, b)));
+    if (inside > best.inside) best = EntryFace(i, inside);
     i += 1u;
   }
-  return best >= 0.0 ? face : kMiss;
+  return best;
+}
+
+// The boundary's face at the origin of a ray that was moved to where it enters, or kMiss. Where none
+// of the entry plane's faces holds the ray (it meets an edge of the boundary), those of all planes
+// are tried that hold the origin within `rounding`.
+uint FindEntryFace(Ray ray, uint entry_plane, float rounding) {
+  EntryFace best = BestFaceOfPlane(ray, entry_plane, EntryFace(kMiss, -3.0e38));
+  TETREC_RARELY(best.inside < 0.0) {
+    uint i = 0u;
+    while (i < push.hull_planes) {
+      vec4 plane = texelFetch(hull, PlaneRow(i));
+      TETREC_RARELY(dot(plane.xyz, ray.direction) < 0.0 &&
+                    abs(dot(plane.xyz, ray.origin) - plane.w) <= rounding) {
+        best = BestFaceOfPlane(ray, i, best);
+      }
+      i += 1u;
+    }
+  }
+  return best.inside >= 0.0 ? best.face : kMiss;
 }
 
 MarchState EnterThroughFace(Ray ray, uint face) {

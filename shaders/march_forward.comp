@@ -16,8 +16,7 @@ void main() {
   bool go = exists && ray.valid;
   bool inside = ray.start_tet != kNoTet;
   Entry entry = kNoEntry;
-  float hull_length = 0.0;
-  float far = 0.0;
+  Chord chord = Chord(0.0, 0.0, 0u, 1.0);
   Entries entries = EntriesBehind(Crossing(-CameraRounding(ray), 0u));
   MarchState state;
   Begin begin;
@@ -30,15 +29,14 @@ void main() {
       entry = Entry(TakeEntry(at_mesh, entries), floatBitsToUint(frame));
       go = entry.x != kMiss;
     } else {
-      vec2 interval = HullInterval(ray);
-      far = interval.y;
-      go = interval.x <= interval.y && interval.x >= 0.0;
+      chord = FindChord(ray);
+      go = chord.begin <= chord.end && chord.begin >= 0.0;
       TETREC_RARELY(go) {
-        hull_length = far - interval.x;
         Ray at_hull = ray;
-        at_hull.origin += interval.x * ray.direction;
+        at_hull.origin += chord.begin * ray.direction;
         // A few roundings of coordinates as large as the way to the far side of the hull.
-        entry = Entry(FindEntryFace(at_hull, 4e-6 * far), floatBitsToUint(interval.x));
+        uint face = FindEntryFace(at_hull, chord.entry_plane, 4e-6 * chord.end);
+        entry = Entry(face, floatBitsToUint(chord.begin));
         go = entry.x != kMiss;
       }
     }
@@ -108,12 +106,13 @@ void main() {
     ray_colors[index] = vec4(color, depth);
     ray_entries[index] = entry;
   }
-  // A ray that did not stop early must have come out of the mesh: where the convex hull ends; of any
-  // other boundary by faces that hold the ray, until a whole search found no entry.
+  // A ray that did not stop early must have come out of the mesh: where the convex hull ends, up to
+  // roundings of coordinates, which a face seen at a flat angle stretches along the ray; of any other
+  // boundary by faces that hold the ray, until a whole search found no entry.
   bool stopped = depth >= push.stop_depth;
-  bool astray = kAnyBoundary != 0 ? strays && !inside
-                                  : !inside && abs(z0 - hull_length) >
-                                                   1e-3 * (hull_length + z0) + 8e-6 * far;
+  float length = chord.end - chord.begin;
+  float rounding = 1e-3 * (length + z0) + 8e-6 * chord.end / chord.exit_cosine;
+  bool astray = !inside && (kAnyBoundary != 0 ? strays : abs(z0 - length) > rounding);
   bool lost = !entries.is_whole || (hit && !stopped && (state.tet != kNoTet || astray));
   if (lost) atomicAdd(counters[kCounterLostRays], 1u);
 #ifdef TETREC_COUNT_STEPS

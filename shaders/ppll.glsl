@@ -37,8 +37,8 @@ struct ListRay {
 // lavapipe does once for eight of them.
 ListRay MakeListRay(uvec2 at) {
   ListRay result;
-  GpuBlock first = blocks[0];
-  result.ray = MakeRayThrough(views[push.view], first.x + at.x, first.y + at.y, Jitter(0u));
+  GpuBlock first = FetchBlock(0u);
+  result.ray = MakeRayThrough(FetchView(push.view), first.x + at.x, first.y + at.y, Jitter(0u));
   float begin =
       dot(push.mesh_ball.xyz - result.ray.origin, result.ray.direction) - push.mesh_ball.w;
   begin = result.ray.start_tet == kNoTet ? max(begin, 0.0) : 0.0;

@@ -127,8 +127,8 @@ void main() {
   vec3 position2 = texelFetch(vertices, int(2u * ids.z)).xyz;
   face = code | (outward ? 1u : 0u);
 
-  GpuBlock first = blocks[0];
-  GpuView view = views[push.view];
+  GpuBlock first = FetchBlock(0u);
+  GpuView view = FetchView(push.view);
   vec3 eye = view.center_in_world_cy.xyz;
   bool is_inside = view.size_pixel_tet.w != kNoTet;
   vec3 origin = is_inside ? eye : push.mesh_ball.xyz;

@@ -7,8 +7,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "projection.glsl"
 #include "thread_index.glsl"
+#include "views.glsl"
 
-layout(std430, binding = kBindViews) readonly buffer Views { GpuView views[]; };
 layout(binding = kBindTets) uniform utextureBuffer tets;
 layout(binding = kBindVertices) uniform textureBuffer vertices;
 layout(std430, binding = kBindRectangles) writeonly buffer Rectangles { uvec2 rectangles[]; };
@@ -47,7 +47,7 @@ void main() {
   uint tet = ThreadIndex();
   bool exists = tet < push.count;
   uvec4 ids = texelFetch(tets, int(exists ? 2u * tet : 0u));
-  GpuView view = views[push.view];
+  GpuView view = FetchView(push.view);
   vec2 focal = vec2(view.right_in_world_fx.w, view.down_in_world_fy.w);
   vec2 center = vec2(view.forward_in_world_cx.w, view.center_in_world_cy.w);
   vec3 p[4];

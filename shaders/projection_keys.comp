@@ -17,7 +17,7 @@ layout(std430, binding = kBindKeys) writeonly buffer Keys { uint keys[]; };
 layout(binding = kBindSpheres) uniform textureBuffer spheres;
 layout(std430, binding = kBindHighKeys) writeonly buffer HighKeys { uint high_keys[]; };
 #else
-layout(std430, binding = kBindViews) readonly buffer Views { GpuView views[]; };
+#include "views.glsl"
 layout(binding = kBindTets) uniform utextureBuffer tets;
 layout(binding = kBindVertices) uniform textureBuffer vertices;
 #endif
@@ -42,7 +42,7 @@ void main() {
     keys[i] = Sortable(power.y);
 #else
     uvec4 ids = texelFetch(tets, int(2u * tet));
-    GpuView view = views[push.view];
+    GpuView view = FetchView(push.view);
     vec3 sum = vec3(0.0);
     for (int k = 0; k < 4; ++k) {
       sum += texelFetch(vertices, int(2u * ids[k])).xyz - view.center_in_world_cy.xyz;

@@ -2,9 +2,7 @@
 // declares `push` with jitter_seed and jitter_px. Every ray is moved inside its pixel by its own
 // jitter; with TETREC_ONE_JITTER all rays of the batch are moved alike, as rasterisation needs.
 #include "shared/random.glsl.h"
-
-layout(std430, binding = kBindViews) readonly buffer Views { GpuView views[]; };
-layout(std430, binding = kBindBlocks) readonly buffer Blocks { GpuBlock blocks[]; };
+#include "views.glsl"
 
 const uint kNoTet = 0xFFFFFFFFu, kNoVertex = 0xFFFFFFFFu;
 
@@ -46,9 +44,9 @@ Ray MakeRayThrough(GpuView view, uint x, uint y, vec2 jitter) {
 }
 
 Ray MakeRay(uint index) {
-  GpuBlock block = blocks[index / kBlockRays];
+  GpuBlock block = FetchBlock(index / kBlockRays);
   uint lane = index % kBlockRays;
-  return MakeRayThrough(views[block.view], block.x + lane % kBlockWidth,
+  return MakeRayThrough(FetchView(block.view), block.x + lane % kBlockWidth,
                         block.y + lane / kBlockWidth, Jitter(index));
 }
 

@@ -20,6 +20,7 @@ using uvec4 = glm::uvec4;
 #define kBlockHeight 2
 #define kBlockRays 8
 
+#define kViewRows 5
 // A camera; rows of world_from_cam with the pinhole parameters of the ray grid beside them.
 struct GpuView {
   vec4 right_in_world_fx;    // camera x axis | fx [px]
@@ -50,6 +51,7 @@ struct MarchPush {
   vec4 mesh_ball;  // centre, radius: holds the mesh
   uint ray_count;
   uint hull_faces;
+  uint hull_planes;  // of a convex boundary without tree
   uint tree_leaves;  // of the tree of boxes over the faces, where there is one
   uint max_steps;    // a ray that needs more is counted as lost
   uint jitter_seed;
@@ -232,7 +234,7 @@ struct SpreadPush {
 #define kBindAppended 40      // uvec4: fragment, ray, place in the ray's list
 
 #ifdef __cplusplus
-static_assert(sizeof(GpuView) == 80 && sizeof(GpuBlock) == 16);
+static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);
 static_assert(sizeof(MarchPush) <= 128 && sizeof(LossPush) <= 128 && sizeof(AdamPush) <= 128);
 static_assert(sizeof(DssimPush) == 32);
 static_assert(sizeof(ProjectionPush) <= 128 && sizeof(PpllPush) == 112);

@@ -7,8 +7,10 @@
 #include "render/fixed_point.h"
 #include "shared/gpu_types.glsl.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <tuple>
 
 namespace tetrec {
 namespace {
@@ -43,22 +45,50 @@ uint64_t SumBytes(const DeviceField& field) { return SumBytes(field.fixed_point)
 // A convex boundary of more faces is searched by its tree of boxes too.
 constexpr size_t kFewFaces = 64;
 
-// Plane (outward normal, offset) and (a, b, c, tet) as bits, two rows a boundary face.
-std::vector<glm::vec4> HullRows(const TetMesh& mesh, std::span<const BoundaryFace> faces) {
+// Outward normal, offset.
+glm::vec4 PlaneOf(const TetMesh& mesh, const BoundaryFace& face) {
+  const auto& corner = kFaceVertices[face.face];
+  const glm::uvec4& tet = mesh.tets[face.tet];
+  const glm::dvec3 a(mesh.positions[tet[corner[0]]]), b(mesh.positions[tet[corner[1]]]),
+      c(mesh.positions[tet[corner[2]]]);
+  const glm::dvec3 outward = glm::normalize(glm::cross(b - a, c - a));
+  return {outward, float(glm::dot(outward, a))};
+}
+
+// Plane and (a, b, c, tet) as bits, two rows a boundary face.
+std::vector<glm::vec4> FaceRows(const TetMesh& mesh, std::span<const BoundaryFace> faces) {
   std::vector<glm::vec4> rows;
   rows.reserve(2 * faces.size());
   for (const BoundaryFace& face : faces) {
     const auto& corner = kFaceVertices[face.face];
     const glm::uvec4& tet = mesh.tets[face.tet];
-    const uint32_t a = tet[corner[0]], b = tet[corner[1]], c = tet[corner[2]];
-    const glm::dvec3 pa(mesh.positions[a]), pb(mesh.positions[b]), pc(mesh.positions[c]);
-    const glm::dvec3 outward = glm::normalize(glm::cross(pb - pa, pc - pa));
-    rows.emplace_back(outward, float(glm::dot(outward, pa)));
+    rows.push_back(PlaneOf(mesh, face));
     // Wound inwards: positive in the frame of a ray that enters.
-    rows.emplace_back(std::bit_cast<float>(a), std::bit_cast<float>(c), std::bit_cast<float>(b),
-                      std::bit_cast<float>(face.tet));
+    rows.push_back(
+        glm::uintBitsToFloat(glm::uvec4(tet[corner[0]], tet[corner[2]], tet[corner[1]], face.tet)));
   }
   return rows;
+}
+
+void SortByPlane(const TetMesh& mesh, std::vector<BoundaryFace>& faces) {
+  std::stable_sort(faces.begin(), faces.end(), [&](const BoundaryFace& a, const BoundaryFace& b) {
+    const glm::vec4 pa = PlaneOf(mesh, a), pb = PlaneOf(mesh, b);
+    return std::tie(pa.x, pa.y, pa.z, pa.w) < std::tie(pb.x, pb.y, pb.z, pb.w);
+  });
+}
+
+// Plane and (first face, face after the last) as bits, two rows a plane, of faces sorted by plane.
+// Returns the number of planes.
+uint32_t AppendPlanes(std::vector<glm::vec4>& rows) {
+  const uint32_t faces = uint32_t(rows.size() / 2);
+  uint32_t planes = 0;
+  for (uint32_t begin = 0, end = 0; begin < faces; begin = end, ++planes) {
+    const glm::vec4 plane = rows[2 * begin];
+    while (end < faces && rows[2 * end] == plane) ++end;
+    rows.push_back(plane);
+    rows.push_back(glm::uintBitsToFloat(glm::uvec4(begin, end, 0, 0)));
+  }
+  return planes;
 }
 
 void AppendTree(std::vector<glm::vec4>& rows, const BoxTree& tree) {
@@ -73,11 +103,17 @@ void UploadBoundary(const Device& device, DeviceField& field) {
   std::vector<BoundaryFace> faces = BoundaryFaces(field.mesh);
   field.not_convex = WhyNotConvex(field.mesh, faces);
   field.hull_faces = uint32_t(faces.size());
-  BoxTree tree;
-  if (!field.not_convex.empty() || faces.size() > kFewFaces) tree = BuildBoxTree(field.mesh, faces);
-  field.tree_leaves = tree.leaves;
-  std::vector<glm::vec4> rows = HullRows(field.mesh, faces);
-  AppendTree(rows, tree);
+  std::vector<glm::vec4> rows;
+  if (!field.not_convex.empty() || faces.size() > kFewFaces) {
+    const BoxTree tree = BuildBoxTree(field.mesh, faces);
+    field.tree_leaves = tree.leaves;
+    rows = FaceRows(field.mesh, faces);
+    AppendTree(rows, tree);
+  } else {
+    SortByPlane(field.mesh, faces);
+    rows = FaceRows(field.mesh, faces);
+    field.hull_planes = AppendPlanes(rows);
+  }
   field.hull = MakeBuffer(device, "hull", rows, VK_FORMAT_R32G32B32A32_SFLOAT);
 }
 

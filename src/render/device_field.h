@@ -10,9 +10,8 @@
 namespace tetrec {
 
 // 32 bytes a tet, 32 a vertex, and 64 more a row of attributes to learn (80 in fixed point); 16
-// more a tet where cells have the attributes; one plane and one triangle a boundary face, and where
-// the boundary is not convex or has many faces a tree of boxes over them (gpu_types.glsl.h tells
-// the layouts).
+// more a tet where cells have the attributes; one plane and one triangle a boundary face, and over
+// them the planes of a convex boundary of few faces, of any other a tree of boxes.
 struct DeviceField {
   TetMesh mesh;            // the host's copy
   std::string not_convex;  // why the boundary is not convex; empty where it is
@@ -21,7 +20,7 @@ struct DeviceField {
   Buffer parameters, moments, gradients;
   Buffer position_gradients;  // vec4 a vertex: xyz | absolute sum; absent until asked for
   Buffer tet_scores;
-  uint32_t vertex_count = 0, tet_count = 0, hull_faces = 0;
+  uint32_t vertex_count = 0, tet_count = 0, hull_faces = 0, hull_planes = 0;
   FieldStorage storage = FieldStorage::kVertex;
   uint32_t row_count = 0;    // of parameters, moments, gradients: vertex_count or tet_count
   uint32_t first_cell = 0;   // row of tet 0 in `vertices`, behind those of the vertices

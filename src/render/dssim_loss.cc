@@ -25,8 +25,8 @@ double DssimBatch::Mix(double pixel_loss) const {
 DssimLoss::DssimLoss(const Device& device)
     : device_(device),
       loss_(device, "loss (pictures)", kLossWithPictures,
-            {{kBindViews, Access::kRead},
-             {kBindBlocks, Access::kRead},
+            {{kBindViews, Access::kTexelRead},
+             {kBindBlocks, Access::kTexelRead},
              {kBindRayColors, Access::kRead},
              {kBindRayGradients, Access::kWrite},
              {kBindPartialLosses, Access::kWrite},

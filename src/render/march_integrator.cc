@@ -9,9 +9,9 @@ namespace {
 // What every march kernel reads, and `more`.
 std::vector<BindingSpec> WithMesh(std::vector<BindingSpec> more) {
   std::vector<BindingSpec> all = {
-      {kBindTets, Access::kTexelRead}, {kBindVertices, Access::kTexelRead},
-      {kBindHull, Access::kTexelRead}, {kBindViews, Access::kRead},
-      {kBindBlocks, Access::kRead},    {kBindCounters, Access::kReadWrite}};
+      {kBindTets, Access::kTexelRead},   {kBindVertices, Access::kTexelRead},
+      {kBindHull, Access::kTexelRead},   {kBindViews, Access::kTexelRead},
+      {kBindBlocks, Access::kTexelRead}, {kBindCounters, Access::kReadWrite}};
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }

@@ -102,8 +102,8 @@ void AppendVisible(const RayPass& pass, const FragmentTile& tile, std::span<cons
 std::vector<BindingSpec> WithMesh(std::vector<BindingSpec> more) {
   std::vector<BindingSpec> all = {{kBindTets, Access::kTexelRead},
                                   {kBindVertices, Access::kTexelRead},
-                                  {kBindViews, Access::kRead},
-                                  {kBindBlocks, Access::kRead}};
+                                  {kBindViews, Access::kTexelRead},
+                                  {kBindBlocks, Access::kTexelRead}};
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }

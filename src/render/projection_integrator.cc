@@ -95,7 +95,7 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, const RendererO
   };
   const auto constants = ConstantsOf(options.integral, storage);
   cull_ = make("projection_cull", kProjectionCull,
-               {{kBindViews, Access::kRead},
+               {{kBindViews, Access::kTexelRead},
                 {kBindTets, Access::kTexelRead},
                 {kBindVertices, Access::kTexelRead},
                 {kBindRectangles, Access::kWrite},
@@ -105,7 +105,7 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, const RendererO
   centroid_keys_ = make("projection_keys (centroid)", kProjectionKeysCentroid,
                         {{kBindItems, Access::kRead},
                          {kBindKeys, Access::kWrite},
-                         {kBindViews, Access::kRead},
+                         {kBindViews, Access::kTexelRead},
                          {kBindTets, Access::kTexelRead},
                          {kBindVertices, Access::kTexelRead}});
   power_keys_ = make("projection_keys (power)", kProjectionKeysPower,
@@ -130,9 +130,9 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, const RendererO
   ranges_ = make("projection_ranges", kProjectionRanges,
                  {{kBindKeys, Access::kRead}, {kBindTileRanges, Access::kWrite}});
   std::vector<BindingSpec> walk = {
-      {kBindViews, Access::kRead},     {kBindBlocks, Access::kRead},
-      {kBindTets, Access::kTexelRead}, {kBindVertices, Access::kTexelRead},
-      {kBindItems, Access::kRead},     {kBindTileRanges, Access::kRead}};
+      {kBindViews, Access::kTexelRead}, {kBindBlocks, Access::kTexelRead},
+      {kBindTets, Access::kTexelRead},  {kBindVertices, Access::kTexelRead},
+      {kBindItems, Access::kRead},      {kBindTileRanges, Access::kRead}};
   std::vector<BindingSpec> forward = walk, backward = walk;
   forward.push_back({kBindRayColors, Access::kReadWrite});
   forward_ = make("projection_forward", kProjectionForward, forward, constants);

@@ -15,7 +15,7 @@ void RayBatch::SetBlocks(const Device& device, std::span<const RayBlock> ray_blo
   columns = TileColumns(ray_blocks);
   if (count > capacity) {
     const uint64_t rays = count;
-    blocks = Buffer(device, "ray blocks", ray_blocks.size_bytes());
+    blocks = Buffer(device, "ray blocks", ray_blocks.size_bytes(), VK_FORMAT_R32G32B32A32_UINT);
     colors = Buffer(device, "ray colors", rays * 16);
     entries = Buffer(device, "ray entries", rays * 8);
     gradients = Buffer(device, "ray gradients", rays * 16);

@@ -49,8 +49,8 @@ GpuView MakeGpuView(const RenderView& view, int grid, uint32_t first_pixel, uint
 
 Program LossProgram(const Device& device) {
   return Program(device, "loss", kLoss,
-                 {{kBindViews, Access::kRead},
-                  {kBindBlocks, Access::kRead},
+                 {{kBindViews, Access::kTexelRead},
+                  {kBindBlocks, Access::kTexelRead},
                   {kBindRayColors, Access::kRead},
                   {kBindRayGradients, Access::kWrite},
                   {kBindPartialLosses, Access::kWrite},
@@ -127,7 +127,7 @@ class VulkanRenderer final : public TrainingRenderer {
                    std::make_unique<CommandRecorder>(*device_)},
         render_recorder_(*device_),
         counters_(*device_, "counters", kCounterCount * 4),
-        render_view_(*device_, "view", sizeof(GpuView)) {
+        render_view_(*device_, "view", sizeof(GpuView), VK_FORMAT_R32G32B32A32_UINT) {
     counters_.FillZero();
   }
 
@@ -404,7 +404,7 @@ class VulkanRenderer final : public TrainingRenderer {
                     tet == kNoTet ? 0 : tet, field_.not_convex.empty());
       gpu_views_.push_back(MakeGpuView(views_[i], 1, first_pixels_[i], tet));
     }
-    training_views_ = MakeBuffer(*device_, "views", gpu_views_);
+    training_views_ = MakeBuffer(*device_, "views", gpu_views_, VK_FORMAT_R32G32B32A32_UINT);
   }
 
   void UploadRenderView(const RenderView& view, int samples) {
@@ -465,6 +465,7 @@ class VulkanRenderer final : public TrainingRenderer {
             MarchPush{.mesh_ball = field_.ball,
                       .ray_count = rays.count,
                       .hull_faces = field_.hull_faces,
+                      .hull_planes = field_.hull_planes,
                       .tree_leaves = field_.tree_leaves,
                       .max_steps = std::min(options_.max_steps, LongestWalk(*device_, options_)),
                       .jitter_seed = step.seed,

@@ -202,6 +202,19 @@ void Compare(benchmark::State& state) {
   for (const auto& [name, all] : values) state.counters[name] = Median(all);
 }
 
+// Names the blocks of pixels that lose rays, each marched alone.
+void PrintLostBlocks(TrainingRenderer& renderer, const glm::dvec3& eye, const glm::dvec3& target) {
+  const RenderView view = SquareView(eye, target, kPicture);
+  for (const RayBlock& block : AllBlocks()) {
+    const uint64_t before = renderer.counts().lost_rays;
+    renderer.MarchBlocks(view, std::vector{block});
+    if (renderer.counts().lost_rays > before) {
+      fmt::print("lost near pixel ({}, {}), seen from ({}, {}, {}) towards ({}, {}, {})\n", block.x,
+                 block.y, eye.x, eye.y, eye.z, target.x, target.y, target.z);
+    }
+  }
+}
+
 // Random views from inside and outside, without the early stop: every ray must come out of the
 // hull.
 void LostRays(benchmark::State& state, uint64_t rays) {
@@ -213,19 +226,25 @@ void LostRays(benchmark::State& state, uint64_t rays) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> inside(0.0, 1.0), around(-2.0, 3.0);
   const std::vector<RayBlock> blocks = AllBlocks();
+  uint64_t marched = 0, hit = 0, lost = 0;
   const RayClock clock;
   for (auto _ : state) {
-    for (int i = 0; renderer->counts().rays < rays; ++i) {
+    for (int i = 0; marched < rays; ++i) {
       auto& place = i % 2 == 0 ? inside : around;
       const glm::dvec3 eye(place(random), place(random), place(random));
-      renderer->MarchBlocks(
-          SquareView(eye, {inside(random), inside(random), inside(random)}, kPicture), blocks);
+      const glm::dvec3 target(inside(random), inside(random), inside(random));
+      const RenderCounts before = renderer->counts();
+      renderer->MarchBlocks(SquareView(eye, target, kPicture), blocks);
+      const RenderCounts after = renderer->counts();
+      marched += after.rays - before.rays;
+      hit += after.hit_rays - before.hit_rays;
+      lost += after.lost_rays - before.lost_rays;
+      if (after.lost_rays > before.lost_rays) PrintLostBlocks(*renderer, eye, target);
     }
   }
-  const RenderCounts counts = renderer->counts();
-  clock.Report(state, double(counts.rays));
-  state.counters["hit"] = double(counts.hit_rays);
-  state.counters["lost"] = double(counts.lost_rays);
+  clock.Report(state, double(marched));
+  state.counters["hit"] = double(hit);
+  state.counters["lost"] = double(lost);
 }
 
 // States what is marched: tets, and steps of a ray that hits, with the early stop.
