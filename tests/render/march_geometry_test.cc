@@ -131,6 +131,23 @@ TEST_P(ChordTest, HoldsThroughVerticesAndEdges) {
   ExpectNothingLost();
 }
 
+// A rounding of coordinates moves such an exit far along the ray: that is no lost ray.
+TEST_P(ChordTest, HoldsForRaysThatLeaveAtAFlatAngle) {
+  SetMesh(RandomBoxMesh(60, 36));
+  std::mt19937 random(37);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (const double slope : {2e-3, 5e-4, 1e-4}) {
+    for (const double length : {0.001, 0.003, 0.03, 0.3}) {
+      for (int i = 0; i < 4; ++i) {
+        const glm::dvec3 entry(kBoxMin.x, glm::mix(kBoxMin.y, kBoxMax.y, 0.1 + 0.5 * unit(random)),
+                               kBoxMax.z - slope * length);
+        const glm::dvec3 way(1.0, 0.2 * unit(random), slope);
+        ExpectChord({entry - 1.5 * way, entry + length * way});
+      }
+    }
+  }
+  ExpectNothingLost();
+}
 TEST_P(ChordTest, HoldsTowardsCornersAndEdgesOfTheBox) {
   SetMesh(RandomBoxMesh(60, 35));
   for (const glm::dvec3 eye : {glm::dvec3(1.7, -1.1, -1.0), glm::dvec3(0.125, 0.25, 0.5)}) {
