@@ -16,6 +16,9 @@
 
 namespace tetrec {
 
+// Numbers of COLMAP's camera models.
+constexpr int kColmapPinhole = 1;
+
 struct ColmapCamera {
   int model = 0;  // COLMAP's number, 0 to 10
   uint64_t width = 0, height = 0;

@@ -7,8 +7,9 @@
 #include "core/progress.h"
 #include "geometry/rotation.h"
 #include "scene/carve.h"
+#include "scene/colmap_undistort.h"
 #include "scene/image.h"
-#include "scene/nerf_synthetic.h"
+#include "scene/sfm_bounds.h"
 
 #include <fmt/format.h>
 
@@ -26,29 +27,57 @@ struct StoredPicture {
   std::vector<uint8_t> alpha;  // training pictures only
 };
 
-// Reads a picture, resizes it and stores it under images/NAME.png.
+// Relative to the scene folder.
+std::string ImageOf(const PosedPicture& picture) { return "images/" + picture.name + ".png"; }
+
+// Square pixels, the principal point in the middle.
+ColmapCamera LensOfFieldOfView(double horizontal_fov_rad, const Image& image) {
+  const double focal_px = 0.5 * image.width / std::tan(0.5 * horizontal_fov_rad);
+  return {kColmapPinhole,
+          uint64_t(image.width),
+          uint64_t(image.height),
+          {focal_px, focal_px, 0.5 * image.width, 0.5 * image.height}};
+}
+
+ColmapCamera LensOf(const PosedPicture& picture, const Image& image) {
+  if (picture.lens.width == 0) return LensOfFieldOfView(picture.horizontal_fov_rad, image);
+  if (uint64_t(image.width) != picture.lens.width ||
+      uint64_t(image.height) != picture.lens.height) {
+    throw DataError(fmt::format(
+        "{} has {} x {} pixels, its camera {} x {}; give the pictures that the cameras belong to",
+        picture.file.string(), image.width, image.height, picture.lens.width, picture.lens.height));
+  }
+  return picture.lens;
+}
+
+// Both sides are rounded.
+Camera Scaled(const ColmapCamera& pinhole, const glm::ivec2& size) {
+  const double x = size.x / double(pinhole.width), y = size.y / double(pinhole.height);
+  const std::vector<double>& p = pinhole.params;
+  return {size.x, size.y, p[0] * x, p[1] * y, p[2] * x, p[3] * y};
+}
+
+// Brings a picture to a pinhole camera and to size, stores it under images/NAME.png.
 StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::path& folder,
                            int max_size) {
-  const Image original = ReadImage(picture.file);
-  const glm::ivec2 size = FitToMaxSize(original.width, original.height, max_size);
-  const bool resized = size != glm::ivec2(original.width, original.height);
-  const Image image = resized ? ResizeByArea(original, size.x, size.y) : original;
-
-  const std::filesystem::path path = folder / ("images/" + picture.name + ".png");
+  Image image = ReadImage(picture.file);
+  const ColmapCamera lens = LensOf(picture, image);
+  StoredPicture stored;
+  if (lens.model == kColmapPinhole) {
+    const glm::ivec2 size = FitToMaxSize(image.width, image.height, max_size);
+    stored.camera = Scaled(lens, size);
+    stored.resized = size != glm::ivec2(image.width, image.height);
+    if (stored.resized) image = ResizeByArea(image, size.x, size.y);
+  } else {
+    stored.camera =
+        UndistortedCamera(lens, max_size == 0 ? std::max(image.width, image.height) : max_size);
+    stored.resized = true;
+    image = Undistort(image, lens, stored.camera);
+  }
+  const std::filesystem::path path = folder / ImageOf(picture);
   std::filesystem::create_directories(path.parent_path());
   WriteImage(path, image);
-
-  // Square pixels of the original; both sides are rounded when it is resized.
-  const double focal_px = 0.5 * original.width / std::tan(0.5 * picture.horizontal_fov_rad);
-  StoredPicture stored;
-  stored.camera = {size.x,
-                   size.y,
-                   focal_px * size.x / original.width,
-                   focal_px * size.y / original.height,
-                   0.5 * size.x,
-                   0.5 * size.y};
   stored.has_alpha = image.channels == 4;
-  stored.resized = resized;
   if (stored.has_alpha && picture.split == Split::kTrain) stored.alpha = AlphaOf(image);
   return stored;
 }
@@ -85,7 +114,7 @@ void CheckAlike(const std::vector<PosedPicture>& pictures,
 int IndexOfCamera(std::vector<Camera>& cameras, const Camera& camera) {
   const auto same = [&](const Camera& other) {
     return other.width == camera.width && other.height == camera.height && other.fx == camera.fx &&
-           other.fy == camera.fy;
+           other.fy == camera.fy && other.cx == camera.cx && other.cy == camera.cy;
   };
   const auto found = std::find_if(cameras.begin(), cameras.end(), same);
   if (found != cameras.end()) return int(found - cameras.begin());
@@ -93,15 +122,45 @@ int IndexOfCamera(std::vector<Camera>& cameras, const Camera& camera) {
   return int(cameras.size()) - 1;
 }
 
-Bounds3 SubjectBoundsInInput(const std::vector<PosedPicture>& pictures,
-                             std::vector<StoredPicture>& stored) {
-  std::vector<AlphaMask> masks;
+void HoldOut(std::vector<PosedPicture>& pictures, int every) {
+  std::sort(pictures.begin(), pictures.end(),
+            [](const PosedPicture& a, const PosedPicture& b) { return a.name < b.name; });
   for (size_t i = 0; i < pictures.size(); ++i) {
-    if (pictures[i].split != Split::kTrain) continue;
-    masks.push_back({stored[i].camera, pictures[i].cam_from_input, std::move(stored[i].alpha)});
+    const bool held_out = every > 0 && i % size_t(every) == 0;
+    pictures[i].split = held_out ? Split::kTest : Split::kTrain;
+  }
+}
+
+// The data set as a scene, still in the input's frame.
+Scene SceneInInput(const Dataset& set, const std::vector<StoredPicture>& stored) {
+  Scene scene;
+  scene.has_alpha = stored[0].has_alpha;
+  scene.points = set.points;
+  for (size_t i = 0; i < set.pictures.size(); ++i) {
+    const PosedPicture& picture = set.pictures[i];
+    View view;
+    view.name = picture.name;
+    view.image = ImageOf(picture);
+    view.camera = IndexOfCamera(scene.cameras, stored[i].camera);
+    view.cam_from_world = picture.cam_from_input;
+    view.split = picture.split;
+    scene.views.push_back(std::move(view));
+  }
+  return scene;
+}
+
+// Of pictures without points.
+Bounds3 SubjectBoundsInInput(const Dataset& set, std::vector<StoredPicture>& stored) {
+  std::vector<AlphaMask> masks;
+  for (size_t i = 0; i < set.pictures.size(); ++i) {
+    if (set.pictures[i].split != Split::kTrain) continue;
+    masks.push_back({stored[i].camera, set.pictures[i].cam_from_input, std::move(stored[i].alpha)});
   }
   if (stored[0].has_alpha) return FindSubjectBounds(masks);
-  LogWarning("the pictures have no alpha: the subject's bounds are what all training cameras see");
+  if (set.box_in_input) return *set.box_in_input;
+  LogWarning(
+      "the pictures have neither alpha nor points: the subject's bounds are what all training "
+      "cameras see");
   return BoxSeenByAll(masks);
 }
 
@@ -115,17 +174,36 @@ std::string Text(const glm::dvec3& v) {
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", v.x, v.y, v.z);
 }
 
+// The axes stay those of the input.
+void MoveToBounds(Scene& scene, const Bounds3& bounds_in_input) {
+  LogInfo("subject in the input's coordinates: {} to {}", Text(bounds_in_input.min),
+          Text(bounds_in_input.max));
+  scene.input_from_world = InputFromWorld(bounds_in_input);
+  const Similarity3 world_from_input = scene.input_from_world.Inverse();
+  scene.subject_bounds = {world_from_input * bounds_in_input.min,
+                          world_from_input * bounds_in_input.max};
+  for (View& view : scene.views) {
+    view.cam_from_world = CamFromWorld(view.cam_from_world, scene.input_from_world);
+  }
+  for (ScenePoint& point : scene.points) point.position = world_from_input * point.position;
+}
+
+Background BackgroundOf(const Scene& scene, const ImportOptions& options) {
+  if (scene.has_alpha && options.background == Background::kScene) {
+    throw DataError(
+        "--background scene: the pictures have alpha, behind which stands white or black");
+  }
+  return options.background.value_or(scene.has_alpha ? Background::kWhite : Background::kScene);
+}
+
 }  // namespace
 
 void ImportOptions::Check() const {
-  if (format != "nerf-synthetic") {
-    throw UsageError(fmt::format("--format {}: expected nerf-synthetic", format));
-  }
   if (max_size < 0 || max_size > 65536) {
     throw UsageError(fmt::format("--max-size {}: expected 0 to 65536 pixels", max_size));
   }
-  if (background == Background::kScene) {
-    throw UsageError("--background scene: pictures with alpha need white or black");
+  if (holdout < 0 || holdout == 1 || holdout > 1000000) {
+    throw UsageError(fmt::format("--holdout {}: expected 0 or 2 to 1000000", holdout));
   }
 }
 
@@ -140,33 +218,24 @@ glm::ivec2 FitToMaxSize(int width, int height, int max_size) {
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
                             const std::filesystem::path& folder, const ImportOptions& options) {
   options.Check();
-  const NerfSynthetic set = ReadNerfSynthetic(dataset);
+  Dataset set = ReadDataset(dataset, options.format);
+  if (set.pictures.empty()) {
+    throw DataError(fmt::format("{}: the data set has no pictures", dataset.string()));
+  }
+  if (!set.has_split) HoldOut(set.pictures, options.holdout);
   std::vector<StoredPicture> stored = StorePictures(set.pictures, folder, options.max_size);
   CheckAlike(set.pictures, stored);
 
   ImportedScene imported;
-  imported.missing_splits = set.missing_splits;
+  imported.missing_files = set.missing_files;
+  for (const StoredPicture& picture : stored) imported.resized += picture.resized;
   Scene& scene = imported.scene;
-  scene.background = options.background;
-  scene.has_alpha = stored[0].has_alpha;
-  const Bounds3 bounds_in_input = SubjectBoundsInInput(set.pictures, stored);
-  scene.input_from_world = InputFromWorld(bounds_in_input);
-  const Similarity3 world_from_input = scene.input_from_world.Inverse();
-  scene.subject_bounds = {world_from_input * bounds_in_input.min,
-                          world_from_input * bounds_in_input.max};
-  LogInfo("subject in the input's coordinates: {} to {}", Text(bounds_in_input.min),
-          Text(bounds_in_input.max));
-
-  for (size_t i = 0; i < set.pictures.size(); ++i) {
-    const PosedPicture& picture = set.pictures[i];
-    View view;
-    view.name = picture.name;
-    view.image = "images/" + picture.name + ".png";
-    view.camera = IndexOfCamera(scene.cameras, stored[i].camera);
-    view.cam_from_world = CamFromWorld(picture.cam_from_input, scene.input_from_world);
-    view.split = picture.split;
-    scene.views.push_back(std::move(view));
-    imported.resized += stored[i].resized ? 1 : 0;
+  scene = SceneInInput(set, stored);
+  scene.background = BackgroundOf(scene, options);
+  if (!scene.has_alpha && !scene.points.empty()) {
+    MoveToSubject(scene, FindSubject(scene));
+  } else {
+    MoveToBounds(scene, SubjectBoundsInInput(set, stored));
   }
   WriteScene(folder, scene);
   return imported;
@@ -178,8 +247,9 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   stage.Output("images");
   const ImportedScene imported = ImportDataset(stage.Input("DATASET"), stage.folder(), options);
   const Scene& scene = imported.scene;
-  for (const std::string& file : imported.missing_splits) {
-    LogWarning("{} is not there; the scene goes without that split", file);
+  if (!scene.points.empty()) stage.Output("points.ply");
+  for (const std::string& file : imported.missing_files) {
+    LogWarning("{} is not there; the scene goes without it", file);
   }
   const Camera& camera = scene.cameras[0];
   LogInfo("{} training, {} validation, {} test views; {} x {} pixels; {} resized",
@@ -188,9 +258,10 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   stage.Count("train_views", scene.ViewsOf(Split::kTrain).size());
   stage.Count("validation_views", scene.ViewsOf(Split::kValidation).size());
   stage.Count("test_views", scene.ViewsOf(Split::kTest).size());
+  stage.Count("points", scene.points.size());
   stage.Count("cameras", scene.cameras.size());
   stage.Count("pictures_resized", imported.resized);
-  stage.Note("missing_splits", imported.missing_splits);
+  stage.Note("missing_files", imported.missing_files);
   stage.Seconds("import", timer.seconds());
 }
 

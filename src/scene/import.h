@@ -2,31 +2,37 @@
 #pragma once
 
 #include "core/stage.h"
+#include "scene/dataset.h"
 #include "scene/scene.h"
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace tetrec {
 
 struct ImportOptions {
-  std::string format = "nerf-synthetic";
-  int max_size = 400;                          // [px] bound of the longer side; 0: as stored
-  Background background = Background::kWhite;  // behind pictures with alpha; white or black
-  void Check() const;                          // throws UsageError naming the option and its value
+  DatasetFormat format = DatasetFormat::kAuto;
+  int max_size = 400;  // [px] bound of the longer side; 0: as stored
+  // Behind pictures with alpha white or black; without it: what the pictures stand before. Unset:
+  // white, or the scene's own where there is no alpha.
+  std::optional<Background> background;
+  int holdout = 8;     // of data sets without a split of their own every n-th view by name; 0: none
+  void Check() const;  // throws UsageError naming the option and its value
 };
 
 struct ImportedScene {
   Scene scene;
-  size_t resized = 0;                       // pictures
-  std::vector<std::string> missing_splits;  // files that are not there
+  size_t resized = 0;                      // pictures, undistorted ones too
+  std::vector<std::string> missing_files;  // as Dataset's
 };
 
-// Reads the data set, resizes its pictures (in parallel), finds the subject's bounds by carving the
-// training masks (without alpha: what all training cameras see), moves the world so that the
-// subject's longest side is 2 and its centre 0, and writes the scene folder. Throws DataError.
+// Reads the data set, brings its pictures to a pinhole camera and to size (in parallel), finds the
+// subject's bounds, moves the world so that the subject's longest side is 2 and its centre 0, and
+// writes the scene folder. Bounds come from carving the training masks where there is alpha, else
+// from the points, else from what all training cameras see. Throws DataError.
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
                             const std::filesystem::path& folder, const ImportOptions& options);
 

@@ -138,7 +138,7 @@ TEST(Import, WithoutAlphaTakesWhatAllCamerasSee) {
   std::filesystem::remove(folder / "transforms_val.json");
   const ImportedScene imported = ImportDataset(folder.path(), folder / "scene", AtSize(40));
   EXPECT_FALSE(imported.scene.has_alpha);
-  EXPECT_EQ(imported.missing_splits, std::vector<std::string>{"transforms_val.json"});
+  EXPECT_EQ(imported.missing_files, std::vector<std::string>{"transforms_val.json"});
   EXPECT_LT(
       glm::length(imported.scene.input_from_world.translation - kInputFromSynthetic.translation),
       1e-9);
@@ -160,11 +160,8 @@ TEST(Import, RefusesOptionsThatMakeNoSense) {
   options.max_size = -1;
   ExpectError<UsageError>([&] { options.Check(); }, {"--max-size -1"});
   options = {};
-  options.format = "obj";
-  ExpectError<UsageError>([&] { options.Check(); }, {"--format obj"});
-  options = {};
-  options.background = Background::kScene;
-  ExpectError<UsageError>([&] { options.Check(); }, {"--background scene"});
+  options.holdout = 1;
+  ExpectError<UsageError>([&] { options.Check(); }, {"--holdout 1"});
 }
 
 TEST(FitToMaxSize, KeepsTheShape) {

@@ -1,5 +1,5 @@
-// transforms_*.json of NeRF-synthetic folders.
-#include "scene/nerf_synthetic.h"
+// Readers of transforms JSON files.
+#include "scene/transforms.h"
 
 #include "core/error.h"
 #include "core/file.h"
@@ -103,24 +103,23 @@ std::vector<PosedPicture> ReadSplit(const std::filesystem::path& path, Split spl
 
 }  // namespace
 
-NerfSynthetic ReadNerfSynthetic(const std::filesystem::path& folder) {
+Dataset ReadNerfSynthetic(const std::filesystem::path& folder) {
   if (!std::filesystem::is_directory(folder)) {
     throw DataError(
         fmt::format("{}: no such folder; expected a NeRF-synthetic data set", folder.string()));
   }
-  NerfSynthetic set;
+  Dataset set;
+  set.has_split = true;
   std::unordered_map<std::string, const char*> file_of_name;
   for (const SplitFile& split_file : kSplitFiles) {
     const std::filesystem::path path = folder / split_file.name;
     if (!std::filesystem::exists(path)) {
-      set.missing_splits.push_back(split_file.name);
+      set.missing_files.push_back(split_file.name);
       if (split_file.split != Split::kTrain) continue;
-      const bool other_format = std::filesystem::exists(folder / "transforms.json");
-      throw DataError(fmt::format(
-          "{}: no {}; a NeRF-synthetic data set has transforms_train.json, and usually "
-          "transforms_val.json and transforms_test.json{}",
-          folder.string(), split_file.name,
-          other_format ? " (transforms.json is another format, which is not read)" : ""));
+      throw DataError(
+          fmt::format("{}: no {}; a NeRF-synthetic data set has transforms_train.json, and usually "
+                      "transforms_val.json and transforms_test.json",
+                      folder.string(), split_file.name));
     }
     for (PosedPicture& picture : ReadSplit(path, split_file.split)) {
       const auto [other, is_new] = file_of_name.emplace(picture.name, split_file.name);
@@ -136,6 +135,12 @@ NerfSynthetic ReadNerfSynthetic(const std::filesystem::path& folder) {
       throw DataError(fmt::format("{}: frames is empty; expected training views", path.string()));
     }
   }
+  return set;
+}
+
+Dataset ReadTransforms(const std::filesystem::path& folder) {
+  Dataset set;
+  set.pictures = ReadSplit(folder / "transforms.json", Split::kTrain);
   return set;
 }
 

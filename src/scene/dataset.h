@@ -1,0 +1,46 @@
+// What a data set with known cameras holds, whatever its format: pictures, where they were taken
+// from, and the points that came with them. Nothing is decoded yet.
+#pragma once
+
+#include "geometry/bounds3.h"
+#include "scene/colmap_model.h"
+#include "scene/scene.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tetrec {
+
+// A picture of a data set whose camera is known.
+struct PosedPicture {
+  std::string name;            // unique, as View::name, e.g. "train/r_0"
+  std::filesystem::path file;  // exists
+  std::filesystem::path mask;  // exists, or empty; what is black there is not to be seen
+  Split split = Split::kTrain;
+  Rigid3 cam_from_input;  // camera frame as ours: x right, y down, z forward
+  // The lens, in pixels of the file. Of width 0 where only the field of view is told.
+  ColmapCamera lens;
+  double horizontal_fov_rad = 0;
+};
+
+struct Dataset {
+  std::vector<PosedPicture> pictures;
+  bool has_split = false;                  // else the importer chooses
+  std::vector<ScenePoint> points;          // in the input's coordinates
+  std::optional<Bounds3> box_in_input;     // that the data set says to hold what matters
+  std::vector<std::string> missing_files;  // files that are not there but often are
+};
+
+// What import reads. kAuto: told by the files that are there.
+enum class DatasetFormat { kAuto, kNerfSynthetic, kTransforms, kColmap };
+const char* Name(DatasetFormat format);
+
+// Throws DataError where the folder is none of the known formats, naming what was looked for.
+DatasetFormat RecogniseDataset(const std::filesystem::path& folder);
+
+// Throws DataError as the readers do.
+Dataset ReadDataset(const std::filesystem::path& folder, DatasetFormat format);
+
+}  // namespace tetrec
