@@ -41,7 +41,8 @@ struct BestOfPair {
   std::vector<BestTwo> of_first, of_second;
 };
 
-// The same result twice: in plain C++, and with vector instructions where the processor has them.
+// The same result twice: in plain C++, and by the widest vector instructions that the processor has
+// (match_avx2.cc, match_vnni.cc).
 BestOfPair FindBestPlain(std::span<const uint8_t> first, std::span<const uint8_t> second);
 BestOfPair FindBest(std::span<const uint8_t> first, std::span<const uint8_t> second);
 

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <charconv>
 #include <functional>
+#include <future>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -175,6 +176,27 @@ PairMatches MatchBlock(const std::map<uint32_t, Descriptors>& descriptors,
   return matches;
 }
 
+// Verifies the geometry of matched pairs, whose names are `lines`.
+void VerifyPairs(const ColmapProgram& colmap, const fs::path& database, const fs::path& scratch,
+                 const std::vector<ImagePair>& pairs, const std::string& lines) {
+  const fs::path list = scratch / "pairs.txt";
+  WriteText(list, lines);
+  // With raw matches in the database this command only verifies their geometry.
+  RunStep(colmap, "matches_importer",
+          {"--database_path", database, "--match_list_path", list, "--match_type", "pairs",
+           "--SiftMatching.use_gpu", "0",
+           // Its random numbers depend on which thread gets which pair.
+           "--SiftMatching.num_threads", "1"});
+  const std::set<ImagePair> verified = ColmapDatabase(database).VerifiedPairs();
+  const bool complete = std::all_of(pairs.begin(), pairs.end(),
+                                    [&](const ImagePair& p) { return verified.contains(p); });
+  if (!complete) {
+    throw EnvironmentError(
+        fmt::format("colmap matches_importer did not verify all pairs; its output is in {}",
+                    colmap.log.string()));
+  }
+}
+
 // Paths are given relative to the database's folder, where "photos" leads to the pictures: the
 // names of the user's folders must not change the memory's layout.
 void ExtractPart(const ColmapProgram& colmap, const std::vector<std::string>& names,
@@ -280,55 +302,43 @@ MatchCounts MatchFeatures(const ColmapProgram& colmap, const fs::path& database_
   std::map<uint32_t, Descriptors> descriptors;
   std::map<uint32_t, std::string> names;
   std::vector<ImagePair> pairs;
+  std::set<ImagePair> matched, verified;  // by an earlier run
   {
     const ColmapDatabase database(database_path);
     const std::vector<DatabaseImage> images = database.Images();
     pairs = ChoosePairs(database, images, choice);
+    matched = database.MatchedPairs();
+    verified = database.VerifiedPairs();
     for (const DatabaseImage& image : images) {
       names[image.id] = image.name;
       descriptors[image.id] = database.ReadDescriptors(image.id);
     }
   }
   counts.pairs = pairs.size();
-  const fs::path list = scratch / "pairs.txt";
   Progress progress("matching: pair", double(pairs.size()));
+  std::future<void> verification;  // of the block before, while this one is matched
   for (size_t start = 0; start < pairs.size(); start += kPairsPerBlock) {
     const std::vector<ImagePair> block(
         pairs.begin() + std::ptrdiff_t(start),
         pairs.begin() + std::ptrdiff_t(std::min(pairs.size(), start + kPairsPerBlock)));
+    std::vector<ImagePair> unmatched, unverified;
     std::string lines;
-    {
-      ColmapDatabase database(database_path);
-      const std::set<ImagePair> matched = database.MatchedPairs(),
-                                verified = database.VerifiedPairs();
-      std::vector<ImagePair> unmatched;
-      for (const ImagePair& pair : block) {
-        if (!matched.contains(pair)) unmatched.push_back(pair);
-        if (!matched.contains(pair) || !verified.contains(pair)) {
-          lines += names.at(pair.first) + " " + names.at(pair.second) + "\n";
-        }
-      }
-      database.WriteMatches(MatchBlock(descriptors, unmatched));
+    for (const ImagePair& pair : block) {
+      if (!matched.contains(pair)) unmatched.push_back(pair);
+      if (matched.contains(pair) && verified.contains(pair)) continue;
+      unverified.push_back(pair);
+      lines += names.at(pair.first) + " " + names.at(pair.second) + "\n";
     }
-    if (!lines.empty()) {
-      // With raw matches in the database this command only verifies their geometry.
-      WriteText(list, lines);
-      RunStep(colmap, "matches_importer",
-              {"--database_path", database_path, "--match_list_path", list, "--match_type", "pairs",
-               "--SiftMatching.use_gpu", "0",
-               // Its random numbers depend on which thread gets which pair.
-               "--SiftMatching.num_threads", "1"});
-      const std::set<ImagePair> verified = ColmapDatabase(database_path).VerifiedPairs();
-      const bool complete = std::all_of(block.begin(), block.end(),
-                                        [&](const ImagePair& p) { return verified.contains(p); });
-      if (!complete) {
-        throw EnvironmentError(
-            fmt::format("colmap matches_importer did not verify all pairs; its output is in {}",
-                        colmap.log.string()));
-      }
+    const PairMatches matches = MatchBlock(descriptors, unmatched);
+    if (verification.valid()) verification.get();
+    if (!unmatched.empty()) ColmapDatabase(database_path).WriteMatches(matches);
+    if (!unverified.empty()) {
+      verification = std::async(std::launch::async, VerifyPairs, std::cref(colmap), database_path,
+                                scratch, std::move(unverified), std::move(lines));
     }
     progress.Update(double(start + block.size()));
   }
+  if (verification.valid()) verification.get();
   counts.matches = ColmapDatabase(database_path).MatchCount();
   return counts;
 }

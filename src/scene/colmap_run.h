@@ -41,7 +41,8 @@ struct MatchCounts {
   size_t pairs = 0, matches = 0;  // matches before geometric verification
 };
 
-// Matches and verifies in small blocks; what the database holds already is not done again.
+// Matches and verifies in small blocks, the one while the other; what the database holds already is
+// not done again.
 MatchCounts MatchFeatures(const ColmapProgram& colmap, const std::filesystem::path& database,
                           PairChoice choice, const std::filesystem::path& scratch);
 

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "expect_error.h"
 #include "scene/colmap_database.h"
+#include "scene/match_lanes.h"
 #include "scratch_folder.h"
 
 #include <fmt/format.h>
@@ -35,12 +36,34 @@ Descriptors RandomDescriptors(size_t count, uint32_t seed) {
   return all;
 }
 
-TEST(Matching, VectorCodeFindsWhatPlainCodeFinds) {
-  // Sizes around the tiles' 4 rows and 16 columns, the empty picture included.
+#if defined(__x86_64__)
+struct VectorCode {
+  const char* name;
+  bool (*can_run)();
+  internal::BestOfPair (*find)(std::span<const uint8_t>, std::span<const uint8_t>);
+};
+
+class VectorMatching : public ::testing::TestWithParam<VectorCode> {
+ protected:
+  void SetUp() override {
+    if (!GetParam().can_run()) GTEST_SKIP() << "the processor lacks the instructions";
+  }
+};
+
+std::string NameOfCode(const ::testing::TestParamInfo<VectorCode>& code) { return code.param.name; }
+
+INSTANTIATE_TEST_SUITE_P(
+    Codes, VectorMatching,
+    ::testing::Values(VectorCode{"Avx2", internal::CanMatchByAvx2, internal::FindBestAvx2},
+                      VectorCode{"Vnni", internal::CanMatchByVnni, internal::FindBestVnni}),
+    NameOfCode);
+
+TEST_P(VectorMatching, FindsWhatPlainCodeFinds) {
+  // Sizes around the tiles' 4 rows and 16 or 64 columns, the empty picture included.
   for (const size_t first : {0, 1, 3, 4, 5, 37}) {
-    for (const size_t second : {0, 1, 15, 16, 17, 50}) {
+    for (const size_t second : {0, 1, 15, 16, 17, 50, 63, 64, 65, 130}) {
       const Descriptors a = RandomDescriptors(first, 1), b = RandomDescriptors(second, 2);
-      const internal::BestOfPair fast = internal::FindBest(a, b),
+      const internal::BestOfPair fast = GetParam().find(a, b),
                                  plain = internal::FindBestPlain(a, b);
       EXPECT_EQ(fast.of_first, plain.of_first) << first << " x " << second;
       EXPECT_EQ(fast.of_second, plain.of_second) << first << " x " << second;
@@ -48,16 +71,24 @@ TEST(Matching, VectorCodeFindsWhatPlainCodeFinds) {
   }
 }
 
-TEST(Matching, OfEqualDescriptorsTheFirstIsTheBestInBothCodes) {
+TEST_P(VectorMatching, IsExactForTheLargestEntries) {
+  const Descriptors white(3 * kDescriptorBytes, 255), black(2 * kDescriptorBytes, 0);
+  EXPECT_EQ(GetParam().find(white, white).of_first[0].best, 255 * 255 * int(kDescriptorBytes));
+  EXPECT_EQ(GetParam().find(white, black).of_first[0].index, -1);
+  EXPECT_EQ(GetParam().find(black, white).of_second[2].index, -1);
+}
+
+TEST_P(VectorMatching, OfEqualDescriptorsTheFirstIsTheBest) {
   const Descriptors one = RandomDescriptors(1, 3);
   Descriptors many;
-  for (int i = 0; i < 20; ++i) many.insert(many.end(), one.begin(), one.end());
-  const internal::BestOfPair fast = internal::FindBest(many, many),
+  for (int i = 0; i < 70; ++i) many.insert(many.end(), one.begin(), one.end());
+  const internal::BestOfPair fast = GetParam().find(many, many),
                              plain = internal::FindBestPlain(many, many);
   EXPECT_EQ(fast.of_first, plain.of_first);
   EXPECT_EQ(fast.of_first[7].index, 0);
   EXPECT_EQ(fast.of_first[7].best, fast.of_first[7].second);
 }
+#endif
 
 TEST(Matching, ShuffledAndSlightlyDisturbedDescriptorsFindTheirPartners) {
   const size_t count = 200;
