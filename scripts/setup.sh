@@ -12,7 +12,8 @@ ninja-build                 build
 g++                         build
 ccache                      build: makes the second one quick
 git                         the revision that manifests record; the list of files to check
-python3                     scripts/check_includes, scripts/format
+python3                     scripts/check_includes, scripts/fetch_dataset
+python3-jsonschema          scripts/check_datasets: the descriptions of data sets
 ca-certificates             fetching data sets over https
 libfmt-dev                  core: formatting
 nlohmann-json3-dev          core: JSON
