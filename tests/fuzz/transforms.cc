@@ -1,7 +1,8 @@
 // Fuzz target: transforms_train.json of a NeRF-synthetic folder whose picture train/r_0.png is
 // there.
-#include "fuzz/fuzz_target.h"
 #include "scene/transforms.h"
+
+#include "fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const fuzz::Folder folder;
