@@ -30,17 +30,21 @@ struct StoredPicture {
 // Relative to the scene folder.
 std::string ImageOf(const PosedPicture& picture) { return "images/" + picture.name + ".png"; }
 
-// Square pixels, the principal point in the middle.
-ColmapCamera LensOfFieldOfView(double horizontal_fov_rad, const Image& image) {
-  const double focal_px = 0.5 * image.width / std::tan(0.5 * horizontal_fov_rad);
+// The principal point in the middle.
+ColmapCamera LensOfFieldOfView(const PosedPicture& picture, const Image& image) {
+  const auto focal_px = [](double fov_rad, int size) {
+    return fov_rad == 0 ? 0.0 : 0.5 * size / std::tan(0.5 * fov_rad);
+  };
+  const double fx = focal_px(picture.horizontal_fov_rad, image.width);
+  const double fy = focal_px(picture.vertical_fov_rad, image.height);
   return {kColmapPinhole,
           uint64_t(image.width),
           uint64_t(image.height),
-          {focal_px, focal_px, 0.5 * image.width, 0.5 * image.height}};
+          {fx == 0 ? fy : fx, fy == 0 ? fx : fy, 0.5 * image.width, 0.5 * image.height}};
 }
 
 ColmapCamera LensOf(const PosedPicture& picture, const Image& image) {
-  if (picture.lens.width == 0) return LensOfFieldOfView(picture.horizontal_fov_rad, image);
+  if (picture.lens.width == 0) return LensOfFieldOfView(picture, image);
   if (uint64_t(image.width) != picture.lens.width ||
       uint64_t(image.height) != picture.lens.height) {
     throw DataError(fmt::format(
