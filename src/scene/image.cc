@@ -4,18 +4,17 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "scene/exr_header.h"
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <optional>
 
 namespace tetrec {
 namespace {
@@ -56,7 +55,6 @@ void CheckAgainstFile(uint64_t pixel_bytes, uint64_t file_bytes, const std::stri
 
 constexpr uint8_t kPngSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 constexpr uint8_t kJpegSignature[] = {0xFF, 0xD8, 0xFF};
-constexpr uint8_t kExrSignature[] = {0x76, 0x2f, 0x31, 0x01};
 
 template <size_t N>
 bool StartsWith(std::span<const uint8_t> bytes, const uint8_t (&signature)[N]) {
@@ -136,57 +134,6 @@ void CheckJpeg(std::span<const uint8_t> bytes, const std::string& name) {
 // OpenCV reads EXR only where the environment says so when it first looks; set before any thread
 // starts, since the environment is not safe among threads.
 const bool kExrEnabled = setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1) == 0;
-
-// A header attribute's or its type's name; advances past its 0.
-std::string ReadExrName(ByteReader& reader) {
-  constexpr size_t kLongestName = 255;
-  std::string text;
-  while (const char c = reader.Read<char>("a name in the EXR header")) {
-    if (text.size() == kLongestName) {
-      throw DataError(fmt::format("{}: EXR header with a name that is too long", reader.name()));
-    }
-    text += c;
-  }
-  return text;
-}
-
-// Corners x0 y0 x1 y1, both inside.
-using ExrWindow = std::array<int32_t, 4>;
-
-// One part of plain pixels that are the whole picture. (OpenEXR file layout, "Header")
-void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
-  ByteReader reader(bytes, name);
-  reader.Read<uint32_t>("EXR signature");
-  constexpr uint32_t kVersionAndPlainFlags = 0x2 | 0x200 | 0x400;  // tiles, long names
-  if ((reader.Read<uint32_t>("EXR flags") & ~kVersionAndPlainFlags) != 0) {
-    throw DataError(
-        fmt::format("{}: EXR of several parts or deep pixels; store it as one plain part", name));
-  }
-  std::optional<ExrWindow> data, display;
-  for (std::string attribute; !(attribute = ReadExrName(reader)).empty();) {
-    ReadExrName(reader);
-    const auto value =
-        reader.ReadArray<uint8_t>(reader.Read<uint32_t>("an EXR attribute's size"), "its value");
-    const bool is_data = attribute == "dataWindow", is_display = attribute == "displayWindow";
-    if ((is_data || is_display) && value.size() == sizeof(ExrWindow)) {
-      ExrWindow& window = (is_data ? data : display).emplace();
-      std::memcpy(window.data(), value.data(), sizeof(ExrWindow));
-    }
-  }
-  if (!data || !display) throw DataError(fmt::format("{}: EXR header without a window", name));
-  const auto side = [](int32_t first, int32_t last) {
-    return last < first ? 0 : uint64_t(int64_t(last) - first + 1);
-  };
-  const uint64_t width = side((*data)[0], (*data)[2]), height = side((*data)[1], (*data)[3]);
-  CheckSize(width, height, name);
-  CheckAgainstFile(width * height, bytes.size(), name);
-  if (data != display) {
-    throw DataError(
-        fmt::format("{}: EXR whose pixels are a part of the picture (data window), or more than "
-                    "it; store the whole picture",
-                    name));
-  }
-}
 
 cv::Mat Decode(std::span<const uint8_t> bytes, const std::string& name, ExifRotation rotation) {
   // IMREAD_UNCHANGED alone ignores the rotation too.
@@ -321,7 +268,11 @@ Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name, ExifR
   const PngFacts png = is_png ? CheckPng(bytes, name) : PngFacts{};
   if (is_jpeg) CheckJpeg(bytes, name);
 
-  if (is_exr) CheckExr(bytes, name);
+  if (is_exr) {
+    const glm::u64vec2 size = CheckExrHeader(bytes, name);
+    CheckSize(size.x, size.y, name);
+    CheckAgainstFile(size.x * size.y, bytes.size(), name);
+  }
 
   const cv::Mat decoded = Decode(bytes, name, rotation);
   if (decoded.empty()) {

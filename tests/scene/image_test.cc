@@ -267,26 +267,34 @@ TEST(ImageFiles, AnExrCutAnywhereIsRefused) {
 
 TEST(ImageFiles, ExrsThatAreNoPlainPictureAreRefused) {
   const std::vector<uint8_t> exr = SomeExr(3, std::vector<float>(12, 0.5f));
-  const auto window = [&](const std::string& name) {
-    const std::string attribute = name + std::string("\0box2i\0\x10\0\0\0", 11);
+  // Where an attribute's value begins.
+  const auto value_of = [&](const std::string& name, const std::string& type) {
+    const std::string attribute = name + '\0' + type + '\0';
     const auto found = std::search(exr.begin(), exr.end(), attribute.begin(), attribute.end());
     EXPECT_NE(found, exr.end());
-    return size_t(found - exr.begin()) + attribute.size();
+    return size_t(found - exr.begin()) + attribute.size() + 4;
   };
-  const auto message = [](std::vector<uint8_t> bytes, size_t position, uint8_t value,
-                          const char* part) {
-    bytes[position] = value;
+  using Changes = std::vector<std::pair<size_t, int>>;
+  const auto message = [&](const Changes& changes, const char* part) {
+    std::vector<uint8_t> bytes = exr;
+    for (const auto& [position, value] : changes) bytes[position] = uint8_t(value);
     ExpectError<DataError>([&] { DecodeImage(bytes, "a.exr"); }, {"a.exr", part});
   };
-  message(exr, 5, 0x08, "several parts or deep");
-  message(exr, 5, 0x10, "several parts or deep");
-  message(exr, window("dataWindow") + 8, 2, "store the whole picture");
-  message(exr, window("dataWindow") + 10, 0x10, "picture of 1048580 x 1");
-  message(exr, window("dataWindow") + 11, 0x80, "picture of 0 x 1");
-  std::vector<uint8_t> large = exr;
-  large[window("dataWindow") + 9] = 0xF0, large[window("dataWindow") + 13] = 0x01;
-  message(large, 0, exr[0], "cannot hold the 15791108 bytes");  // 61,444 x 257
-  message(exr, window("dataWindow") - 16, 'X', "header without a window");
+  const size_t data = value_of("dataWindow", "box2i"), display = value_of("displayWindow", "box2i");
+  const size_t ratio = value_of("pixelAspectRatio", "float");
+  const size_t channels = value_of("channels", "chlist");
+  message({{5, 0x08}}, "several parts or deep");
+  message({{5, 0x10}}, "several parts or deep");
+  message({{data + 8, 2}}, "store the whole picture");
+  message({{data + 10, 0x10}, {display + 10, 0x10}}, "picture of 1048580 x 1 pixels");
+  message({{data + 11, 0x80}, {display + 11, 0x80}}, "picture of 0 x 1 pixels");
+  message({{data + 9, 0xF0}, {data + 13, 1}, {display + 9, 0xF0}, {display + 13, 1}},
+          "cannot hold the 15791108 bytes");  // 61,444 x 257
+  message({{data - 16, 'X'}}, "header without a window");
+  message({{data - 4, 15}}, "attribute dataWindow of 15 bytes; expected 16");
+  message({{ratio - 1, 0x7F}}, "its value");
+  // OpenEXR itself reads on behind the end of a channel list that lacks its 0.
+  message({{channels - 4, exr[channels - 4] - 1}}, "EXR channels");
 }
 
 TEST(MaskedBy, MultipliesAlphaByTheMask) {
