@@ -4,11 +4,12 @@
 #include "core/stage.h"
 
 #include <map>
+#include <vector>
 
 using tetrec::Background, tetrec::DatasetFormat;
 
 int main(int argc, char** argv) {
-  tetrec::StageCommand command("import", 2,
+  tetrec::StageCommand command("import", 3,
                                "Imports a data set with known cameras into a scene folder.");
   tetrec::ImportOptions options;
   CLI::App& app = command.app();
@@ -25,9 +26,13 @@ int main(int argc, char** argv) {
                  "nerfstudio) or colmap (a model with its pictures)")
       ->check(CLI::IsMember(formats))
       ->capture_default_str();
-  app.add_option("--max-size", options.max_size,
-                 "bound of the pictures' longer side [pixels]; 0 keeps them as stored")
-      ->capture_default_str();
+  CLI::Option* max_size =
+      app.add_option("--max-size", options.max_size,
+                     "bound of the pictures' longer side [pixels]; 0 keeps them as stored")
+          ->capture_default_str();
+  app.add_option("--downscale", options.downscale,
+                 "divides the pictures' sides by this factor, in place of --max-size")
+      ->excludes(max_size);
   const std::map<std::string, std::optional<Background>> backgrounds = {
       {"auto", std::nullopt},
       {Name(Background::kWhite), Background::kWhite},
@@ -39,15 +44,30 @@ int main(int argc, char** argv) {
                  "before it), scene (photos), auto (white behind alpha, else scene)")
       ->check(CLI::IsMember(backgrounds))
       ->capture_default_str();
-  app.add_option("--holdout", options.holdout,
-                 "of data sets without a split of their own, every N-th view by name is held out "
-                 "for judging; 0: none")
-      ->capture_default_str();
+  CLI::Option* holdout =
+      app.add_option("--holdout", options.holdout,
+                     "every N-th view by name is held out for judging, the others train; 0: none. "
+                     "Default: the data set's own split; every 8th of those that have none");
+  command.InputPath("--test-list",
+                    "file with the names of the views that are held out, one a line; the others "
+                    "train",
+                    false);
+  app.get_option("--test-list")->excludes(holdout);
+  std::vector<double> bounds;
+  app.add_option("--bounds", bounds,
+                 "the subject's box x0,y0,z0,x1,y1,z1 in the data set's coordinates, in place of "
+                 "what alpha, points or cameras tell")
+      ->delimiter(',')
+      ->expected(6);
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunImport(options, stage); },
       [&] {
         options.format = formats.at(format);
         options.background = backgrounds.at(background);
+        if (!bounds.empty()) {
+          options.subject_in_input = {{bounds[0], bounds[1], bounds[2]},
+                                      {bounds[3], bounds[4], bounds[5]}};
+        }
         options.Check();
       });
 }
