@@ -25,6 +25,9 @@ int main(int argc, char** argv) {
                  "nerfstudio) or colmap (a model with its pictures)")
       ->check(CLI::IsMember(formats))
       ->capture_default_str();
+  app.add_option("--images", options.images,
+                 "folder of a COLMAP model's pictures in the data set, e.g. images_4 of the same "
+                 "pictures made smaller; without it: images");
   app.add_option("--max-size", options.max_size,
                  "bound of the pictures' longer side [pixels]; 0 keeps them as stored")
       ->capture_default_str();

@@ -312,6 +312,28 @@ Image Resampled(const Image& photo, const Camera& to, const std::vector<glm::vec
 
 }  // namespace
 
+ColmapCamera ScaledLens(const ColmapCamera& camera, int width, int height) {
+  ColmapCamera scaled = camera;
+  std::vector<double>& p = scaled.params;
+  const auto two_focals = [&](ColmapLens model, size_t params) {
+    scaled.model = model;
+    p.insert(p.begin(), p[0]);
+    p.resize(params, 0.0);
+  };
+  if (camera.model == kColmapSimplePinhole) two_focals(kColmapPinhole, 4);
+  if (camera.model == kColmapSimpleRadial || camera.model == kColmapRadial) {
+    two_focals(kColmapOpenCv, 8);
+  }
+  if (camera.model == kColmapSimpleRadialFisheye || camera.model == kColmapRadialFisheye) {
+    two_focals(kColmapOpenCvFisheye, 8);
+  }
+  const double x = width / double(camera.width), y = height / double(camera.height);
+  p[0] *= x, p[1] *= y, p[2] *= x, p[3] *= y;
+  scaled.width = uint64_t(width);
+  scaled.height = uint64_t(height);
+  return scaled;
+}
+
 glm::dvec2 DistortedImageFromCam(const ColmapCamera& camera, const glm::dvec2& direction) {
   return DistortedPixel(LensOf(camera), direction);
 }

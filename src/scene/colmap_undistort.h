@@ -8,6 +8,10 @@
 
 namespace tetrec {
 
+// The camera of a copy of its picture with another size. Models with one focal length become their
+// like with two, since rounded sides scale differently.
+ColmapCamera ScaledLens(const ColmapCamera& camera, int width, int height);
+
 // Pixel of a direction (x, y, 1) of the camera frame. Throws DataError for a model that is none of
 // ColmapLens (and so do all below).
 glm::dvec2 DistortedImageFromCam(const ColmapCamera& camera, const glm::dvec2& direction);

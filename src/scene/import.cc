@@ -23,12 +23,14 @@ namespace {
 // What is kept of a picture once it is written.
 struct StoredPicture {
   Camera camera;
-  bool has_alpha = false, resized = false;
+  bool has_alpha = false, resized = false, lens_scaled = false, cut_to_plane = false;
   std::vector<uint8_t> alpha;  // training pictures only
 };
 
 // Relative to the scene folder.
-std::string ImageOf(const PosedPicture& picture) { return "images/" + picture.name + ".png"; }
+std::string ImageOf(const PosedPicture& picture) {
+  return picture.image.empty() ? "images/" + picture.name + ".png" : picture.image;
+}
 
 // Square pixels, the principal point in the middle.
 ColmapCamera LensOfFieldOfView(double horizontal_fov_rad, const Image& image) {
@@ -39,15 +41,27 @@ ColmapCamera LensOfFieldOfView(double horizontal_fov_rad, const Image& image) {
           {focal_px, focal_px, 0.5 * image.width, 0.5 * image.height}};
 }
 
+bool IsOfItsSize(const PosedPicture& picture, const Image& image) {
+  return picture.lens.width == 0 || (uint64_t(image.width) == picture.lens.width &&
+                                     uint64_t(image.height) == picture.lens.height);
+}
+
+// Data sets come with smaller copies of the pictures, their sides rounded up or down.
+bool IsScaledCopy(const ColmapCamera& lens, const Image& image) {
+  const double shape = double(lens.height) / double(lens.width);
+  return std::abs(image.height - shape * image.width) <= std::max(1.0, shape);
+}
+
 ColmapCamera LensOf(const PosedPicture& picture, const Image& image) {
   if (picture.lens.width == 0) return LensOfFieldOfView(picture.horizontal_fov_rad, image);
-  if (uint64_t(image.width) != picture.lens.width ||
-      uint64_t(image.height) != picture.lens.height) {
-    throw DataError(fmt::format(
-        "{} has {} x {} pixels, its camera {} x {}; give the pictures that the cameras belong to",
-        picture.file.string(), image.width, image.height, picture.lens.width, picture.lens.height));
+  if (IsOfItsSize(picture, image)) return picture.lens;
+  if (IsScaledCopy(picture.lens, image)) {
+    return ScaledLens(picture.lens, image.width, image.height);
   }
-  return picture.lens;
+  throw DataError(fmt::format(
+      "{} has {} x {} pixels, its camera {} x {}, which is another shape; give the pictures that "
+      "the cameras belong to",
+      picture.file.string(), image.width, image.height, picture.lens.width, picture.lens.height));
 }
 
 // Both sides are rounded.
@@ -63,6 +77,7 @@ StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::p
   Image image = ReadImage(picture.file);
   const ColmapCamera lens = LensOf(picture, image);
   StoredPicture stored;
+  stored.lens_scaled = !IsOfItsSize(picture, image);
   if (lens.model == kColmapPinhole) {
     const glm::ivec2 size = FitToMaxSize(image.width, image.height, max_size);
     stored.camera = Scaled(lens, size);
@@ -72,6 +87,7 @@ StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::p
     stored.camera =
         UndistortedCamera(lens, max_size == 0 ? std::max(image.width, image.height) : max_size);
     stored.resized = true;
+    stored.cut_to_plane = IsTooWideForPlane(lens);
     image = Undistort(image, lens, stored.camera);
   }
   const std::filesystem::path path = folder / ImageOf(picture);
@@ -218,7 +234,7 @@ glm::ivec2 FitToMaxSize(int width, int height, int max_size) {
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
                             const std::filesystem::path& folder, const ImportOptions& options) {
   options.Check();
-  Dataset set = ReadDataset(dataset, options.format);
+  Dataset set = ReadDataset(dataset, options.format, options.images);
   if (set.pictures.empty()) {
     throw DataError(fmt::format("{}: the data set has no pictures", dataset.string()));
   }
@@ -228,7 +244,12 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
 
   ImportedScene imported;
   imported.missing_files = set.missing_files;
-  for (const StoredPicture& picture : stored) imported.resized += picture.resized;
+  imported.remarks = set.remarks;
+  for (const StoredPicture& picture : stored) {
+    imported.resized += picture.resized;
+    imported.lenses_scaled += picture.lens_scaled;
+    imported.cut_to_plane += picture.cut_to_plane;
+  }
   Scene& scene = imported.scene;
   scene = SceneInInput(set, stored);
   scene.background = BackgroundOf(scene, options);
@@ -251,6 +272,15 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   for (const std::string& file : imported.missing_files) {
     LogWarning("{} is not there; the scene goes without it", file);
   }
+  for (const std::string& remark : imported.remarks) LogWarning("{}", remark);
+  if (imported.lenses_scaled > 0) {
+    LogInfo("{} pictures have another size than their cameras: the cameras are scaled to them",
+            imported.lenses_scaled);
+  }
+  if (imported.cut_to_plane > 0) {
+    LogWarning("{} pictures show more than 60 degrees to a side and are cut there",
+               imported.cut_to_plane);
+  }
   const Camera& camera = scene.cameras[0];
   LogInfo("{} training, {} validation, {} test views; {} x {} pixels; {} resized",
           scene.ViewsOf(Split::kTrain).size(), scene.ViewsOf(Split::kValidation).size(),
@@ -261,6 +291,8 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   stage.Count("points", scene.points.size());
   stage.Count("cameras", scene.cameras.size());
   stage.Count("pictures_resized", imported.resized);
+  stage.Count("lenses_scaled", imported.lenses_scaled);
+  stage.Count("pictures_cut_to_plane", imported.cut_to_plane);
   stage.Note("missing_files", imported.missing_files);
   stage.Seconds("import", timer.seconds());
 }

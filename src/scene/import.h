@@ -15,6 +15,7 @@ namespace tetrec {
 
 struct ImportOptions {
   DatasetFormat format = DatasetFormat::kAuto;
+  std::string images;  // folder of a COLMAP model's pictures; empty: images
   int max_size = 400;  // [px] bound of the longer side; 0: as stored
   // Behind pictures with alpha white or black; without it: what the pictures stand before. Unset:
   // white, or the scene's own where there is no alpha.
@@ -26,7 +27,10 @@ struct ImportOptions {
 struct ImportedScene {
   Scene scene;
   size_t resized = 0;                      // pictures, undistorted ones too
+  size_t lenses_scaled = 0;                // pictures smaller or larger than their camera
+  size_t cut_to_plane = 0;                 // pictures of fisheyes, see UndistortedCamera
   std::vector<std::string> missing_files;  // as Dataset's
+  std::vector<std::string> remarks;        // as Dataset's
 };
 
 // Reads the data set, brings its pictures to a pinhole camera and to size (in parallel), finds the

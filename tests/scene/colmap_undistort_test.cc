@@ -58,6 +58,19 @@ TEST(Undistort, TheInverseOfEveryLensIsItsInverse) {
   }
 }
 
+// A copy of half the width and a third of the height.
+TEST(Undistort, ScaledLensesPutEveryDirectionAtTheSamePlaceOfThePicture) {
+  for (const ColmapCamera& camera : CamerasOfEveryModel()) {
+    const ColmapCamera scaled = ScaledLens(camera, 320, 160);
+    for (const glm::dvec2& direction : {glm::dvec2(0.3, -0.2), glm::dvec2(-0.5, 0.4)}) {
+      const glm::dvec2 before = DistortedImageFromCam(camera, direction);
+      const glm::dvec2 after = DistortedImageFromCam(scaled, direction);
+      EXPECT_NEAR(after.x, before.x / 2, 1e-9) << camera.model;
+      EXPECT_NEAR(after.y, before.y / 3, 1e-9) << camera.model;
+    }
+  }
+}
+
 // The equidistant fisheye without further terms: pixel distance = focal length x angle.
 TEST(Undistort, FisheyesMeasureAngles) {
   const ColmapCamera camera{kColmapOpenCvFisheye, 640, 480, {300, 300, 320, 240, 0, 0, 0, 0}};
