@@ -46,6 +46,9 @@ int main(int argc, char** argv) {
                  "of data sets without a split of their own, every N-th view by name is held out "
                  "for judging; 0: none")
       ->capture_default_str();
+  app.add_flag("--triangulate", options.triangulate,
+               "find points by COLMAP's features and the known cameras, for data sets without "
+               "points, so that the first mesh can be made of points");
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunImport(options, stage); },
       [&] {

@@ -204,6 +204,17 @@ void MoveToBounds(Scene& scene, const Bounds3& bounds_in_input) {
   for (ScenePoint& point : scene.points) point.position = world_from_input * point.position;
 }
 
+Triangulation Triangulate(const std::filesystem::path& folder, const Scene& scene,
+                          const std::vector<StoredPicture>& stored, const ColmapPlace& place) {
+  if (!scene.points.empty()) {
+    LogWarning("the data set has {} points of its own; --triangulate replaces them",
+               scene.points.size());
+  }
+  ViewAlphas alphas;
+  for (const StoredPicture& picture : stored) alphas.push_back(picture.alpha);
+  return TriangulatePoints(folder, scene, alphas, place);
+}
+
 Background BackgroundOf(const Scene& scene, const ImportOptions& options) {
   if (scene.has_alpha && options.background == Background::kScene) {
     throw DataError(
@@ -232,7 +243,8 @@ glm::ivec2 FitToMaxSize(int width, int height, int max_size) {
 }
 
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
-                            const std::filesystem::path& folder, const ImportOptions& options) {
+                            const std::filesystem::path& folder, const ImportOptions& options,
+                            const ColmapPlace& place) {
   options.Check();
   Dataset set = ReadDataset(dataset, options.format, options.images);
   if (set.pictures.empty()) {
@@ -253,10 +265,19 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
   Scene& scene = imported.scene;
   scene = SceneInInput(set, stored);
   scene.background = BackgroundOf(scene, options);
+  if (options.triangulate) {
+    imported.triangulation = Triangulate(folder, scene, stored, place);
+    scene.points = imported.triangulation->points;
+  }
   if (!scene.has_alpha && !scene.points.empty()) {
     MoveToSubject(scene, FindSubject(scene));
   } else {
     MoveToBounds(scene, SubjectBoundsInInput(set, stored));
+  }
+  if (options.triangulate && scene.has_alpha) {
+    imported.points_out_of_bounds = std::erase_if(scene.points, [&](const ScenePoint& point) {
+      return !scene.subject_bounds.Contains(point.position);
+    });
   }
   WriteScene(folder, scene);
   return imported;
@@ -266,7 +287,12 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   const Timer timer;
   stage.Output("scene.json");
   stage.Output("images");
-  const ImportedScene imported = ImportDataset(stage.Input("DATASET"), stage.folder(), options);
+  const ColmapPlace place =
+      options.triangulate
+          ? ColmapPlace{stage.folder() / "log.txt", stage.Cache("colmap"), stage.Scratch("work")}
+          : ColmapPlace{};
+  const ImportedScene imported =
+      ImportDataset(stage.Input("DATASET"), stage.folder(), options, place);
   const Scene& scene = imported.scene;
   if (!scene.points.empty()) stage.Output("points.ply");
   for (const std::string& file : imported.missing_files) {
@@ -288,6 +314,14 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   stage.Count("train_views", scene.ViewsOf(Split::kTrain).size());
   stage.Count("validation_views", scene.ViewsOf(Split::kValidation).size());
   stage.Count("test_views", scene.ViewsOf(Split::kTest).size());
+  if (const auto& triangulation = imported.triangulation) {
+    LogInfo("{} triangulated points are outside of the subject's bounds and dropped",
+            imported.points_out_of_bounds);
+    stage.Count("points_triangulated", triangulation->found);
+    stage.Count("points_dropped_weak", triangulation->weak);
+    stage.Count("points_dropped_transparent", triangulation->transparent);
+    stage.Count("points_dropped_out_of_bounds", imported.points_out_of_bounds);
+  }
   stage.Count("points", scene.points.size());
   stage.Count("cameras", scene.cameras.size());
   stage.Count("pictures_resized", imported.resized);

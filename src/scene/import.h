@@ -4,6 +4,7 @@
 #include "core/stage.h"
 #include "scene/dataset.h"
 #include "scene/scene.h"
+#include "scene/triangulate.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -20,25 +21,30 @@ struct ImportOptions {
   // Behind pictures with alpha white or black; without it: what the pictures stand before. Unset:
   // white, or the scene's own where there is no alpha.
   std::optional<Background> background;
+  bool triangulate = false;  // points from the pictures and their cameras, by COLMAP
   int holdout = 8;     // of data sets without a split of their own every n-th view by name; 0: none
   void Check() const;  // throws UsageError naming the option and its value
 };
 
 struct ImportedScene {
   Scene scene;
-  size_t resized = 0;                      // pictures, undistorted ones too
-  size_t lenses_scaled = 0;                // pictures smaller or larger than their camera
-  size_t cut_to_plane = 0;                 // pictures of fisheyes, see UndistortedCamera
-  std::vector<std::string> missing_files;  // as Dataset's
-  std::vector<std::string> remarks;        // as Dataset's
+  size_t resized = 0;                          // pictures, undistorted ones too
+  size_t lenses_scaled = 0;                    // pictures smaller or larger than their camera
+  size_t cut_to_plane = 0;                     // pictures of fisheyes, see UndistortedCamera
+  std::vector<std::string> missing_files;      // as Dataset's
+  std::vector<std::string> remarks;            // as Dataset's
+  std::optional<Triangulation> triangulation;  // its points are the scene's
+  size_t points_out_of_bounds = 0;             // triangulated ones that were dropped
 };
 
 // Reads the data set, brings its pictures to a pinhole camera and to size (in parallel), finds the
 // subject's bounds, moves the world so that the subject's longest side is 2 and its centre 0, and
 // writes the scene folder. Bounds come from carving the training masks where there is alpha, else
-// from the points, else from what all training cameras see. Throws DataError.
+// from the points, else from what all training cameras see. With `options.triangulate` COLMAP works
+// at `place`. Throws DataError, and EnvironmentError of COLMAP's.
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
-                            const std::filesystem::path& folder, const ImportOptions& options);
+                            const std::filesystem::path& folder, const ImportOptions& options,
+                            const ColmapPlace& place = {});
 
 // The stage: input "DATASET".
 void RunImport(const ImportOptions& options, Stage& stage);
