@@ -99,6 +99,26 @@ void WriteKnownCameras(const Scene& scene, const Photos& photos, const fs::path&
   WriteText(folder / "points3D.txt", "");
 }
 
+// What COLMAP wrote must be in the frame of the cameras that it was given.
+void CheckUnmoved(const ColmapModel& model, const Scene& scene, const Photos& photos) {
+  constexpr double kTolerance = 1e-9;  // text of full precision, quaternions normalised again
+  for (const auto& [id, image] : model.images) {
+    TETREC_CHECK(id >= 1 && id <= photos.views.size() && photos.names[id - 1] == image.name,
+                 "COLMAP numbered the picture " + image.name + " in another way");
+    const Rigid3& known = scene.views[size_t(photos.views[id - 1])].cam_from_world;
+    double moved = 0;
+    for (const glm::dvec3& point :
+         {glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0)}) {
+      moved = std::max(moved, glm::distance(image.cam_from_world * point, known * point));
+    }
+    if (moved <= kTolerance * (1 + glm::length(known.translation))) continue;
+    throw EnvironmentError(
+        fmt::format("colmap point_triangulator moved the known camera of {} by {:.2g}; COLMAP 3.8 "
+                    "is the tested version",
+                    image.name, moved));
+  }
+}
+
 // True where a view sees through the place: alpha 0 at all four pixels around it. Outside of the
 // picture nothing is known.
 bool SeesThrough(const Camera& camera, const Rigid3& cam_from_world,
@@ -166,8 +186,12 @@ Triangulation TriangulatePoints(const fs::path& folder, const Scene& scene,
   WriteKnownCameras(scene, photos, known);
   fs::remove_all(found);
   fs::create_directories(found);
-  TriangulateModel(colmap, photos.folder, database, known, found);
-  Triangulation result = Filtered(ReadColmapModel(found), scene, alphas);
+  Triangulation result;
+  if (TriangulateModel(colmap, photos.folder, database, known, found)) {
+    const ColmapModel model = ReadColmapModel(found);
+    CheckUnmoved(model, scene, photos);
+    result = Filtered(model, scene, alphas);
+  }
   LogInfo("{} points triangulated, {} dropped as weak and {} where a view sees through: {} kept",
           WithThousands(result.found), WithThousands(result.weak),
           WithThousands(result.transparent), WithThousands(result.points.size()));
