@@ -26,6 +26,9 @@ int main(int argc, char** argv) {
                  "nerfstudio) or colmap (a model with its pictures)")
       ->check(CLI::IsMember(formats))
       ->capture_default_str();
+  app.add_option("--images", options.images,
+                 "folder of a COLMAP model's pictures in the data set, e.g. images_4 of the same "
+                 "pictures made smaller; without it: images");
   CLI::Option* max_size =
       app.add_option("--max-size", options.max_size,
                      "bound of the pictures' longer side [pixels]; 0 keeps them as stored")
@@ -59,6 +62,9 @@ int main(int argc, char** argv) {
                  "what alpha, points or cameras tell")
       ->delimiter(',')
       ->expected(6);
+  app.add_flag("--triangulate", options.triangulate,
+               "find points by COLMAP's features and the known cameras, for data sets without "
+               "points, so that the first mesh can be made of points");
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunImport(options, stage); },
       [&] {

@@ -2,6 +2,7 @@
 #include "scene/colmap_dataset.h"
 
 #include "core/error.h"
+#include "core/short_list.h"
 #include "scene/checked_json.h"
 
 #include <fmt/format.h>
@@ -12,32 +13,55 @@ namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
-// images/ of the data set: beside the model, or in one of the folders above it.
-fs::path FindImages(const fs::path& dataset, const fs::path& model) {
+// The folder of the pictures: in the model's folder, or in one of those above it up to the data
+// set's.
+fs::path FindImages(const fs::path& dataset, const fs::path& model, const std::string& images) {
+  if (!StaysInside(images)) {
+    throw UsageError(
+        fmt::format("--images \"{}\": expected the name of a folder in the data set", images));
+  }
   for (fs::path above = model; above.string().size() >= dataset.string().size();
        above = above.parent_path()) {
-    if (fs::is_directory(above / "images")) return above / "images";
+    if (fs::is_directory(above / images)) return above / images;
     if (above == dataset) break;
   }
-  throw DataError(fmt::format("{}: no folder images with the model's pictures in it or above it",
-                              model.string()));
+  throw DataError(fmt::format(
+      "{}: no folder {} with the model's pictures in it or above it, up to {}; --images tells "
+      "another name",
+      model.string(), images, dataset.string()));
 }
 
-PosedPicture Posed(const ColmapImage& image, const ColmapCamera& camera, const fs::path& images) {
-  const fs::path relative = fs::path(image.name).lexically_normal();
-  if (!StaysInside(relative)) {
-    throw DataError(fmt::format("{}: the model names the picture \"{}\"; expected a path inside it",
-                                images.string(), image.name));
+// Empty where there is none.
+fs::path FindMask(const fs::path& masks, const std::string& name) {
+  const fs::path stem = fs::path(name).replace_extension();
+  for (const std::string& file : {name + ".png", stem.generic_string() + ".png"}) {
+    if (fs::is_regular_file(masks / file)) return masks / file;
   }
-  PosedPicture picture;
-  picture.name = image.name;
-  picture.file = images / relative;
-  if (!fs::is_regular_file(picture.file)) {
-    throw DataError(fmt::format("{}: the model's picture is not there", picture.file.string()));
+  return {};
+}
+
+void FindMasks(const fs::path& masks, Dataset& set) {
+  if (!fs::is_directory(masks)) return;
+  std::vector<std::string> without;
+  for (PosedPicture& picture : set.pictures) {
+    picture.mask = FindMask(masks, picture.name);
+    if (picture.mask.empty()) without.push_back(picture.name);
   }
-  picture.cam_from_input = image.cam_from_world;
-  picture.lens = camera;
-  return picture;
+  if (without.empty()) return;
+  set.remarks.push_back(fmt::format("{}: {} of {} pictures have no mask and are seen whole: {}",
+                                    masks.string(), without.size(), set.pictures.size(),
+                                    ShortList(without)));
+}
+
+void CheckAllThere(const std::vector<PosedPicture>& pictures, const fs::path& images) {
+  std::vector<std::string> missing;
+  for (const PosedPicture& picture : pictures) {
+    if (!fs::is_regular_file(picture.file)) missing.push_back(picture.name);
+  }
+  if (missing.empty()) return;
+  throw DataError(fmt::format("{}: {} of the model's {} pictures are not there: {}",
+                              images.string(), missing.size(), pictures.size(),
+                              ShortList(missing)));
 }
 
 }  // namespace
@@ -50,7 +74,7 @@ std::optional<fs::path> FindColmapModel(const fs::path& folder) {
   return std::nullopt;
 }
 
-Dataset ReadColmapDataset(const fs::path& folder) {
+Dataset ReadColmapDataset(const fs::path& folder, const std::string& images_name) {
   const std::optional<fs::path> folder_of_model = FindColmapModel(folder);
   if (!folder_of_model) {
     throw DataError(fmt::format(
@@ -59,13 +83,27 @@ Dataset ReadColmapDataset(const fs::path& folder) {
         folder.string()));
   }
   const ColmapModel model = ReadColmapModel(*folder_of_model);
-  const fs::path images = FindImages(folder.lexically_normal(), *folder_of_model);
+  if (model.images.empty()) {
+    throw DataError(fmt::format("{}: the model has no pictures", folder_of_model->string()));
+  }
+  const fs::path images = FindImages(folder.lexically_normal(), *folder_of_model, images_name);
   Dataset set;
   for (const auto& [id, image] : model.images) {
-    set.pictures.push_back(Posed(image, model.cameras.at(image.camera), images));
+    PosedPicture picture;
+    picture.name = image.name;
+    picture.file = images / image.name;
+    picture.cam_from_input = image.cam_from_world;
+    picture.lens = model.cameras.at(image.camera);
+    set.pictures.push_back(std::move(picture));
   }
+  CheckAllThere(set.pictures, images);
   std::sort(set.pictures.begin(), set.pictures.end(),
             [](const PosedPicture& a, const PosedPicture& b) { return a.name < b.name; });
+  std::vector<std::string> names;
+  for (const PosedPicture& picture : set.pictures) names.push_back(picture.name);
+  const std::vector<std::string> files = ImageFiles(names);
+  for (size_t i = 0; i < files.size(); ++i) set.pictures[i].image = files[i];
+  FindMasks(images.parent_path() / "masks", set);
   for (const auto& [id, point] : model.points) {
     set.points.push_back(
         {point.position, point.color_srgb, float(point.error_px), uint32_t(point.track.size())});

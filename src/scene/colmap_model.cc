@@ -1,24 +1,25 @@
-// COLMAP's sparse models: a careful reader of the three binary files.
+// COLMAP's sparse models: a careful reader of the three binary files, and which files are read.
 #include "scene/colmap_model.h"
 
 #include "core/error.h"
 #include "core/file.h"
-#include "scene/checked_json.h"
+#include "core/log.h"
+#include "scene/colmap_checks.h"
+#include "scene/colmap_text.h"
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
+#include <iterator>
 
 namespace tetrec {
+namespace fs = std::filesystem;
 namespace {
 
-// Parameters of SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, OPENCV_FISHEYE,
-// FULL_OPENCV, FOV, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE and THIN_PRISM_FISHEYE.
-constexpr int kParamCounts[] = {3, 4, 4, 5, 8, 8, 12, 5, 4, 5, 12};
-constexpr int kModelCount = int(std::size(kParamCounts));
-constexpr uint64_t kMaxSide_px = 1 << 16;
+constexpr const char* kParts[] = {"cameras", "images", "points3D"};
+constexpr uint64_t kMaxTextBytes = uint64_t{1} << 33;
+
 constexpr size_t kMaxNameBytes = 4096;
-constexpr double kFarthest = 1e12;  // more is a number gone astray, though finite
 
 // Smallest records: a camera with 3 parameters, an image without name and observations, a point
 // without track.
@@ -29,9 +30,13 @@ constexpr uint64_t kObservationBytes = 24, kTrackItemBytes = 8;
   throw DataError(fmt::format("{}: byte {}: {}", reader.name(), reader.position(), what));
 }
 
+void FailOn(const ByteReader& reader, const std::string& complaint) {
+  if (!complaint.empty()) Fail(reader, complaint);
+}
+
 double ReadFinite(ByteReader& reader, const char* what) {
   const auto value = reader.Read<double>(what);
-  if (!(std::abs(value) <= kFarthest)) Fail(reader, fmt::format("{} is {}", what, value));
+  if (!internal::IsSane(value)) Fail(reader, fmt::format("{} is {}", what, value));
   return value;
 }
 
@@ -46,45 +51,32 @@ std::string ReadName(ByteReader& reader) {
     name += c;
     if (name.size() > kMaxNameBytes) Fail(reader, "a picture's name does not end");
   }
-  // Files are written under these names.
-  if (!StaysInside(name))
-    Fail(reader, fmt::format("the picture name \"{}\" is no relative path", name));
+  FailOn(reader, internal::ComplaintOnPictureName(name));
   return name;
 }
 
 ColmapCamera ReadCamera(ByteReader& reader) {
   ColmapCamera camera;
   camera.model = reader.Read<int32_t>("a camera model");
-  if (camera.model < 0 || camera.model >= kModelCount) {
+  const std::span<const internal::ColmapLensKind> kinds = internal::ColmapLensKinds();
+  if (camera.model < 0 || size_t(camera.model) >= kinds.size()) {
     Fail(reader,
-         fmt::format("camera model {} is not known (0 to {})", camera.model, kModelCount - 1));
+         fmt::format("camera model {} is not known (0 to {})", camera.model, kinds.size() - 1));
   }
   camera.width = reader.Read<uint64_t>("a width");
   camera.height = reader.Read<uint64_t>("a height");
-  if (std::min(camera.width, camera.height) < 1 ||
-      std::max(camera.width, camera.height) > kMaxSide_px) {
-    Fail(reader, fmt::format("a camera has {} x {} pixels", camera.width, camera.height));
-  }
-  for (int i = 0; i < kParamCounts[camera.model]; ++i) {
+  FailOn(reader, internal::ComplaintOnSize(camera.width, camera.height));
+  for (int i = 0; i < kinds[size_t(camera.model)].params; ++i) {
     camera.params.push_back(ReadFinite(reader, "a camera parameter"));
   }
   return camera;
 }
 
 Rigid3 ReadPose(ByteReader& reader) {
-  double q[4];  // w, x, y, z
-  double squared = 0;
-  for (double& component : q) {
-    component = ReadFinite(reader, "a rotation");
-    squared += component * component;
-  }
-  constexpr double kTolerance = 1e-3;  // COLMAP normalises; what is further off is no rotation
-  if (std::abs(squared - 1) > kTolerance)
-    Fail(reader, fmt::format("a quaternion has the squared length {}", squared));
-  Rigid3 pose;
-  pose.rotation = glm::mat3_cast(glm::normalize(glm::dquat(q[0], q[1], q[2], q[3])));
-  pose.translation = ReadFinite3(reader, "a translation");
-  return pose;
+  double wxyz[4];
+  for (double& component : wxyz) component = ReadFinite(reader, "a rotation");
+  FailOn(reader, internal::ComplaintOnQuaternion(wxyz));
+  return internal::PoseOf(wxyz, ReadFinite3(reader, "a translation"));
 }
 
 ColmapImage ReadImageRecord(ByteReader& reader) {
@@ -178,15 +170,33 @@ std::map<uint64_t, ColmapPoint> ParseColmapPoints(std::span<const uint8_t> bytes
   return ReadRecords<uint64_t>(bytes, name, kMinPointBytes, "points", &ReadPoint);
 }
 
-ColmapModel ReadColmapModel(const std::filesystem::path& folder) {
-  const auto parse = [&](const char* file, auto&& parser) {
-    const std::filesystem::path path = folder / file;
-    return parser(ReadBytes(path), path.string());
+ColmapModel ReadColmapModel(const fs::path& folder) {
+  // Three files of one kind; where both kinds are whole, COLMAP itself prefers the binary ones.
+  const auto has = [&](const char* extension) {
+    return std::all_of(std::begin(kParts), std::end(kParts), [&](const char* part) {
+      return fs::exists(folder / (std::string(part) + extension));
+    });
   };
+  const bool binary = has(".bin"), text = has(".txt");
+  if (!binary && !text) {
+    throw DataError(
+        fmt::format("{}: no whole COLMAP model; expected cameras, images and points3D, all .bin or "
+                    "all .txt",
+                    folder.string()));
+  }
+  if (binary && text) {
+    LogInfo("{}: the model is there as binary files and as text; the binary ones are read",
+            folder.string());
+  }
   ColmapModel model;
-  model.cameras = parse("cameras.bin", ParseColmapCameras);
-  model.images = parse("images.bin", ParseColmapImages);
-  model.points = parse("points3D.bin", ParseColmapPoints);
+  const auto parse = [&](const char* part, auto& into, auto&& of_binary, auto&& of_text) {
+    const fs::path path = folder / (std::string(part) + (binary ? ".bin" : ".txt"));
+    into = binary ? of_binary(ReadBytes(path), path.string())
+                  : of_text(ReadText(path, kMaxTextBytes), path.string());
+  };
+  parse(kParts[0], model.cameras, ParseColmapCameras, ParseColmapCamerasText);
+  parse(kParts[1], model.images, ParseColmapImages, ParseColmapImagesText);
+  parse(kParts[2], model.points, ParseColmapPoints, ParseColmapPointsText);
   CheckReferences(model, folder.string());
   return model;
 }

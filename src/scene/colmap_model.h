@@ -77,8 +77,9 @@ std::map<uint32_t, ColmapImage> ParseColmapImages(std::span<const uint8_t> bytes
 std::map<uint64_t, ColmapPoint> ParseColmapPoints(std::span<const uint8_t> bytes,
                                                   const std::string& name);
 
-// All three, and whether they fit each other: images refer to cameras, tracks and observations to
-// each other. Throws DataError.
+// All three, binary where they are there, else text, and whether they fit each other: images refer
+// to cameras, tracks and observations to each other. Other files (of newer versions, project.ini)
+// do not matter. Throws DataError.
 ColmapModel ReadColmapModel(const std::filesystem::path& folder);
 
 // Means over the points; 0 where there are none.

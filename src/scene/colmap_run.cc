@@ -364,4 +364,28 @@ std::vector<fs::path> MapScene(const ColmapProgram& colmap, const fs::path& phot
   return folders;
 }
 
+bool TriangulateModel(const ColmapProgram& colmap, const fs::path& photos, const fs::path& database,
+                      const fs::path& known, const fs::path& found) {
+  bool nothing_to_adjust = false;  // then it aborts
+  try {
+    RunStep(colmap, "point_triangulator",
+            {"--database_path", database, "--image_path", photos, "--input_path", known,
+             "--output_path", found, "--Mapper.ba_refine_focal_length", "0",
+             "--Mapper.ba_refine_principal_point", "0", "--Mapper.ba_refine_extra_params", "0",
+             // As in the mapper: threads sum in another order each time.
+             "--Mapper.num_threads", "1"},
+            [&](const std::string& line) {
+              nothing_to_adjust |= line.find("bundle_adjuster.Solve") != std::string::npos;
+            });
+  } catch (const EnvironmentError&) {
+    if (nothing_to_adjust) return false;
+    throw;
+  }
+  if (!fs::exists(found / "points3D.bin")) {
+    throw EnvironmentError(fmt::format(
+        "colmap point_triangulator wrote no model; its output is in {}", colmap.log.string()));
+  }
+  return true;
+}
+
 }  // namespace tetrec

@@ -54,4 +54,11 @@ std::vector<std::filesystem::path> MapScene(const ColmapProgram& colmap,
                                             size_t photo_count, int seed,
                                             const std::filesystem::path& models);
 
+// Triangulates the database's matches with the cameras and poses of the model in `known`, which
+// stay as they are, into the empty folder `found`. False, and nothing there, where there are no
+// points.
+bool TriangulateModel(const ColmapProgram& colmap, const std::filesystem::path& photos,
+                      const std::filesystem::path& database, const std::filesystem::path& known,
+                      const std::filesystem::path& found);
+
 }  // namespace tetrec

@@ -7,61 +7,189 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
 
 namespace tetrec {
 namespace {
 
-enum Model { kSimplePinhole = 0, kPinhole = 1, kSimpleRadial = 2, kRadial = 3, kOpenCv = 4 };
-
-// One set of parameters for all models that can be undistorted.
+// One set of parameters for all models. A direction (x, y, 1) is first bent (by fisheyes), then
+// moved in the plane as in Brown, "Decentering distortion of lenses", 1966: by a radial factor,
+// tangential terms and a thin prism.
 struct Lens {
-  double fx, fy, cx, cy;
-  double k1 = 0, k2 = 0, p1 = 0, p2 = 0;
+  enum class Bend { kNone, kAngle, kFov };
+  double fx = 0, fy = 0, cx = 0, cy = 0;
+  Bend bend = Bend::kNone;
+  double omega = 0;                    // of kFov [rad]
+  double over[4] = {}, under[3] = {};  // the radial factor's coefficients of r^2, r^4, ...
+  double p1 = 0, p2 = 0, s1 = 0, s2 = 0;
 };
 
+// Parameters as COLMAP's documentation of its camera models orders them.
 Lens LensOf(const ColmapCamera& camera) {
   const std::vector<double>& p = camera.params;
+  const auto one_focal = [&](Lens::Bend bend, double k1, double k2) {
+    return Lens{.fx = p[0], .fy = p[0], .cx = p[1], .cy = p[2], .bend = bend, .over = {k1, k2}};
+  };
+  Lens lens;
+  if (p.size() >= 4) lens = {.fx = p[0], .fy = p[1], .cx = p[2], .cy = p[3]};
+  const auto set_over = [&](double k1, double k2, double k3, double k4) {
+    lens.over[0] = k1, lens.over[1] = k2, lens.over[2] = k3, lens.over[3] = k4;
+  };
   switch (camera.model) {
-    case kSimplePinhole:
-      return {p[0], p[0], p[1], p[2]};
-    case kPinhole:
-      return {p[0], p[1], p[2], p[3]};
-    case kSimpleRadial:
-      return {p[0], p[0], p[1], p[2], p[3]};
-    case kRadial:
-      return {p[0], p[0], p[1], p[2], p[3], p[4]};
-    case kOpenCv:
-      return {p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]};
+    case kColmapSimplePinhole:
+      return one_focal(Lens::Bend::kNone, 0, 0);
+    case kColmapPinhole:
+      return lens;
+    case kColmapSimpleRadial:
+      return one_focal(Lens::Bend::kNone, p[3], 0);
+    case kColmapRadial:
+      return one_focal(Lens::Bend::kNone, p[3], p[4]);
+    case kColmapSimpleRadialFisheye:
+      return one_focal(Lens::Bend::kAngle, p[3], 0);
+    case kColmapRadialFisheye:
+      return one_focal(Lens::Bend::kAngle, p[3], p[4]);
+    case kColmapOpenCv:
+      set_over(p[4], p[5], 0, 0);
+      lens.p1 = p[6], lens.p2 = p[7];
+      return lens;
+    case kColmapFullOpenCv:
+      set_over(p[4], p[5], p[8], 0);
+      lens.p1 = p[6], lens.p2 = p[7];
+      std::copy_n(&p[9], 3, lens.under);
+      return lens;
+    case kColmapOpenCvFisheye:
+      lens.bend = Lens::Bend::kAngle;
+      set_over(p[4], p[5], p[6], p[7]);
+      return lens;
+    case kColmapFov:
+      lens.bend = Lens::Bend::kFov;
+      lens.omega = p[4];
+      return lens;
+    case kColmapThinPrismFisheye:
+      lens.bend = Lens::Bend::kAngle;
+      set_over(p[4], p[5], p[8], p[9]);
+      lens.p1 = p[6], lens.p2 = p[7];
+      lens.s1 = p[10], lens.s2 = p[11];
+      return lens;
     default:
-      break;
+      throw DataError(fmt::format("camera model {} is none of COLMAP's (0 to {})", camera.model,
+                                  int(kColmapThinPrismFisheye)));
   }
-  throw DataError(
-      fmt::format("COLMAP's camera model {} cannot be undistorted; use OPENCV, RADIAL, "
-                  "SIMPLE_RADIAL or PINHOLE",
-                  camera.model));
 }
 
-// r^2 = x^2 + y^2; x' = x (1 + k1 r^2 + k2 r^4) + 2 p1 x y + p2 (r^2 + 2 x^2), y' alike (Brown
-// 1966, as OpenCV orders the parameters).
-glm::dvec2 Distort(const Lens& lens, const glm::dvec2& d) {
-  const double xx = d.x * d.x, yy = d.y * d.y, xy = d.x * d.y, rr = xx + yy;
-  const double radial = 1 + rr * (lens.k1 + rr * lens.k2);
-  return {d.x * radial + 2 * lens.p1 * xy + lens.p2 * (rr + 2 * xx),
-          d.y * radial + 2 * lens.p2 * xy + lens.p1 * (rr + 2 * yy)};
+// What bending makes of the distance r from the axis in the plane z = 1: the angle from the axis,
+// atan r (equidistant fisheye; Kannala and Brandt 2006), or atan(2 r tan(omega / 2)) / omega
+// (Devernay and Faugeras, "Straight lines have to be straight", 2001).
+double BentRadius(const Lens& lens, double r) {
+  if (lens.bend == Lens::Bend::kAngle) return std::atan(r);
+  if (lens.bend == Lens::Bend::kNone || lens.omega == 0) return r;
+  return std::atan(2 * r * std::tan(0.5 * lens.omega)) / lens.omega;
 }
 
-// d Distort / d direction; columns are the derivatives by x and by y.
-glm::dmat2 DistortJacobian(const Lens& lens, const glm::dvec2& d) {
-  const double rr = glm::dot(d, d), radial = 1 + rr * (lens.k1 + rr * lens.k2);
-  const double slope = 2 * lens.k1 + 4 * lens.k2 * rr;  // (d radial / d x) / x
-  const double mixed = slope * d.x * d.y + 2 * lens.p1 * d.x + 2 * lens.p2 * d.y;
-  return {{radial + slope * d.x * d.x + 2 * lens.p1 * d.y + 6 * lens.p2 * d.x, mixed},
-          {mixed, radial + slope * d.y * d.y + 2 * lens.p2 * d.x + 6 * lens.p1 * d.y}};
+// Its inverse; none where the angle is 90 degrees or more.
+std::optional<double> UnbentRadius(const Lens& lens, double bent) {
+  constexpr double kRightAngle = std::numbers::pi / 2;
+  if (lens.bend == Lens::Bend::kNone) return bent;
+  if (lens.bend == Lens::Bend::kFov && lens.omega == 0) return bent;
+  const double angle = lens.bend == Lens::Bend::kFov ? bent * std::abs(lens.omega) : bent;
+  if (!(angle < kRightAngle)) return std::nullopt;
+  if (lens.bend == Lens::Bend::kAngle) return std::tan(angle);
+  return std::tan(angle) / (2 * std::tan(0.5 * std::abs(lens.omega)));
+}
+
+glm::dvec2 Bent(const Lens& lens, const glm::dvec2& direction) {
+  if (lens.bend == Lens::Bend::kNone) return direction;
+  const double r = glm::length(direction);
+  // On the axis the factor tends to the derivative; r this small has no further digits to lose.
+  constexpr double kTiny = 1e-9;
+  return direction * (r > kTiny ? BentRadius(lens, r) / r : BentRadius(lens, kTiny) / kTiny);
+}
+
+std::optional<glm::dvec2> Unbent(const Lens& lens, const glm::dvec2& bent) {
+  const double r = glm::length(bent);
+  constexpr double kTiny = 1e-9;
+  const std::optional<double> unbent = UnbentRadius(lens, std::max(r, kTiny));
+  if (!unbent) return std::nullopt;
+  return bent * (*unbent / std::max(r, kTiny));
+}
+
+// The radial factor (1 + k1 r^2 + ...) / (1 + k4 r^2 + ...) and its derivative by r^2.
+struct Radial {
+  double factor, slope;
+};
+
+Radial RadialAt(const Lens& lens, double rr) {
+  const double(&k)[4] = lens.over, (&d)[3] = lens.under;
+  const double over = 1 + rr * (k[0] + rr * (k[1] + rr * (k[2] + rr * k[3])));
+  const double over_slope = k[0] + rr * (2 * k[1] + rr * (3 * k[2] + rr * 4 * k[3]));
+  const double under = 1 + rr * (d[0] + rr * (d[1] + rr * d[2]));
+  const double under_slope = d[0] + rr * (2 * d[1] + rr * 3 * d[2]);
+  return {over / under, (over_slope - over / under * under_slope) / under};
+}
+
+// x' = x factor(r^2) + 2 p1 x y + p2 (r^2 + 2 x^2) + s1 r^2, y' alike with p1 and p2 exchanged.
+glm::dvec2 Moved(const Lens& lens, const glm::dvec2& b) {
+  const double xy = b.x * b.y, rr = glm::dot(b, b), radial = RadialAt(lens, rr).factor;
+  return {b.x * radial + 2 * lens.p1 * xy + lens.p2 * (rr + 2 * b.x * b.x) + lens.s1 * rr,
+          b.y * radial + 2 * lens.p2 * xy + lens.p1 * (rr + 2 * b.y * b.y) + lens.s2 * rr};
+}
+
+// d Moved / d b; columns are the derivatives by x and by y.
+glm::dmat2 MovedJacobian(const Lens& lens, const glm::dvec2& b) {
+  const auto [radial, slope] = RadialAt(lens, glm::dot(b, b));
+  const double mixed = 2 * (slope * b.x * b.y + lens.p1 * b.x + lens.p2 * b.y);
+  return {{radial + 2 * slope * b.x * b.x + 2 * lens.p1 * b.y + (6 * lens.p2 + 2 * lens.s1) * b.x,
+           mixed + 2 * lens.s2 * b.x},
+          {mixed + 2 * lens.s1 * b.y,
+           radial + 2 * slope * b.y * b.y + 2 * lens.p2 * b.x + (6 * lens.p1 + 2 * lens.s2) * b.y}};
+}
+
+// Newton's iteration from `target` inwards, its steps halved where they lead to a place that is
+// folded over (no positive determinant) or no better. None where it does not get there.
+std::optional<glm::dvec2> Unmoved(const Lens& lens, const glm::dvec2& target) {
+  constexpr int kMaxSteps = 50, kMaxHalvings = 40;
+  constexpr double kTolerance = 1e-10;  // of the focal length: 1e-6 pixels of a large photo
+  const auto error_at = [&](const glm::dvec2& b) { return glm::length(Moved(lens, b) - target); };
+  const auto is_folded = [&](const glm::dvec2& b) {
+    return !(glm::determinant(MovedJacobian(lens, b)) > 0);
+  };
+  glm::dvec2 b = target;
+  for (int i = 0; i < kMaxHalvings && is_folded(b); ++i) b *= 0.5;
+  double error = error_at(b);
+  for (int i = 0; i < kMaxSteps; ++i) {
+    if (is_folded(b)) return std::nullopt;
+    if (error < kTolerance) return b;
+    glm::dvec2 step = glm::inverse(MovedJacobian(lens, b)) * (target - Moved(lens, b));
+    int halvings = 0;
+    while (is_folded(b + step) || !(error_at(b + step) < error)) {
+      if (++halvings > kMaxHalvings) return std::nullopt;
+      step *= 0.5;
+    }
+    b += step;
+    error = error_at(b);
+  }
+  return std::nullopt;
 }
 
 glm::dvec2 DistortedPixel(const Lens& lens, const glm::dvec2& direction) {
-  const glm::dvec2 d = Distort(lens, direction);
+  const glm::dvec2 d = Moved(lens, Bent(lens, direction));
   return {lens.fx * d.x + lens.cx, lens.fy * d.y + lens.cy};
+}
+
+[[noreturn]] void FailInverse(const glm::dvec2& pixel, const char* why) {
+  throw DataError(fmt::format(
+      "the lens distortion cannot be undone at pixel ({:.0f}, {:.0f}), {}; where COLMAP "
+      "found it, try tetrec-sfm with --camera-model SIMPLE_RADIAL",
+      pixel.x, pixel.y, why));
+}
+
+// The bent and moved place of a pixel, moved back.
+glm::dvec2 BentOfPixel(const Lens& lens, const glm::dvec2& pixel) {
+  const std::optional<glm::dvec2> bent =
+      Unmoved(lens, {(pixel.x - lens.cx) / lens.fx, (pixel.y - lens.cy) / lens.fy});
+  if (!bent) FailInverse(pixel, "where the lens model folds over");
+  return *bent;
 }
 
 // A box of directions that the photo covers: the tightest of each border's undistorted points.
@@ -69,40 +197,141 @@ struct Window {
   glm::dvec2 min, max;
 };
 
+const double kWidest = std::tan(std::numbers::pi / 3);  // 60 degrees
+
+// Where a fisheye's border looks, along axis 0 (x) or 1 (y): at most kWidest, also where that is
+// behind the plane.
+double BorderDirection(const Lens& lens, const glm::dvec2& pixel, int axis) {
+  const glm::dvec2 bent = BentOfPixel(lens, pixel);
+  const std::optional<glm::dvec2> direction = Unbent(lens, bent);
+  if (lens.bend == Lens::Bend::kNone) return (*direction)[axis];
+  if (!direction) return std::copysign(kWidest, bent[axis]);
+  return std::clamp((*direction)[axis], -kWidest, kWidest);
+}
+
 Window CoveredWindow(const ColmapCamera& camera) {
+  const Lens lens = LensOf(camera);
   const auto width = double(camera.width), height = double(camera.height);
   Window window{glm::dvec2(-1e9), glm::dvec2(1e9)};
   constexpr int kSteps = 256;
   for (int i = 0; i <= kSteps; ++i) {
     const double x = width * i / kSteps, y = height * i / kSteps;
-    window.min.x = std::max(window.min.x, CamFromDistortedImage(camera, {0, y}).x);
-    window.max.x = std::min(window.max.x, CamFromDistortedImage(camera, {width, y}).x);
-    window.min.y = std::max(window.min.y, CamFromDistortedImage(camera, {x, 0}).y);
-    window.max.y = std::min(window.max.y, CamFromDistortedImage(camera, {x, height}).y);
+    window.min.x = std::max(window.min.x, BorderDirection(lens, {0, y}, 0));
+    window.max.x = std::min(window.max.x, BorderDirection(lens, {width, y}, 0));
+    window.min.y = std::max(window.min.y, BorderDirection(lens, {x, 0}, 1));
+    window.max.y = std::min(window.max.y, BorderDirection(lens, {x, height}, 1));
   }
   return window;
 }
 
 // Bilinear sample; beyond the border the border's pixels go on. `pixel` from the picture's corner.
-void AddSample(const Image& photo, const glm::dvec2& pixel, float (&sum)[4]) {
-  const float x = std::clamp(float(pixel.x) - 0.5f, 0.0f, float(photo.width - 1));
-  const float y = std::clamp(float(pixel.y) - 0.5f, 0.0f, float(photo.height - 1));
+// With alpha the colours are weighted by it.
+template <int kChannels>
+void AddSample(const Image& photo, const glm::vec2& pixel, float (&sum)[4]) {
+  const float x = std::clamp(pixel.x - 0.5f, 0.0f, float(photo.width - 1));
+  const float y = std::clamp(pixel.y - 0.5f, 0.0f, float(photo.height - 1));
   const int x0 = std::min(int(x), std::max(photo.width - 2, 0)),
             y0 = std::min(int(y), std::max(photo.height - 2, 0));
   const int x1 = std::min(x0 + 1, photo.width - 1), y1 = std::min(y0 + 1, photo.height - 1);
   const float u = x - float(x0), v = y - float(y0);
-  const uint8_t *a = photo.At(x0, y0), *b = photo.At(x1, y0), *c = photo.At(x0, y1),
-                *d = photo.At(x1, y1);
-  for (int k = 0; k < photo.channels; ++k) {
-    sum[k] += (1 - v) * ((1 - u) * float(a[k]) + u * float(b[k])) +
-              v * ((1 - u) * float(c[k]) + u * float(d[k]));
+  const float weights[4] = {(1 - v) * (1 - u), (1 - v) * u, v * (1 - u), v * u};
+  const uint8_t* corners[4] = {photo.At(x0, y0), photo.At(x1, y0), photo.At(x0, y1),
+                               photo.At(x1, y1)};
+  for (int i = 0; i < 4; ++i) {
+    const float weight = kChannels == 4 ? weights[i] * float(corners[i][3]) : weights[i];
+    for (int k = 0; k < 3; ++k) sum[k] += weight * float(corners[i][k]);
+    sum[3] += weight;
   }
+}
+
+uint8_t ToByte(float value) { return uint8_t(std::clamp(value + 0.5f, 0.0f, 255.0f)); }
+
+// Pixels of the photo at the corners of the target's pixels, row by row. Inside a target pixel they
+// are interpolated bilinearly: over so little the lens bends by less than a thousandth of a pixel.
+std::vector<glm::vec2> PhotoPixelsOfCorners(const Lens& lens, const Camera& to) {
+  std::vector<glm::vec2> corners;
+  corners.reserve(size_t(to.width + 1) * size_t(to.height + 1));
+  for (int y = 0; y <= to.height; ++y) {
+    for (int x = 0; x <= to.width; ++x) {
+      const glm::dvec3 direction = to.CamFromImage(glm::dvec2(x, y));
+      const glm::dvec2 pixel = DistortedPixel(lens, {direction.x, direction.y});
+      constexpr double kFarthest_px = 1e7;
+      if (!(std::max(std::abs(pixel.x), std::abs(pixel.y)) < kFarthest_px)) {
+        throw DataError(
+            fmt::format("the lens has no pixel for the direction ({:.3g}, {:.3g}, 1), which its "
+                        "picture covers; its distortion parameters are wrong",
+                        direction.x, direction.y));
+      }
+      corners.emplace_back(pixel);
+    }
+  }
+  return corners;
+}
+
+// So many samples a side of a target pixel that they lie at most half a pixel of the photo apart.
+// What lies outside the photo needs none of its own.
+int SamplesASide(const Image& photo, const glm::vec2 (&corners)[4]) {
+  glm::vec2 inside[4];
+  for (int i = 0; i < 4; ++i) {
+    inside[i] = glm::clamp(corners[i], glm::vec2(-1), glm::vec2(photo.width + 1, photo.height + 1));
+  }
+  const float longest =
+      std::max(std::max(glm::distance(inside[0], inside[1]), glm::distance(inside[2], inside[3])),
+               std::max(glm::distance(inside[0], inside[2]), glm::distance(inside[1], inside[3])));
+  // A pixel as large as the photo's, but for rounding and the bend of the lens, needs no more.
+  return 2 * std::max(1, int(std::ceil(longest - 0.05f)));
+}
+
+template <int kChannels>
+Image Resampled(const Image& photo, const Camera& to, const std::vector<glm::vec2>& grid) {
+  Image picture = MakeImage(to.width, to.height, kChannels);
+  for (int y = 0; y < to.height; ++y) {
+    for (int x = 0; x < to.width; ++x) {
+      const glm::vec2* above = &grid[size_t(y) * size_t(to.width + 1) + size_t(x)];
+      const glm::vec2* below = above + to.width + 1;
+      const glm::vec2 corners[4] = {above[0], above[1], below[0], below[1]};
+      const int samples = SamplesASide(photo, corners);
+      float sum[4] = {};
+      for (int j = 0; j < samples; ++j) {
+        const float v = (float(j) + 0.5f) / float(samples);
+        const glm::vec2 left = glm::mix(corners[0], corners[2], v);
+        const glm::vec2 right = glm::mix(corners[1], corners[3], v);
+        for (int i = 0; i < samples; ++i) {
+          AddSample<kChannels>(photo, glm::mix(left, right, (float(i) + 0.5f) / float(samples)),
+                               sum);
+        }
+      }
+      uint8_t* pixel = picture.At(x, y);
+      if (kChannels == 4) pixel[3] = ToByte(sum[3] / float(samples * samples));
+      if (kChannels == 4 && pixel[3] == 0) continue;
+      for (int k = 0; k < 3; ++k) pixel[k] = ToByte(sum[k] / sum[3]);
+    }
+  }
+  return picture;
 }
 
 }  // namespace
 
-bool CanUndistort(const ColmapCamera& camera) {
-  return camera.model >= kSimplePinhole && camera.model <= kOpenCv;
+ColmapCamera ScaledLens(const ColmapCamera& camera, int width, int height) {
+  ColmapCamera scaled = camera;
+  std::vector<double>& p = scaled.params;
+  const auto two_focals = [&](ColmapLens model, size_t params) {
+    scaled.model = model;
+    p.insert(p.begin(), p[0]);
+    p.resize(params, 0.0);
+  };
+  if (camera.model == kColmapSimplePinhole) two_focals(kColmapPinhole, 4);
+  if (camera.model == kColmapSimpleRadial || camera.model == kColmapRadial) {
+    two_focals(kColmapOpenCv, 8);
+  }
+  if (camera.model == kColmapSimpleRadialFisheye || camera.model == kColmapRadialFisheye) {
+    two_focals(kColmapOpenCvFisheye, 8);
+  }
+  const double x = width / double(camera.width), y = height / double(camera.height);
+  p[0] *= x, p[1] *= y, p[2] *= x, p[3] *= y;
+  scaled.width = uint64_t(width);
+  scaled.height = uint64_t(height);
+  return scaled;
 }
 
 glm::dvec2 DistortedImageFromCam(const ColmapCamera& camera, const glm::dvec2& direction) {
@@ -111,37 +340,30 @@ glm::dvec2 DistortedImageFromCam(const ColmapCamera& camera, const glm::dvec2& d
 
 glm::dvec2 CamFromDistortedImage(const ColmapCamera& camera, const glm::dvec2& pixel) {
   const Lens lens = LensOf(camera);
-  const glm::dvec2 target{(pixel.x - lens.cx) / lens.fx, (pixel.y - lens.cy) / lens.fy};
-  constexpr int kMaxIterations = 50;
-  constexpr double kTolerance =
-      1e-10;  // in units of the focal length: 1e-6 pixels of a large photo
-  glm::dvec2 direction = target;
-  for (int i = 0; i < kMaxIterations; ++i) {
-    const glm::dvec2 error = Distort(lens, direction) - target;
-    const glm::dmat2 jacobian = DistortJacobian(lens, direction);
-    // Where the determinant is not positive the picture is folded over.
-    if (!(glm::determinant(jacobian) > 0)) break;
-    if (glm::dot(error, error) < kTolerance * kTolerance) return direction;
-    direction -= glm::inverse(jacobian) * error;
-  }
-  throw DataError(
-      fmt::format("the lens distortion that COLMAP found cannot be inverted at pixel ({:.0f}, "
-                  "{:.0f}); try --camera-model SIMPLE_RADIAL",
-                  pixel.x, pixel.y));
+  const std::optional<glm::dvec2> direction = Unbent(lens, BentOfPixel(lens, pixel));
+  if (!direction) FailInverse(pixel, "which looks 90 degrees or more off the axis");
+  return *direction;
+}
+
+bool IsTooWideForPlane(const ColmapCamera& camera) {
+  const Window window = CoveredWindow(camera);
+  return LensOf(camera).bend != Lens::Bend::kNone &&
+         (glm::any(glm::lessThanEqual(window.min, glm::dvec2(-kWidest))) ||
+          glm::any(glm::greaterThanEqual(window.max, glm::dvec2(kWidest))));
 }
 
 Camera UndistortedCamera(const ColmapCamera& camera, int max_size) {
   const Lens lens = LensOf(camera);
   if (!(lens.fx > 0) || !(lens.fy > 0)) {
     throw DataError(fmt::format(
-        "COLMAP found the focal lengths {} and {} px; both must be positive", lens.fx, lens.fy));
+        "a camera has the focal lengths {} and {} px; both must be positive", lens.fx, lens.fy));
   }
   Window window = CoveredWindow(camera);
   glm::dvec2 size = (window.max - window.min) * glm::dvec2(lens.fx, lens.fy);
   if (!(size.x >= 1 && size.y >= 1)) {
     throw DataError(
-        "the lens distortion that COLMAP found leaves nothing of the picture; try --camera-model "
-        "SIMPLE_RADIAL");
+        "the lens distortion leaves nothing of the picture; where COLMAP found it, try tetrec-sfm "
+        "with --camera-model SIMPLE_RADIAL");
   }
   // Keep the photo's format, so that all working pictures of one camera type have the usual sizes.
   const double format = double(camera.width) / double(camera.height);
@@ -169,26 +391,8 @@ Image Undistort(const Image& photo, const ColmapCamera& from, const Camera& to) 
   TETREC_CHECK(uint64_t(photo.width) == from.width && uint64_t(photo.height) == from.height,
                "the photo has another size than its camera");
   const Lens lens = LensOf(from);
-  // Samples a side of each target pixel, so that no pixel of the photo is passed over.
-  const int samples =
-      std::max(1, int(std::ceil(std::max(lens.fx / to.fx, lens.fy / to.fy) - 1e-3))) * 2;
-  Image picture{to.width, to.height, photo.channels, {}};
-  picture.pixels.resize(size_t(to.width) * to.height * photo.channels);
-  for (int y = 0; y < to.height; ++y) {
-    for (int x = 0; x < to.width; ++x) {
-      float sum[4] = {};
-      for (int s = 0; s < samples * samples; ++s) {
-        const glm::dvec2 offset{(s % samples + 0.5) / samples, (s / samples + 0.5) / samples};
-        const glm::dvec3 direction = to.CamFromImage(glm::dvec2(x, y) + offset);
-        AddSample(photo, DistortedPixel(lens, {direction.x, direction.y}), sum);
-      }
-      for (int k = 0; k < photo.channels; ++k) {
-        picture.At(x, y)[k] =
-            uint8_t(std::lround(std::clamp(sum[k] / float(samples * samples), 0.0f, 255.0f)));
-      }
-    }
-  }
-  return picture;
+  const std::vector<glm::vec2> grid = PhotoPixelsOfCorners(lens, to);
+  return photo.channels == 4 ? Resampled<4>(photo, to, grid) : Resampled<3>(photo, to, grid);
 }
 
 }  // namespace tetrec

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 namespace tetrec {
 
 const char* Name(DatasetFormat format) {
@@ -43,10 +45,32 @@ DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
       folder.string()));
 }
 
-Dataset ReadDataset(const std::filesystem::path& folder, DatasetFormat format) {
+Dataset ReadDataset(const std::filesystem::path& folder, DatasetFormat format,
+                    const std::string& images) {
   if (format == DatasetFormat::kAuto) format = RecogniseDataset(folder);
-  if (format == DatasetFormat::kColmap) return ReadColmapDataset(folder);
+  if (format == DatasetFormat::kColmap) {
+    return ReadColmapDataset(folder, images.empty() ? "images" : images);
+  }
+  if (!images.empty()) {
+    throw UsageError(fmt::format(
+        "--images {}: only of COLMAP models; {} is read as {}, which names its pictures", images,
+        folder.string(), Name(format)));
+  }
   return format == DatasetFormat::kTransforms ? ReadTransforms(folder) : ReadNerfSynthetic(folder);
+}
+
+std::vector<std::string> ImageFiles(const std::vector<std::string>& names) {
+  std::vector<std::string> files;
+  std::set<std::string> stems;
+  for (const std::string& name : names) {
+    const std::string stem = std::filesystem::path(name).replace_extension().generic_string();
+    stems.insert(stem);
+    files.push_back(fmt::format("images/{}.png", stem));
+  }
+  if (stems.size() < names.size()) {
+    for (size_t i = 0; i < names.size(); ++i) files[i] = fmt::format("images/{}.png", names[i]);
+  }
+  return files;
 }
 
 }  // namespace tetrec

@@ -16,6 +16,7 @@ namespace tetrec {
 // A picture of a data set whose camera is known.
 struct PosedPicture {
   std::string name;            // unique, as View::name, e.g. "train/r_0"
+  std::string image;           // as View::image; empty: images/NAME.png
   std::filesystem::path file;  // exists
   std::filesystem::path mask;  // exists, or empty; what is black there is not to be seen
   Split split = Split::kTrain;
@@ -32,6 +33,7 @@ struct Dataset {
   std::vector<ScenePoint> points;          // in the input's coordinates
   std::optional<Bounds3> box_in_input;     // that the data set says to hold what matters
   std::vector<std::string> missing_files;  // files that are not there but often are
+  std::vector<std::string> remarks;        // what else the user should know
 };
 
 // What import reads. kAuto: told by the files that are there.
@@ -41,7 +43,13 @@ const char* Name(DatasetFormat format);
 // Throws DataError where the folder is none of the known formats, naming what was looked for.
 DatasetFormat RecogniseDataset(const std::filesystem::path& folder);
 
-// Throws DataError as the readers do.
-Dataset ReadDataset(const std::filesystem::path& folder, DatasetFormat format);
+// Throws DataError as the readers do. `images` is the folder of a COLMAP model's pictures (e.g.
+// images_4; empty: images); UsageError where another format is read with one.
+Dataset ReadDataset(const std::filesystem::path& folder, DatasetFormat format,
+                    const std::string& images = "");
+
+// Where the pictures of these names are stored in a scene folder: images/STEM.png, or, where two
+// names differ in no more than the extension, images/NAME.png of all.
+std::vector<std::string> ImageFiles(const std::vector<std::string>& names);
 
 }  // namespace tetrec

@@ -29,13 +29,16 @@ constexpr double kFarthest = 1e9;
 // What is kept of a picture once it is written.
 struct StoredPicture {
   Camera camera;
-  bool has_alpha = false, resized = false, turned = false;
+  bool has_alpha = false, resized = false, turned = false, lens_scaled = false;
+  bool cut_to_plane = false;
   uint64_t clipped_pixels = 0;
   std::vector<uint8_t> alpha;  // training pictures only
 };
 
 // Relative to the scene folder.
-std::string ImageOf(const PosedPicture& picture) { return "images/" + picture.name + ".png"; }
+std::string ImageOf(const PosedPicture& picture) {
+  return picture.image.empty() ? "images/" + picture.name + ".png" : picture.image;
+}
 
 // The principal point in the middle.
 ColmapCamera LensOfFieldOfView(const PosedPicture& picture, const Image& image) {
@@ -50,7 +53,13 @@ ColmapCamera LensOfFieldOfView(const PosedPicture& picture, const Image& image) 
           {fx == 0 ? fy : fx, fy == 0 ? fx : fy, 0.5 * image.width, 0.5 * image.height}};
 }
 
-// As its camera sees it; notes what was done to it.
+// Data sets come with smaller copies of the pictures, their sides rounded up or down.
+bool IsScaledCopy(const ColmapCamera& lens, const Image& image) {
+  const double shape = double(lens.height) / double(lens.width);
+  return std::abs(image.height - shape * image.width) <= std::max(1.0, shape);
+}
+
+// As its camera sees it, or a scaled copy; notes what was done to it.
 Image ReadPicture(const PosedPicture& picture, StoredPicture& stored) {
   Image image = ReadImage(picture.file, ExifRotation::kIgnore, &stored.clipped_pixels);
   const ColmapCamera& lens = picture.lens;
@@ -63,9 +72,20 @@ Image ReadPicture(const PosedPicture& picture, StoredPicture& stored) {
     stored.turned = fits(turned.width, turned.height) && turned.channels == image.channels;
     if (stored.turned) return turned;
   }
+  stored.lens_scaled = IsScaledCopy(lens, image);
+  if (stored.lens_scaled) return image;
   throw DataError(fmt::format(
-      "{} has {} x {} pixels, its camera {} x {}; give the pictures that the cameras belong to",
+      "{} has {} x {} pixels, its camera {} x {}, which is another shape; give the pictures that "
+      "the cameras belong to",
       picture.file.string(), image.width, image.height, lens.width, lens.height));
+}
+
+ColmapCamera LensOf(const PosedPicture& picture, const Image& image) {
+  const ColmapCamera& lens = picture.lens;
+  if (lens.width == 0) return LensOfFieldOfView(picture, image);
+  const bool is_scaled =
+      uint64_t(image.width) != lens.width || uint64_t(image.height) != lens.height;
+  return is_scaled ? ScaledLens(lens, image.width, image.height) : lens;
 }
 
 // Same shape but for the rounding of the smaller one's sides.
@@ -104,8 +124,7 @@ StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::p
   StoredPicture stored;
   Image image = ReadPicture(picture, stored);
   if (!picture.mask.empty()) image = ReadAndApplyMask(picture, image);
-  const ColmapCamera lens =
-      picture.lens.width == 0 ? LensOfFieldOfView(picture, image) : picture.lens;
+  const ColmapCamera lens = LensOf(picture, image);
   const int longer_side = LongerSide(image, options);
   if (lens.model == kColmapPinhole) {
     const glm::ivec2 size = FitToMaxSize(image.width, image.height, longer_side);
@@ -115,6 +134,7 @@ StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::p
   } else {
     stored.camera = UndistortedCamera(lens, longer_side);
     stored.resized = true;
+    stored.cut_to_plane = IsTooWideForPlane(lens);
     image = Undistort(image, lens, stored.camera);
   }
   const std::filesystem::path path = folder / ImageOf(picture);
@@ -302,6 +322,17 @@ void MoveToBounds(Scene& scene, const Bounds3& bounds_in_input) {
   for (ScenePoint& point : scene.points) point.position = world_from_input * point.position;
 }
 
+Triangulation Triangulate(const std::filesystem::path& folder, const Scene& scene,
+                          const std::vector<StoredPicture>& stored, const ColmapPlace& place) {
+  if (!scene.points.empty()) {
+    LogWarning("the data set has {} points of its own; --triangulate replaces them",
+               scene.points.size());
+  }
+  ViewAlphas alphas;
+  for (const StoredPicture& picture : stored) alphas.push_back(picture.alpha);
+  return TriangulatePoints(folder, scene, alphas, place);
+}
+
 Background BackgroundOf(const Scene& scene, const ImportOptions& options) {
   if (scene.has_alpha && options.background == Background::kScene) {
     throw DataError(
@@ -344,9 +375,10 @@ glm::ivec2 FitToMaxSize(int width, int height, int max_size) {
 }
 
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
-                            const std::filesystem::path& folder, const ImportOptions& options) {
+                            const std::filesystem::path& folder, const ImportOptions& options,
+                            const ColmapPlace& place) {
   options.Check();
-  Dataset set = ReadDataset(dataset, options.format);
+  Dataset set = ReadDataset(dataset, options.format, options.images);
   if (set.pictures.empty()) {
     throw DataError(fmt::format("{}: the data set has no pictures", dataset.string()));
   }
@@ -356,20 +388,32 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
 
   ImportedScene imported;
   imported.missing_files = set.missing_files;
+  imported.remarks = set.remarks;
   for (const StoredPicture& picture : stored) {
     imported.resized += picture.resized;
     imported.turned += picture.turned;
+    imported.lenses_scaled += picture.lens_scaled;
+    imported.cut_to_plane += picture.cut_to_plane;
     imported.clipped_pixels += picture.clipped_pixels;
   }
   Scene& scene = imported.scene;
   scene = SceneInInput(set, stored);
   scene.background = BackgroundOf(scene, options);
+  if (options.triangulate) {
+    imported.triangulation = Triangulate(folder, scene, stored, place);
+    scene.points = imported.triangulation->points;
+  }
   if (options.subject_in_input) {
     MoveToBounds(scene, *options.subject_in_input);
   } else if (!scene.has_alpha && !scene.points.empty()) {
     MoveToSubject(scene, FindSubject(scene));
   } else {
     MoveToBounds(scene, SubjectBoundsInInput(set, stored));
+  }
+  if (options.triangulate && scene.has_alpha) {
+    imported.points_out_of_bounds = std::erase_if(scene.points, [&](const ScenePoint& point) {
+      return !scene.subject_bounds.Contains(point.position);
+    });
   }
   WriteScene(folder, scene);
   return imported;
@@ -381,7 +425,12 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   stage.Output("images");
   ImportOptions with_list = options;
   if (stage.HasInput("test-list")) with_list.test_list = stage.Input("test-list");
-  const ImportedScene imported = ImportDataset(stage.Input("DATASET"), stage.folder(), with_list);
+  const ColmapPlace place =
+      options.triangulate
+          ? ColmapPlace{stage.folder() / "log.txt", stage.Cache("colmap"), stage.Scratch("work")}
+          : ColmapPlace{};
+  const ImportedScene imported =
+      ImportDataset(stage.Input("DATASET"), stage.folder(), with_list, place);
   const Scene& scene = imported.scene;
   if (!scene.points.empty()) stage.Output("points.ply");
   for (const std::string& file : imported.missing_files) {
@@ -394,6 +443,15 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   if (imported.clipped_pixels > 0) {
     LogWarning("pixels too bright or dark for display, clipped: {}", imported.clipped_pixels);
   }
+  for (const std::string& remark : imported.remarks) LogWarning("{}", remark);
+  if (imported.lenses_scaled > 0) {
+    LogInfo("{} pictures have another size than their cameras: the cameras are scaled to them",
+            imported.lenses_scaled);
+  }
+  if (imported.cut_to_plane > 0) {
+    LogWarning("{} pictures show more than 60 degrees to a side and are cut there",
+               imported.cut_to_plane);
+  }
   const Camera& camera = scene.cameras[0];
   LogInfo("{} training, {} validation, {} test views; {} x {} pixels; {} resized",
           scene.ViewsOf(Split::kTrain).size(), scene.ViewsOf(Split::kValidation).size(),
@@ -401,11 +459,21 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   stage.Count("train_views", scene.ViewsOf(Split::kTrain).size());
   stage.Count("validation_views", scene.ViewsOf(Split::kValidation).size());
   stage.Count("test_views", scene.ViewsOf(Split::kTest).size());
+  if (const auto& triangulation = imported.triangulation) {
+    LogInfo("{} triangulated points are outside of the subject's bounds and dropped",
+            imported.points_out_of_bounds);
+    stage.Count("points_triangulated", triangulation->found);
+    stage.Count("points_dropped_weak", triangulation->weak);
+    stage.Count("points_dropped_transparent", triangulation->transparent);
+    stage.Count("points_dropped_out_of_bounds", imported.points_out_of_bounds);
+  }
   stage.Count("points", scene.points.size());
   stage.Count("cameras", scene.cameras.size());
   stage.Count("pictures_resized", imported.resized);
   stage.Count("pictures_turned", imported.turned);
   stage.Count("pixels_clipped", imported.clipped_pixels);
+  stage.Count("lenses_scaled", imported.lenses_scaled);
+  stage.Count("pictures_cut_to_plane", imported.cut_to_plane);
   stage.Note("missing_files", imported.missing_files);
   stage.Seconds("import", timer.seconds());
 }

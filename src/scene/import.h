@@ -4,6 +4,7 @@
 #include "core/stage.h"
 #include "scene/dataset.h"
 #include "scene/scene.h"
+#include "scene/triangulate.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -15,11 +16,13 @@ namespace tetrec {
 
 struct ImportOptions {
   DatasetFormat format = DatasetFormat::kAuto;
+  std::string images;               // folder of a COLMAP model's pictures; empty: images
   int max_size = 400;               // [px] bound of the longer side; 0: as stored
   std::optional<double> downscale;  // divides the pictures' sides, in place of max_size
   // Behind pictures with alpha white or black; without it: what the pictures stand before. Unset:
   // white, or the scene's own where there is no alpha.
   std::optional<Background> background;
+  bool triangulate = false;  // points from the pictures and their cameras, by COLMAP
   // Every n-th view by name is a test view, the others train; 0: none. Unset: the data set's own
   // split, or every 8th.
   std::optional<int> holdout;
@@ -30,10 +33,15 @@ struct ImportOptions {
 
 struct ImportedScene {
   Scene scene;
-  size_t resized = 0;                      // pictures, undistorted ones too
-  size_t turned = 0;                       // pictures, by their EXIF orientation
-  uint64_t clipped_pixels = 0;             // of EXR pictures, too bright for display
-  std::vector<std::string> missing_files;  // as Dataset's
+  size_t resized = 0;                          // pictures, undistorted ones too
+  size_t turned = 0;                           // pictures, by their EXIF orientation
+  size_t lenses_scaled = 0;                    // pictures smaller or larger than their camera
+  size_t cut_to_plane = 0;                     // pictures of fisheyes, see UndistortedCamera
+  uint64_t clipped_pixels = 0;                 // of EXR pictures, too bright for display
+  std::vector<std::string> missing_files;      // as Dataset's
+  std::vector<std::string> remarks;            // as Dataset's
+  std::optional<Triangulation> triangulation;  // its points are the scene's
+  size_t points_out_of_bounds = 0;             // triangulated ones that were dropped
 };
 
 // Reads the data set, brings its pictures to a pinhole camera and to size (in parallel), finds the
@@ -41,9 +49,11 @@ struct ImportedScene {
 // writes the scene folder. Bounds come from carving the training masks where there is alpha, else
 // from the points, else from the data set's own box if that holds no training camera, else from
 // what all training cameras see. Pixels are as stored; where only the picture turned by its EXIF
-// orientation has the size that its camera tells, it is turned. Throws DataError.
+// orientation has the size that its camera tells, it is turned. With `options.triangulate` COLMAP
+// works at `place`. Throws DataError, and EnvironmentError of COLMAP's.
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
-                            const std::filesystem::path& folder, const ImportOptions& options);
+                            const std::filesystem::path& folder, const ImportOptions& options,
+                            const ColmapPlace& place = {});
 
 // The stage: inputs "DATASET" and "test-list".
 void RunImport(const ImportOptions& options, Stage& stage);

@@ -6,9 +6,11 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "core/short_list.h"
 #include "scene/colmap_database.h"
 #include "scene/colmap_run.h"
 #include "scene/colmap_undistort.h"
+#include "scene/dataset.h"
 #include "scene/image.h"
 #include "scene/sfm_bounds.h"
 
@@ -32,7 +34,6 @@ constexpr double kMaxError_px =
     1.5;  // for photos of up to kErrorSize_px; larger ones in proportion
 constexpr double kErrorSize_px = 1600;
 constexpr double kMinTrackLength = 2.5;
-constexpr size_t kNamesInMessage = 10;
 // With fewer pictures a camera the four OPENCV distortion parameters are not determined well.
 constexpr size_t kPhotosForOpenCvModel = 8;
 
@@ -58,14 +59,6 @@ bool IsPhotoFile(const fs::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
   return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
-}
-
-// "a, b, c and 7 more"
-std::string ShortList(const std::vector<std::string>& names) {
-  const size_t shown = std::min(names.size(), kNamesInMessage);
-  std::string text =
-      fmt::format("{}", fmt::join(names.begin(), names.begin() + std::ptrdiff_t(shown), ", "));
-  return names.size() > shown ? text + fmt::format(" and {} more", names.size() - shown) : text;
 }
 
 std::vector<std::string> PhotoNames(const fs::path& folder) {
@@ -257,14 +250,13 @@ Scene SceneFromModel(const ColmapModel& model, const SfmOptions& options) {
     camera_index[id] = int(scene.cameras.size());
     scene.cameras.push_back(UndistortedCamera(camera, options.max_size));
   }
-  std::map<std::string, size_t> stems;
-  for (const auto& [id, image] : model.images)
-    ++stems[fs::path(image.name).replace_extension().generic_string()];
+  std::vector<std::string> names;
+  for (const auto& [id, image] : model.images) names.push_back(image.name);
+  const std::vector<std::string> files = ImageFiles(names);
   for (const auto& [id, image] : model.images) {
-    const std::string stem = fs::path(image.name).replace_extension().generic_string();
     View view;
     view.name = image.name;
-    view.image = fmt::format("images/{}.png", stems.at(stem) == 1 ? stem : image.name);
+    view.image = files[scene.views.size()];
     view.camera = camera_index.at(image.camera);
     view.cam_from_world = image.cam_from_world;
     scene.views.push_back(std::move(view));

@@ -154,6 +154,15 @@ def colmap_seeds():
         yield f"model{kind}", bytes([kind]) + content
 
 
+def colmap_text_seeds():
+    """The same kind of model as text, with comments, a name with a space and an empty second line."""
+    cameras = "# cameras\n1 PINHOLE 40 30 50 50 20 15\n2 OPENCV 40 30 50 50 20 15 0.1 -0.01 1e-3 0\n"
+    images = "# images\n1 1 0 0 0 0.1 0 4 1 a b.jpg\n20 15 1 3.5 4 -1\n2 1 0 0 0 0.2 0 4 1 c.jpg\n\n"
+    points = "# points\n1 0 0 3.14159 10 20 30 0.5 1 0 2 0\n"
+    for kind, content in enumerate((cameras, images, points)):
+        yield f"model{kind}", bytes([kind]) + content.encode()
+
+
 SEEDS = {
     "ply": ply_seeds,
     "tet_mesh": lambda: [("two_tets.tet", tet_mesh_bytes())],
@@ -162,6 +171,7 @@ SEEDS = {
     "image": image_seeds,
     "transforms": transforms_seeds,
     "colmap_model": colmap_seeds,
+    "colmap_text": colmap_text_seeds,
 }
 
 

@@ -42,6 +42,21 @@ class BadInputTest(StageCase):
                                 environment={"PATH": str(self.folder)})
         self.assert_fails(result, 4, "colmap")
 
+    def test_triangulation_without_colmap_in_path(self):
+        write_tiny_dataset(self.folder / "ball")
+        result = self.run_stage("import", self.folder / "ball", "--triangulate", "-o", self.folder / "out",
+                                environment={"PATH": str(self.folder)})
+        self.assert_fails(result, 4, "colmap")
+
+    def test_import_of_a_colmap_text_model_names_the_line(self):
+        model = self.folder / "set" / "sparse"
+        model.mkdir(parents=True)
+        (model / "cameras.txt").write_text("# cameras\n1 PINHOLE 64 48 60 sixty 32 24\n")
+        (model / "images.txt").write_text("")
+        (model / "points3D.txt").write_text("")
+        result = self.run_stage("import", self.folder / "set", "-o", self.folder / "out")
+        self.assert_fails(result, 3, "cameras.txt: line 2", "sixty")
+
     def test_import_names_a_truncated_picture(self):
         write_tiny_dataset(self.folder / "ball")
         picture = self.folder / "ball" / "train" / "r_2.png"

@@ -78,6 +78,21 @@ class InterruptTest(StageCase):
         self.assert_done(self.run_stage(*command))
         self.assertTrue((out / "scene.json").exists())
 
+    def test_a_killed_triangulation_goes_on_and_ends_with_the_same_bytes(self):
+        command = ("import", DEMO_PHOTOS.parent / "nerf", "--triangulate", "--max-size", 200, "-o")
+        out, whole = self.folder / "scene", self.folder / "whole"
+        process = self.start(*command, out)
+        self.wait_for(lambda: (out / "log.txt").exists() and "matches in" in (out / "log.txt").read_text(),
+                      process, "the matches")
+        process.kill()
+        process.communicate()
+        self.assertFalse((out / "manifest.json").exists())
+        self.assert_done(self.run_stage(*command, out))
+        self.assertFalse((out / "work").exists())
+        self.assert_done(self.run_stage(*command, whole))
+        for name in ("points.ply", "scene.json"):
+            self.assertEqual((out / name).read_bytes(), (whole / name).read_bytes(), name)
+
     def processes_on(self, folder):
         """Command lines of the processes that name the folder."""
         lines = []

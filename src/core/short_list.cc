@@ -1,0 +1,19 @@
+// Many names in one message.
+#include "core/short_list.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace tetrec {
+
+std::string ShortList(const std::vector<std::string>& names) {
+  constexpr size_t kMost = 10;
+  const size_t shown = std::min(names.size(), kMost);
+  const auto end = names.begin() + std::ptrdiff_t(shown);
+  const std::string text = fmt::format("{}", fmt::join(names.begin(), end, ", "));
+  return names.size() > shown ? text + fmt::format(" and {} more", names.size() - shown) : text;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,28 @@
+// What both readers of COLMAP models, of binary and of text, expect of the values.
+#pragma once
+
+#include "scene/colmap_model.h"
+
+#include <span>
+#include <string>
+
+namespace tetrec::internal {
+
+// By COLMAP's numbers.
+struct ColmapLensKind {
+  const char* name;
+  int params;
+};
+std::span<const ColmapLensKind> ColmapLensKinds();
+
+// Finite, and not so large that it must be a number gone astray.
+bool IsSane(double value);
+
+// What is wrong; empty where nothing is.
+std::string ComplaintOnSize(uint64_t width, uint64_t height);
+std::string ComplaintOnQuaternion(const double (&wxyz)[4]);
+std::string ComplaintOnPictureName(const std::string& name);
+
+Rigid3 PoseOf(const double (&wxyz)[4], const glm::dvec3& translation);
+
+}  // namespace tetrec::internal

@@ -1,0 +1,125 @@
+// COLMAP data sets: where the model, the pictures and the masks are looked for.
+#include "scene/colmap_dataset.h"
+
+#include "core/error.h"
+#include "expect_error.h"
+#include "scene/image.h"
+#include "scene/import.h"
+#include "scratch_folder.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+// Cameras on a ring around the origin, level, and points on a ball there; no observations.
+void WriteModel(const ScratchFolder& folder, const std::string& place,
+                const std::vector<std::string>& names, const std::string& camera) {
+  std::string images, points;
+  for (size_t i = 0; i < names.size(); ++i) {
+    const double half = 3.14159 * double(i) / double(names.size());
+    images +=
+        fmt::format("{} {} 0 {} 0 0 0 4 1 {}\n\n", i + 1, std::cos(half), std::sin(half), names[i]);
+  }
+  for (int i = 0; i < 200; ++i) {
+    points += fmt::format("{} {} {} {} 9 9 9 0.5 1 0 2 0 3 0\n", i + 1, 0.5 * std::sin(i),
+                          0.5 * std::cos(0.7 * i), 0.5 * std::sin(1.3 * i));
+  }
+  // Tracks need an observation to point at.
+  for (size_t at = 0; (at = images.find("\n\n", at)) != std::string::npos; at += 2) {
+    images.replace(at, 2, "\n1 1 -1\n");
+  }
+  folder.Write(place + "/cameras.txt", camera);
+  folder.Write(place + "/images.txt", images);
+  folder.Write(place + "/points3D.txt", points);
+}
+
+void WritePictures(const ScratchFolder& folder, const std::string& place,
+                   const std::vector<std::string>& names, int width, int height) {
+  for (const std::string& name : names) {
+    const std::filesystem::path path = folder / (place + "/" + name);
+    std::filesystem::create_directories(path.parent_path());
+    WriteImage(path, MakeImage(width, height, 3));
+  }
+}
+
+const std::vector<std::string> kNames = {"a.jpg", "sub folder/b.jpg", "c.png"};
+constexpr const char* kPinhole = "1 PINHOLE 64 48 60 60 32 24\n";
+
+TEST(ColmapDataset, FindsModelPicturesInFoldersAndMasksByBothNames) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, "images", kNames, 64, 48);
+  WritePictures(folder, "masks", {"a.jpg.png", "sub folder/b.png"}, 64, 48);
+  const Dataset set = ReadColmapDataset(folder.path());
+  ASSERT_EQ(set.pictures.size(), 3u);
+  EXPECT_EQ(set.points.size(), 200u);
+  EXPECT_EQ(set.pictures[0].name, "a.jpg");
+  EXPECT_EQ(set.pictures[0].image, "images/a.png");
+  EXPECT_EQ(set.pictures[0].mask, folder / "masks/a.jpg.png");
+  EXPECT_EQ(set.pictures[1].name, "c.png");
+  EXPECT_TRUE(set.pictures[1].mask.empty());
+  EXPECT_EQ(set.pictures[2].file, folder / "images/sub folder/b.jpg");
+  EXPECT_EQ(set.pictures[2].mask, folder / "masks/sub folder/b.png");
+  ASSERT_EQ(set.remarks.size(), 1u);
+  EXPECT_THAT(set.remarks[0], testing::HasSubstr("1 of 3 pictures have no mask"));
+  EXPECT_THAT(set.remarks[0], testing::HasSubstr("c.png"));
+}
+
+TEST(ColmapDataset, PicturesThatAreMissingAreCountedAndNamed) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse", kNames, kPinhole);
+  WritePictures(folder, "images", {"c.png"}, 64, 48);
+  ExpectError<DataError>([&] { ReadColmapDataset(folder.path()); },
+                         {"2 of the model's 3 pictures", "a.jpg", "sub folder/b.jpg"});
+}
+
+TEST(ColmapDataset, WhatIsNoDataSetIsSaid) {
+  const ScratchFolder folder;
+  ExpectError<DataError>([&] { ReadColmapDataset(folder.path()); }, {"no COLMAP model"});
+  WriteModel(folder, "sparse", {}, kPinhole);
+  folder.Write("sparse/points3D.txt", std::string());
+  ExpectError<DataError>([&] { ReadColmapDataset(folder.path()); }, {"the model has no pictures"});
+  WriteModel(folder, "sparse", kNames, kPinhole);
+  ExpectError<DataError>([&] { ReadColmapDataset(folder.path()); },
+                         {"no folder images", "--images"});
+  ExpectError<UsageError>([&] { ReadColmapDataset(folder.path(), "../x"); }, {"--images \"../x\""});
+  ExpectError<UsageError>(
+      [&] { ReadDataset(folder.path(), DatasetFormat::kNerfSynthetic, "images_4"); },
+      {"--images images_4", "nerf-synthetic"});
+}
+
+TEST(ColmapDataset, NamesThatShareAStemKeepTheirExtensions) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(ImageFiles({"x/a.jpg", "b.png"}), (Names{"images/x/a.png", "images/b.png"}));
+  EXPECT_EQ(ImageFiles({"a.jpg", "a.png", "a.jpg.png"}),
+            (Names{"images/a.jpg.png", "images/a.png.png", "images/a.jpg.png.png"}));
+}
+
+// A model of 64 x 48 pixels with pictures of 33 x 25, rounded up as some resizers do.
+TEST(ColmapDataset, TheLensIsScaledToSmallerCopiesOfThePictures) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, "images_2", kNames, 33, 25);
+  ImportOptions options;
+  options.images = "images_2";
+  options.holdout = 0;
+  const ImportedScene imported = ImportDataset(folder.path(), folder / "scene", options);
+  EXPECT_EQ(imported.lenses_scaled, 3u);
+  const Camera& camera = imported.scene.cameras.at(0);
+  EXPECT_EQ(camera.width, 33);
+  EXPECT_NEAR(camera.fx, 60.0 * 33 / 64, 1e-12);
+  EXPECT_NEAR(camera.fy, 60.0 * 25 / 48, 1e-12);
+  EXPECT_TRUE(std::filesystem::exists(folder / "scene/images/sub folder/b.png"));
+
+  WritePictures(folder, "images_2", kNames, 33, 27);
+  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", options); },
+                         {"33 x 27", "64 x 48", "another shape"});
+}
+
+}  // namespace
+}  // namespace tetrec
