@@ -8,7 +8,7 @@
 using tetrec::Background, tetrec::DatasetFormat;
 
 int main(int argc, char** argv) {
-  tetrec::StageCommand command("import", 2,
+  tetrec::StageCommand command("import", 3,
                                "Imports a data set with known cameras into a scene folder.");
   tetrec::ImportOptions options;
   CLI::App& app = command.app();

@@ -121,5 +121,20 @@ TEST(ColmapDataset, TheLensIsScaledToSmallerCopiesOfThePictures) {
                          {"33 x 27", "64 x 48", "another shape"});
 }
 
+// 64 pixels for 183 degrees.
+TEST(ColmapDataset, FisheyesThatSeeTooMuchForAPlaneAreCutAndCounted) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, "1 SIMPLE_RADIAL_FISHEYE 64 48 20 32 24 0\n");
+  WritePictures(folder, "images", kNames, 64, 48);
+  const ImportedScene imported = ImportDataset(folder.path(), folder / "scene", {});
+  EXPECT_EQ(imported.cut_to_plane, 3u);
+  EXPECT_EQ(imported.lenses_scaled, 0u);
+  EXPECT_EQ(imported.scene.cameras.size(), 1u);
+  const Image picture = ReadImage(folder / "scene/images/a.png");
+  EXPECT_EQ(picture.width, imported.scene.cameras[0].width);
+  // 60 degrees to each side.
+  EXPECT_NEAR(imported.scene.cameras[0].CamFromImage({0, 0}).x, -std::sqrt(3.0), 1e-9);
+}
+
 }  // namespace
 }  // namespace tetrec
