@@ -54,7 +54,7 @@ TEST(ColmapDataset, FindsModelPicturesInFoldersAndMasksByBothNames) {
   const ScratchFolder folder;
   WriteModel(folder, "sparse/0", kNames, kPinhole);
   WritePictures(folder, "images", kNames, 64, 48);
-  WritePictures(folder, "masks", {"a.jpg.png", "sub folder/b.png"}, 64, 48);
+  WritePictures(folder, "masks", {"a.jpg.png", "sub folder/b.png", "c.png"}, 64, 48);
   const Dataset set = ReadColmapDataset(folder.path());
   ASSERT_EQ(set.pictures.size(), 3u);
   EXPECT_EQ(set.points.size(), 200u);
@@ -62,12 +62,24 @@ TEST(ColmapDataset, FindsModelPicturesInFoldersAndMasksByBothNames) {
   EXPECT_EQ(set.pictures[0].image, "images/a.png");
   EXPECT_EQ(set.pictures[0].mask, folder / "masks/a.jpg.png");
   EXPECT_EQ(set.pictures[1].name, "c.png");
-  EXPECT_TRUE(set.pictures[1].mask.empty());
+  EXPECT_EQ(set.pictures[1].mask, folder / "masks/c.png");
   EXPECT_EQ(set.pictures[2].file, folder / "images/sub folder/b.jpg");
   EXPECT_EQ(set.pictures[2].mask, folder / "masks/sub folder/b.png");
+  EXPECT_TRUE(set.remarks.empty());
+}
+
+TEST(ColmapDataset, MasksOfSomePicturesAreRefusedAndOfNoneArePassedOver) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, "images", kNames, 64, 48);
+  WritePictures(folder, "masks", {"other.png"}, 64, 48);
+  const Dataset set = ReadColmapDataset(folder.path());
   ASSERT_EQ(set.remarks.size(), 1u);
-  EXPECT_THAT(set.remarks[0], testing::HasSubstr("1 of 3 pictures have no mask"));
-  EXPECT_THAT(set.remarks[0], testing::HasSubstr("c.png"));
+  EXPECT_THAT(set.remarks[0], testing::HasSubstr("no mask of any picture"));
+  EXPECT_TRUE(set.pictures[0].mask.empty());
+  WritePictures(folder, "masks", {"a.jpg.png"}, 64, 48);
+  ExpectError<DataError>([&] { ReadColmapDataset(folder.path()); },
+                         {"2 of 3 pictures have no mask", "c.png, sub folder/b.jpg"});
 }
 
 TEST(ColmapDataset, PicturesThatAreMissingAreCountedAndNamed) {
