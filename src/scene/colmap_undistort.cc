@@ -268,8 +268,9 @@ std::vector<glm::vec2> PhotoPixelsOfCorners(const Lens& lens, const Camera& to) 
   return corners;
 }
 
-// So many samples a side of a target pixel that they lie at most half a pixel of the photo apart.
-// What lies outside the photo needs none of its own.
+// So many samples a side of a target pixel that they lie at most a pixel of the photo apart: then
+// bilinear samples weigh all of the photo's pixels alike. What lies outside the photo needs none of
+// its own.
 int SamplesASide(const Image& photo, const glm::vec2 (&corners)[4]) {
   glm::vec2 inside[4];
   for (int i = 0; i < 4; ++i) {
@@ -279,7 +280,7 @@ int SamplesASide(const Image& photo, const glm::vec2 (&corners)[4]) {
       std::max(std::max(glm::distance(inside[0], inside[1]), glm::distance(inside[2], inside[3])),
                std::max(glm::distance(inside[0], inside[2]), glm::distance(inside[1], inside[3])));
   // A pixel as large as the photo's, but for rounding and the bend of the lens, needs no more.
-  return 2 * std::max(1, int(std::ceil(longest - 0.05f)));
+  return std::max(1, int(std::ceil(longest - 0.05f)));
 }
 
 template <int kChannels>

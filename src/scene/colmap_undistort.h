@@ -28,8 +28,8 @@ Camera UndistortedCamera(const ColmapCamera& camera, int max_size);
 bool IsTooWideForPlane(const ColmapCamera& camera);
 
 // The photo as the pinhole camera sees it: area mean over each target pixel, by bilinear samples at
-// least twice as dense as the photo's pixels. Alpha is premultiplied while filtering; where it is 0
-// all channels become 0. The photo must have the size that `from` says.
+// least as dense as the photo's pixels. Alpha is premultiplied while filtering; where it is 0 all
+// channels become 0. The photo must have the size that `from` says.
 Image Undistort(const Image& photo, const ColmapCamera& from, const Camera& to);
 
 }  // namespace tetrec

@@ -54,7 +54,7 @@ TEST(ColmapDataset, FindsModelPicturesInFoldersAndMasksByBothNames) {
   const ScratchFolder folder;
   WriteModel(folder, "sparse/0", kNames, kPinhole);
   WritePictures(folder, "images", kNames, 64, 48);
-  WritePictures(folder, "masks", {"a.jpg.png", "sub folder/b.png"}, 64, 48);
+  WritePictures(folder, "masks", {"a.jpg.png", "sub folder/b.png", "c.png"}, 64, 48);
   const Dataset set = ReadColmapDataset(folder.path());
   ASSERT_EQ(set.pictures.size(), 3u);
   EXPECT_EQ(set.points.size(), 200u);
@@ -62,12 +62,24 @@ TEST(ColmapDataset, FindsModelPicturesInFoldersAndMasksByBothNames) {
   EXPECT_EQ(set.pictures[0].image, "images/a.png");
   EXPECT_EQ(set.pictures[0].mask, folder / "masks/a.jpg.png");
   EXPECT_EQ(set.pictures[1].name, "c.png");
-  EXPECT_TRUE(set.pictures[1].mask.empty());
+  EXPECT_EQ(set.pictures[1].mask, folder / "masks/c.png");
   EXPECT_EQ(set.pictures[2].file, folder / "images/sub folder/b.jpg");
   EXPECT_EQ(set.pictures[2].mask, folder / "masks/sub folder/b.png");
+  EXPECT_TRUE(set.remarks.empty());
+}
+
+TEST(ColmapDataset, MasksOfSomePicturesAreRefusedAndOfNoneArePassedOver) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, "images", kNames, 64, 48);
+  WritePictures(folder, "masks", {"other.png"}, 64, 48);
+  const Dataset set = ReadColmapDataset(folder.path());
   ASSERT_EQ(set.remarks.size(), 1u);
-  EXPECT_THAT(set.remarks[0], testing::HasSubstr("1 of 3 pictures have no mask"));
-  EXPECT_THAT(set.remarks[0], testing::HasSubstr("c.png"));
+  EXPECT_THAT(set.remarks[0], testing::HasSubstr("no mask of any picture"));
+  EXPECT_TRUE(set.pictures[0].mask.empty());
+  WritePictures(folder, "masks", {"a.jpg.png"}, 64, 48);
+  ExpectError<DataError>([&] { ReadColmapDataset(folder.path()); },
+                         {"2 of 3 pictures have no mask", "c.png, sub folder/b.jpg"});
 }
 
 TEST(ColmapDataset, PicturesThatAreMissingAreCountedAndNamed) {
@@ -119,6 +131,21 @@ TEST(ColmapDataset, TheLensIsScaledToSmallerCopiesOfThePictures) {
   WritePictures(folder, "images_2", kNames, 33, 27);
   ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", options); },
                          {"33 x 27", "64 x 48", "another shape"});
+}
+
+// 64 pixels for 183 degrees.
+TEST(ColmapDataset, FisheyesThatSeeTooMuchForAPlaneAreCutAndCounted) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, "1 SIMPLE_RADIAL_FISHEYE 64 48 20 32 24 0\n");
+  WritePictures(folder, "images", kNames, 64, 48);
+  const ImportedScene imported = ImportDataset(folder.path(), folder / "scene", {});
+  EXPECT_EQ(imported.cut_to_plane, 3u);
+  EXPECT_EQ(imported.lenses_scaled, 0u);
+  EXPECT_EQ(imported.scene.cameras.size(), 1u);
+  const Image picture = ReadImage(folder / "scene/images/a.png");
+  EXPECT_EQ(picture.width, imported.scene.cameras[0].width);
+  // 60 degrees to each side.
+  EXPECT_NEAR(imported.scene.cameras[0].CamFromImage({0, 0}).x, -std::sqrt(3.0), 1e-9);
 }
 
 }  // namespace
