@@ -433,6 +433,9 @@ Dataset ReadTransforms(const std::filesystem::path& folder) {
     throw DataError(fmt::format("{}: frames has no training view; expected some", path.string()));
   }
   set.box_in_input = ReadBox(json);
+  if (json.Has("ply_file_path")) {
+    LogInfo("{}: the points of {} are not used", path.string(), json.Field("ply_file_path").Text());
+  }
   return set;
 }
 
