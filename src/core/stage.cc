@@ -405,9 +405,8 @@ void StageCommand::InputPath(const std::string& name, const std::string& help, b
   inputs_.push_back(std::move(input));
 }
 
-void StageCommand::FilesNamedBy(
-    const std::string& input_name,
-    std::function<std::vector<fs::path>(const fs::path&)> files_of) {
+void StageCommand::FilesNamedBy(const std::string& input_name,
+                                std::function<std::vector<fs::path>(const fs::path&)> files_of) {
   const auto input = std::find_if(inputs_.begin(), inputs_.end(), [&](const auto& i) {
     return i->name == WithoutDashes(input_name);
   });
@@ -466,7 +465,8 @@ StageCommand::Request StageCommand::MakeRequest() const {
       json named = json::array();
       if (input->files_of) {
         for (const fs::path& file : input->files_of(path)) {
-          named.push_back({{"path", RelativeTo(file, request.folder)}, {"sha256", Sha256OfFile(file)}});
+          named.push_back(
+              {{"path", RelativeTo(file, request.folder)}, {"sha256", Sha256OfFile(file)}});
           keys[input->name + " names " + file.filename().string()] = named.back()["sha256"];
         }
       }

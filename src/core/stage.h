@@ -80,9 +80,9 @@ class StageCommand {
   void InputPath(const std::string& name, const std::string& help, bool required = true);
   // Other files that an input file names inside itself; they are hashed into the key too.
   // `files_of` gets the input's path.
-  void FilesNamedBy(const std::string& input_name,
-                    std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)>
-                        files_of);
+  void FilesNamedBy(
+      const std::string& input_name,
+      std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)> files_of);
   // Marks an option as not changing results (device, logging): recorded, but not part of the key.
   void DoesNotChangeResults(CLI::Option* option);
 
