@@ -56,9 +56,10 @@ glm::dmat3 RandomRotation(uint64_t seed) {
       glm::dquat(q * std::cos(b), p * std::sin(a), p * std::cos(a), q * std::sin(b)));
 }
 
-Split SplitOf(int index) {
-  if (index % 8 == 0) return Split::kTest;
-  return index % 8 == 4 ? Split::kValidation : Split::kTrain;
+Split SplitOf(int index, int holdout) {
+  if (holdout == 0) return Split::kTrain;
+  if (index % holdout == 0) return Split::kTest;
+  return index % holdout == holdout / 2 ? Split::kValidation : Split::kTrain;
 }
 
 // Centre 0, longest side 2.
@@ -148,6 +149,8 @@ void VolumeImportOptions::Check() const {
   expect(shading == "pre" || shading == "post", "--shading", shading, "pre or post");
   expect(cameras >= 3 && cameras <= 100000, "--cameras", cameras, "3 to 100000");
   expect(size_px >= 1 && size_px <= 8192, "--size", size_px, "1 to 8192 pixels");
+  expect(holdout == 0 || holdout >= 3, "--holdout", holdout,
+         "0 or 3 and more: of so many views of a volume one is for test, one for validation");
   expect(rays_per_side >= 1 && rays_per_side <= 16, "--rays-per-side", rays_per_side, "1 to 16");
   if (background == Background::kScene) {
     throw UsageError("--background scene: pictures with alpha need white or black");
@@ -176,20 +179,21 @@ void VolumeImportOptions::CheckFor(const fs::path& volume) const {
   }
 }
 
-void AddSphereOfViews(int count, int size_px, double radius, uint64_t seed, Scene& scene) {
+void AddSphereOfViews(const VolumeImportOptions& options, double radius, Scene& scene) {
+  const int count = options.cameras, size_px = options.size_px;
   const double distance = 2.5 * radius;
   // The ball fills the shorter side: its outline is seen under asin(radius / distance).
   const double focal_px = 0.5 * size_px * std::sqrt(distance * distance - radius * radius) / radius;
   const int camera = int(scene.cameras.size());
   scene.cameras.push_back({size_px, size_px, focal_px, focal_px, 0.5 * size_px, 0.5 * size_px});
-  const glm::dmat3 turn = RandomRotation(seed);
+  const glm::dmat3 turn = RandomRotation(options.seed);
   const double golden_angle = std::numbers::pi * (3 - std::sqrt(5.0));
   for (int i = 0; i < count; ++i) {
     const double z = 1 - (2.0 * i + 1) / count, r = std::sqrt(1 - z * z);
     const glm::dvec3 lattice(r * std::cos(golden_angle * i), r * std::sin(golden_angle * i), z);
     View view;
     view.camera = camera;
-    view.split = SplitOf(i);
+    view.split = SplitOf(i, options.holdout);
     view.name = fmt::format("{}/{:05}", Name(view.split), i);
     view.image = "images/" + view.name + ".png";
     view.cam_from_world = CamLookingAt(distance * (turn * lattice), glm::dvec3(0.0));
@@ -213,8 +217,7 @@ ImportedVolume ImportVolume(const fs::path& path, const fs::path& transfer_funct
   const Similarity3 world_from_input = scene.input_from_world.Inverse();
   scene.subject_bounds = {world_from_input * volume.origin,
                           world_from_input * (volume.origin + volume.Extent())};
-  AddSphereOfViews(options.cameras, options.size_px, 0.5 * scene.subject_bounds.Diagonal(),
-                   options.seed, scene);
+  AddSphereOfViews(options, 0.5 * scene.subject_bounds.Diagonal(), scene);
 
   // The longest side is 2 world units.
   const VolumeRays rays(volume, function, 0.5 * options.attenuation,

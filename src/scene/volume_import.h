@@ -27,6 +27,7 @@ struct VolumeImportOptions {
   int cameras = 800;
   int size_px = 256;
   int rays_per_side = 1;
+  int holdout = 8;  // of so many views one is for test and one for validation; 0: all train
   uint64_t seed = 0;
   Background background = Background::kWhite;
 
@@ -37,9 +38,8 @@ struct VolumeImportOptions {
 };
 
 // Cameras on a sphere around the centre of the world, which look at it and see the ball of
-// `radius`: a Fibonacci lattice turned by a random rotation. Of each eight, one is for test and one
-// for validation. Views, one camera.
-void AddSphereOfViews(int count, int size_px, double radius, uint64_t seed, Scene& scene);
+// `radius`: a Fibonacci lattice turned by a random rotation. Adds one camera and the views.
+void AddSphereOfViews(const VolumeImportOptions& options, double radius, Scene& scene);
 
 struct ImportedVolume {
   Scene scene;
