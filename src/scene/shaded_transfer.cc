@@ -35,10 +35,11 @@ ShadedTransfer::ShadedTransfer(const TransferFunction& function) {
   }
 }
 
-// As many entries as linear interpolation between them needs; tried at their middles.
+// As many entries as linear interpolation between them needs, tried at their middles; none nearer
+// than kFinest, so that a function of many steep points takes no more memory than a smooth one.
 void ShadedTransfer::AddColors(const TransferFunction& function, double begin, double end,
                                Piece& piece) {
-  constexpr int kMost = 4096;
+  constexpr double kFinest = 1.0 / (1 << 16);
   const auto color_at = [&](double fraction) {
     return function.SrgbAt(begin + fraction * (end - begin));
   };
@@ -51,7 +52,7 @@ void ShadedTransfer::AddColors(const TransferFunction& function, double begin, d
     return true;
   };
   int steps = 1;
-  while (steps < kMost && !is_fine(steps)) steps *= 2;
+  while (2 * steps * kFinest <= end - begin && !is_fine(steps)) steps *= 2;
   piece.first_color = colors_.size();
   piece.colors_by_sample = float(steps / (end - begin));
   piece.last_color = float(steps);

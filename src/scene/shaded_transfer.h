@@ -31,7 +31,8 @@ class ShadedTransfer {
   bool IsVisible(int first_piece, int last_piece) const {
     return visible_before_[size_t(last_piece) + 1] > visible_before_[size_t(first_piece)];
   }
-  // Display sRGB, right to kColorError.
+  // Display sRGB, right to kColorError but where it runs through all of sRGB within 1/20 of the
+  // range.
   glm::vec3 SrgbAt(int piece, float sample) const {
     const Piece& p = pieces_[size_t(piece)];
     const float at = glm::clamp((sample - p.begin) * p.colors_by_sample, 0.0f, p.last_color);
