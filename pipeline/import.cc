@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <vector>
 
@@ -33,7 +34,9 @@ void AddVolumeOptions(tetrec::StageCommand& command, tetrec::VolumeImportOptions
                  "pre: density and colour are interpolated between samples; post: the sample is "
                  "interpolated, then given density and colour");
   app.add_option("--cameras", options.cameras, "views, on a sphere around the volume");
-  app.add_option("--size", options.size_px, "width and height of the pictures [pixels]");
+  app.add_option(
+      "--size", options.size_px,
+      "width and height of the pictures [pixels]; --max-size bounds them too, where it is given");
   app.add_option("--rays-per-side", options.rays_per_side,
                  "a pixel is the mean of so many times so many rays");
   app.add_option("--seed", options.seed, "turns the sphere of cameras");
@@ -51,9 +54,7 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
     throw tetrec::UsageError(fmt::format("{}: is for {}", option->get_name(), what));
   };
   if (is_volume) {
-    for (const char* name : {"--format", "--max-size"}) {
-      refuse(app.get_option(name), "pictures; of volumes --size says how large they become");
-    }
+    refuse(app.get_option("--format"), "pictures");
     if (app.get_option("--transfer-function")->count() == 0) {
       throw tetrec::UsageError(
           "--transfer-function is missing: a volume needs one to become pictures");
@@ -125,6 +126,9 @@ int main(int argc, char** argv) {
         if (!is_volume) return;
         volume_options.background = options.background.value_or(Background::kWhite);
         volume_options.holdout = options.holdout;
+        if (app.get_option("--max-size")->count() > 0 && options.max_size > 0) {
+          volume_options.size_px = std::min(volume_options.size_px, options.max_size);
+        }
         volume_options.Check();
         volume_options.CheckFor(dataset);
       });

@@ -31,7 +31,7 @@ class ShadedTransfer {
   bool IsVisible(int first_piece, int last_piece) const {
     return visible_before_[size_t(last_piece) + 1] > visible_before_[size_t(first_piece)];
   }
-  // Display sRGB, right to kColorError but where it runs through all of sRGB within 1/20 of the
+  // Display sRGB, right to kColorError but where it runs through all of sRGB within 1/32 of the
   // range.
   glm::vec3 SrgbAt(int piece, float sample) const {
     const Piece& p = pieces_[size_t(piece)];

@@ -73,6 +73,11 @@ class VolumeTest(StageCase):
             pictures.append(hashes(self.scene)["images/train/00001.png"])
         self.assertEqual(len(set(pictures)), 3)
 
+    def test_max_size_bounds_the_pictures(self):
+        self.assert_done(self.import_volume(self.header, "--max-size", 20))
+        camera = json.loads((self.scene / "scene.json").read_text())["cameras"][0]
+        self.assertEqual((camera["width"], camera["height"]), (20, 20))
+
     def test_bad_volumes_are_named(self):
         self.header.write_text(self.header.read_text().replace("7 6 5", "7 6 9"))
         self.assert_fails(self.import_volume(self.header), 3, "ball.raw", "holds 210 bytes")
@@ -88,7 +93,7 @@ class VolumeTest(StageCase):
     def test_options_that_do_not_go_together_are_refused(self):
         self.assert_fails(self.import_volume(self.raw), 2, "give --dimensions")
         self.assert_fails(self.import_volume(self.header, *self.raw_options()), 2, "--dimensions 7x6x5")
-        self.assert_fails(self.import_volume(self.header, "--max-size", 100), 2, "--max-size", "pictures")
+        self.assert_fails(self.import_volume(self.header, "--format", "colmap"), 2, "--format", "pictures")
         self.assert_fails(self.import_volume(self.header, "--shading", "both"), 2, "--shading both")
         self.assert_fails(self.run_stage("import", self.header, "-o", self.scene), 2, "--transfer-function")
         self.assert_fails(self.run_stage("import", self.folder, "-o", self.scene, "--cameras", 9), 2,
