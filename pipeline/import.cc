@@ -54,7 +54,9 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
     throw tetrec::UsageError(fmt::format("{}: is for {}", option->get_name(), what));
   };
   if (is_volume) {
-    refuse(app.get_option("--format"), "pictures");
+    for (const char* name : {"--format", "--test-list", "--bounds"}) {
+      refuse(app.get_option(name), "pictures, not for volumes");
+    }
     if (app.get_option("--transfer-function")->count() == 0) {
       throw tetrec::UsageError(
           "--transfer-function is missing: a volume needs one to become pictures");
@@ -71,7 +73,7 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  tetrec::StageCommand command("import", 2,
+  tetrec::StageCommand command("import", 3,
                                "Imports a data set with known cameras, or a volume, into a scene "
                                "folder.");
   tetrec::ImportOptions options;
@@ -91,9 +93,13 @@ int main(int argc, char** argv) {
                  "nerfstudio) or colmap (a model with its pictures)")
       ->check(CLI::IsMember(formats))
       ->capture_default_str();
-  app.add_option("--max-size", options.max_size,
-                 "bound of the pictures' longer side [pixels]; 0 keeps them as stored")
-      ->capture_default_str();
+  CLI::Option* max_size =
+      app.add_option("--max-size", options.max_size,
+                     "bound of the pictures' longer side [pixels]; 0 keeps them as stored")
+          ->capture_default_str();
+  app.add_option("--downscale", options.downscale,
+                 "divides the pictures' sides by this factor, in place of --max-size")
+      ->excludes(max_size);
   const std::map<std::string, std::optional<Background>> backgrounds = {
       {"auto", std::nullopt},
       {Name(Background::kWhite), Background::kWhite},
@@ -105,10 +111,21 @@ int main(int argc, char** argv) {
                  "before it), scene (photos), auto (white behind alpha, else scene)")
       ->check(CLI::IsMember(backgrounds))
       ->capture_default_str();
-  app.add_option("--holdout", options.holdout,
-                 "of data sets without a split of their own, every N-th view by name is held out "
-                 "for judging; 0: none")
-      ->capture_default_str();
+  CLI::Option* holdout =
+      app.add_option("--holdout", options.holdout,
+                     "every N-th view by name is held out for judging, the others train; 0: none. "
+                     "Default: the data set's own split; every 8th of those that have none");
+  command.InputPath("--test-list",
+                    "file with the names of the views that are held out, one a line; the others "
+                    "train",
+                    false);
+  app.get_option("--test-list")->excludes(holdout);
+  std::vector<double> bounds;
+  app.add_option("--bounds", bounds,
+                 "the subject's box x0,y0,z0,x1,y1,z1 in the data set's coordinates, in place of "
+                 "what alpha, points or cameras tell")
+      ->delimiter(',')
+      ->expected(6);
   bool is_volume = false;
   return command.Run(
       argc, argv,
@@ -119,13 +136,17 @@ int main(int argc, char** argv) {
       [&] {
         options.format = formats.at(format);
         options.background = backgrounds.at(background);
+        if (!bounds.empty()) {
+          options.subject_in_input = {{bounds[0], bounds[1], bounds[2]},
+                                      {bounds[3], bounds[4], bounds[5]}};
+        }
         options.Check();
         const std::string dataset = app.get_option("DATASET")->as<std::string>();
         is_volume = tetrec::IsVolumeFile(dataset);
         CheckOptionsFor(app, is_volume);
         if (!is_volume) return;
         volume_options.background = options.background.value_or(Background::kWhite);
-        volume_options.holdout = options.holdout;
+        volume_options.holdout = options.holdout.value_or(volume_options.holdout);
         if (app.get_option("--max-size")->count() > 0 && options.max_size > 0) {
           volume_options.size_px = std::min(volume_options.size_px, options.max_size);
         }

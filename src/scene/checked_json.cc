@@ -38,6 +38,8 @@ CheckedJson CheckedJson::Field(const std::string& name) const {
   return {value_.at(name), field.file_, field.field_};
 }
 
+bool CheckedJson::IsArray() const { return value_.is_array(); }
+
 size_t CheckedJson::Size() const {
   if (!value_.is_array()) Fail(fmt::format("is {}; expected an array", Excerpt()));
   return value_.size();

@@ -19,6 +19,7 @@ class CheckedJson {
 
   bool Has(const std::string& name) const;  // of an object
   CheckedJson Field(const std::string& name) const;
+  bool IsArray() const;
   size_t Size() const;  // of an array
   CheckedJson Item(size_t index) const;
 

@@ -16,11 +16,23 @@
 
 namespace tetrec {
 
-// Numbers of COLMAP's camera models.
-constexpr int kColmapPinhole = 1;
+// COLMAP's camera models, by its numbers; behind each its parameters.
+enum ColmapLens : int {
+  kColmapSimplePinhole = 0,        // f cx cy
+  kColmapPinhole = 1,              // fx fy cx cy
+  kColmapSimpleRadial = 2,         // f cx cy k1
+  kColmapRadial = 3,               // f cx cy k1 k2
+  kColmapOpenCv = 4,               // fx fy cx cy k1 k2 p1 p2
+  kColmapOpenCvFisheye = 5,        // fx fy cx cy k1 k2 k3 k4
+  kColmapFullOpenCv = 6,           // fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6
+  kColmapFov = 7,                  // fx fy cx cy omega
+  kColmapSimpleRadialFisheye = 8,  // f cx cy k1
+  kColmapRadialFisheye = 9,        // f cx cy k1 k2
+  kColmapThinPrismFisheye = 10     // fx fy cx cy k1 k2 p1 p2 k3 k4 sx1 sy1
+};
 
 struct ColmapCamera {
-  int model = 0;  // COLMAP's number, 0 to 10
+  int model = kColmapSimplePinhole;  // one of ColmapLens
   uint64_t width = 0, height = 0;
   std::vector<double> params;
 };

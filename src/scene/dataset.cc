@@ -24,6 +24,10 @@ const char* Name(DatasetFormat format) {
 }
 
 DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
+  if (std::filesystem::is_regular_file(folder)) {
+    throw DataError(fmt::format("{}: is a file; give the folder that it lies in, {}",
+                                folder.string(), folder.parent_path().string()));
+  }
   if (!std::filesystem::is_directory(folder)) {
     throw DataError(
         fmt::format("{}: no such folder; expected a data set with known cameras", folder.string()));

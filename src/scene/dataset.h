@@ -20,9 +20,10 @@ struct PosedPicture {
   std::filesystem::path mask;  // exists, or empty; what is black there is not to be seen
   Split split = Split::kTrain;
   Rigid3 cam_from_input;  // camera frame as ours: x right, y down, z forward
-  // The lens, in pixels of the file. Of width 0 where only the field of view is told.
+  // The lens, in pixels of the file. Of width 0 where only the field of view is told, along one
+  // axis (the other is 0: square pixels) or both.
   ColmapCamera lens;
-  double horizontal_fov_rad = 0;
+  double horizontal_fov_rad = 0, vertical_fov_rad = 0;
 };
 
 struct Dataset {

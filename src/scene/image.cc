@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "scene/exr_header.h"
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 
 namespace tetrec {
@@ -38,7 +40,32 @@ void CheckSize(uint64_t width, uint64_t height, const std::string& name) {
       "{}: truncated picture, ends after {} bytes; copy it again or remove it", name, bytes));
 }
 
-constexpr uint8_t kPngSignature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+// No byte of a file makes more pixel bytes than this (deflate's limit is 1,032; JPEG has at least a
+// bit for 64 pixels): a short file costs little memory, whatever it claims.
+constexpr uint64_t kMostFromAByte = 1032;
+
+void CheckAgainstFile(uint64_t pixel_bytes, uint64_t file_bytes, const std::string& name) {
+  if (pixel_bytes / kMostFromAByte > file_bytes) {
+    throw DataError(fmt::format(
+        "{}: a file of {} bytes cannot hold the {} bytes of pixels that it claims; copy it again "
+        "or remove it",
+        name, file_bytes, pixel_bytes));
+  }
+}
+
+constexpr uint8_t kPngSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+constexpr uint8_t kJpegSignature[] = {0xFF, 0xD8, 0xFF};
+
+template <size_t N>
+bool StartsWith(std::span<const uint8_t> bytes, const uint8_t (&signature)[N]) {
+  return bytes.size() >= N && std::memcmp(bytes.data(), signature, N) == 0;
+}
+
+// Bits of a pixel by the header chunk's bit depth and colour type.
+uint64_t PngBits(uint8_t depth, uint8_t color_type) {
+  const bool has_colours = (color_type & 3) == 2, has_alpha = (color_type & 4) != 0;
+  return uint64_t(depth) * ((has_colours ? 3 : 1) + (has_alpha ? 1 : 0));
+}
 
 // What a PNG's chunks say before it is decoded.
 struct PngFacts {
@@ -55,8 +82,10 @@ PngFacts CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
     const uint64_t length = BigEndian32(&bytes[position]);
     const uint8_t* type = &bytes[position + 4];
     if (length > bytes.size() - position - 12) break;
-    if (std::memcmp(type, "IHDR", 4) == 0 && length >= 8) {
-      CheckSize(BigEndian32(type + 4), BigEndian32(type + 8), name);
+    if (std::memcmp(type, "IHDR", 4) == 0 && length >= 10) {
+      const uint64_t width = BigEndian32(type + 4), height = BigEndian32(type + 8);
+      CheckSize(width, height, name);
+      CheckAgainstFile(width * height * PngBits(type[12], type[13]) / 8, bytes.size(), name);
       header_seen = true;
     }
     if (!header_seen) throw DataError(fmt::format("{}: PNG file without a header chunk", name));
@@ -92,17 +121,28 @@ void CheckJpeg(std::span<const uint8_t> bytes, const std::string& name) {
     const bool is_frame =
         code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC;
     if (is_frame && length >= 7) {
-      CheckSize(BigEndian16(&bytes[position + 5]), BigEndian16(&bytes[position + 3]), name);
+      const uint64_t width = BigEndian16(&bytes[position + 5]);
+      const uint64_t height = BigEndian16(&bytes[position + 3]);
+      CheckSize(width, height, name);
+      CheckAgainstFile(width * height, bytes.size(), name);
     }
     position += length;
   }
   FailTruncated(name, bytes.size());
 }
 
-cv::Mat Decode(std::span<const uint8_t> bytes, const std::string& name) {
+// OpenCV reads EXR only where the environment says so when it first looks; set before any thread
+// starts, since the environment is not safe among threads.
+const bool kExrEnabled = setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1) == 0;
+
+cv::Mat Decode(std::span<const uint8_t> bytes, const std::string& name, ExifRotation rotation) {
+  // IMREAD_UNCHANGED alone ignores the rotation too.
+  const int flags = rotation == ExifRotation::kApply
+                        ? int(cv::IMREAD_ANYCOLOR) | int(cv::IMREAD_ANYDEPTH)
+                        : int(cv::IMREAD_UNCHANGED) | int(cv::IMREAD_IGNORE_ORIENTATION);
   try {
     const cv::Mat encoded(1, int(bytes.size()), CV_8U, const_cast<uint8_t*>(bytes.data()));
-    return cv::imdecode(encoded, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
+    return cv::imdecode(encoded, flags);
   } catch (const cv::Exception& error) {
     std::string reason = error.err;
     std::replace(reason.begin(), reason.end(), '\n', ' ');
@@ -122,7 +162,7 @@ cv::Mat ToEightBitRgb(const cv::Mat& decoded, const std::string& name) {
       break;
     default:
       throw DataError(fmt::format(
-          "{}: samples are neither 8 nor 16 bit whole numbers; convert it to PNG or JPEG", name));
+          "{}: samples are whole numbers of more than 16 bits; convert it to PNG", name));
   }
   cv::Mat rgb;
   switch (eight.channels()) {
@@ -140,6 +180,43 @@ cv::Mat ToEightBitRgb(const cv::Mat& decoded, const std::string& name) {
           fmt::format("{}: picture of {} channels; expected 1, 3 or 4", name, eight.channels()));
   }
   return rgb;
+}
+
+// IEC 61966-2-1.
+double DisplayFromLinear(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+// Levels, 0 to 255; counts what was not between them, infinities and NaN too (black).
+uint8_t ToByteOrClip(double value, bool& is_clipped) {
+  constexpr double kHalfLevel = 0.5 / 255;
+  if (!(value >= -kHalfLevel && value <= 1 + kHalfLevel)) is_clipped = true;
+  return std::isnan(value) ? 0 : uint8_t(std::lround(255 * std::clamp(value, 0.0, 1.0)));
+}
+
+// Of 1, 3 or 4 floats a pixel: blue, green, red, alpha; linear light, premultiplied.
+Image DisplayFromExr(const cv::Mat& linear, uint64_t& clipped_pixels) {
+  const int channels = linear.channels();
+  const bool has_alpha = channels == 4;
+  Image image = MakeImage(linear.cols, linear.rows, has_alpha ? 4 : 3);
+  for (int y = 0; y < image.height; ++y) {
+    const float* source = linear.ptr<float>(y);
+    for (int x = 0; x < image.width; ++x, source += channels) {
+      bool is_clipped = false;
+      uint8_t* pixel = image.At(x, y);
+      const double alpha = has_alpha ? double(source[3]) : 1.0;
+      if (has_alpha) pixel[3] = ToByteOrClip(alpha, is_clipped);
+      if (!has_alpha || pixel[3] > 0) {
+        const double divisor = std::clamp(alpha, 0.0, 1.0);
+        for (int c = 0; c < 3; ++c) {
+          const double value = source[channels == 1 ? 0 : 2 - c] / divisor;
+          pixel[c] = ToByteOrClip(DisplayFromLinear(value), is_clipped);
+        }
+      }
+      clipped_pixels += is_clipped;
+    }
+  }
+  return image;
 }
 
 // The source pixels under one target pixel along one axis; weights sum to 1.
@@ -176,26 +253,40 @@ Image MakeImage(int width, int height, int channels) {
   return image;
 }
 
-Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name) {
-  const bool is_png = bytes.size() >= sizeof(kPngSignature) &&
-                      std::memcmp(bytes.data(), kPngSignature, sizeof(kPngSignature)) == 0;
-  const bool is_jpeg =
-      bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
+Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name, ExifRotation rotation,
+                  uint64_t* clipped_pixels) {
+  const bool is_png = StartsWith(bytes, kPngSignature), is_exr = StartsWith(bytes, kExrSignature);
+  const bool is_jpeg = StartsWith(bytes, kJpegSignature);
   if (bytes.empty()) throw DataError(fmt::format("{}: empty file, expected a picture", name));
   if (bytes.size() > kMaxFileBytes) {
     throw DataError(fmt::format("{}: {} bytes are too many for a picture", name, bytes.size()));
   }
+  if (!is_png && !is_jpeg && !is_exr) {
+    throw DataError(
+        fmt::format("{}: not a picture that can be read; expected PNG, JPEG or EXR", name));
+  }
   const PngFacts png = is_png ? CheckPng(bytes, name) : PngFacts{};
   if (is_jpeg) CheckJpeg(bytes, name);
 
-  const cv::Mat decoded = Decode(bytes, name);
+  if (is_exr) {
+    const glm::u64vec2 size = CheckExrHeader(bytes, name);
+    CheckSize(size.x, size.y, name);
+    CheckAgainstFile(size.x * size.y, bytes.size(), name);
+  }
+
+  const cv::Mat decoded = Decode(bytes, name, rotation);
   if (decoded.empty()) {
-    throw DataError(fmt::format("{}: not a picture that can be read; expected PNG or JPEG", name));
+    throw DataError(
+        fmt::format("{}: damaged picture, cannot be decoded; copy it again or remove it", name));
   }
   CheckSize(uint64_t(decoded.cols), uint64_t(decoded.rows), name);
   if (png.has_transparency_chunk && decoded.channels() < 4) {
     LogWarning("{}: its transparent colour is taken as opaque; store an alpha channel instead",
                name);
+  }
+  if (is_exr && decoded.depth() == CV_32F) {
+    uint64_t ignored = 0;
+    return DisplayFromExr(decoded, clipped_pixels != nullptr ? *clipped_pixels : ignored);
   }
   const cv::Mat rgb = ToEightBitRgb(decoded, name);
   Image image = MakeImage(rgb.cols, rgb.rows, rgb.channels());
@@ -204,8 +295,9 @@ Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name) {
   return image;
 }
 
-Image ReadImage(const std::filesystem::path& path) {
-  return DecodeImage(ReadBytes(path, kMaxFileBytes), path.string());
+Image ReadImage(const std::filesystem::path& path, ExifRotation rotation,
+                uint64_t* clipped_pixels) {
+  return DecodeImage(ReadBytes(path, kMaxFileBytes), path.string(), rotation, clipped_pixels);
 }
 
 void WriteImage(const std::filesystem::path& path, const Image& image) {
@@ -267,6 +359,34 @@ Image CompositeOver(const Image& rgba, uint8_t r, uint8_t g, uint8_t b) {
     }
   }
   return rgb;
+}
+
+Image MaskedBy(const Image& image, const Image& mask) {
+  Image grey = MakeImage(mask.width, mask.height, 3);
+  const size_t mask_pixels = size_t(mask.width) * size_t(mask.height);
+  int brightest = 0;
+  for (size_t i = 0; i < mask_pixels; ++i) {
+    const uint8_t* source = &mask.pixels[i * size_t(mask.channels)];
+    const int alpha = mask.channels == 4 ? source[3] : 255;
+    const int level = (std::max({source[0], source[1], source[2]}) * alpha + 127) / 255;
+    brightest = std::max(brightest, level);
+    std::fill_n(&grey.pixels[3 * i], 3, uint8_t(level));
+  }
+  if (brightest == 1) {
+    for (uint8_t& level : grey.pixels) level = uint8_t(255 * level);
+  }
+  if (grey.width != image.width || grey.height != image.height) {
+    grey = ResizeByArea(grey, image.width, image.height);
+  }
+  Image masked = MakeImage(image.width, image.height, 4);
+  const size_t count = size_t(image.width) * size_t(image.height);
+  for (size_t i = 0; i < count; ++i) {
+    const uint8_t* source = &image.pixels[i * size_t(image.channels)];
+    const int alpha = image.channels == 4 ? source[3] : 255;
+    std::copy_n(source, 3, &masked.pixels[4 * i]);
+    masked.pixels[4 * i + 3] = uint8_t((alpha * grey.pixels[3 * i] + 127) / 255);
+  }
+  return masked;
 }
 
 std::vector<uint8_t> AlphaOf(const Image& rgba) {

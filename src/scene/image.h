@@ -20,12 +20,19 @@ struct Image {
 // Black; transparent where there is alpha.
 Image MakeImage(int width, int height, int channels);
 
-// Reads PNG, JPEG and what else OpenCV reads, as stored (no EXIF rotation: poses refer to the
-// stored pixels), converted to 8-bit RGB or RGBA. Throws DataError (missing, truncated, no picture,
-// more than 65,536 pixels a side or 2^28 in all, floating-point samples).
-Image ReadImage(const std::filesystem::path& path);
+enum class ExifRotation { kIgnore, kApply };
+
+// Reads PNG, JPEG and EXR, told by their first bytes, as 8-bit RGB or RGBA: 16 bits rounded;
+// EXR from linear light with premultiplied alpha to display sRGB, what is not in 0 to 1 clipped and
+// counted in `clipped_pixels`. As stored by default, since poses refer to the stored pixels. Throws
+// DataError (missing, truncated, no picture, more than 65,536 pixels a side or 2^28 in all, other
+// floating-point samples).
+Image ReadImage(const std::filesystem::path& path, ExifRotation rotation = ExifRotation::kIgnore,
+                uint64_t* clipped_pixels = nullptr);
 // The same from memory; `name` is for messages.
-Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name);
+Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name,
+                  ExifRotation rotation = ExifRotation::kIgnore,
+                  uint64_t* clipped_pixels = nullptr);
 // Format by extension (png, jpg). Written by rename.
 void WriteImage(const std::filesystem::path& path, const Image& image);
 
@@ -35,6 +42,9 @@ void WriteImage(const std::filesystem::path& path, const Image& image);
 Image ResizeByArea(const Image& image, int width, int height);
 // Composites straight alpha over a constant: returns RGB.
 Image CompositeOver(const Image& rgba, uint8_t r, uint8_t g, uint8_t b);
+// The picture with its alpha times the mask's brightness (its largest channel times its alpha). A
+// mask of 0 and 1 alone counts as one of 0 and 255; one of another size is resampled by area.
+Image MaskedBy(const Image& image, const Image& mask);
 // The alpha channel alone, height x width.
 std::vector<uint8_t> AlphaOf(const Image& rgba);
 

@@ -2,6 +2,7 @@
 #include "scene/import.h"
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/progress.h"
@@ -16,38 +17,78 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
+#include <sstream>
 
 namespace tetrec {
 namespace {
 
+constexpr uint64_t kMaxListBytes = uint64_t{1} << 26;
+constexpr double kFarthest = 1e9;
+
 // What is kept of a picture once it is written.
 struct StoredPicture {
   Camera camera;
-  bool has_alpha = false, resized = false;
+  bool has_alpha = false, resized = false, turned = false;
+  uint64_t clipped_pixels = 0;
   std::vector<uint8_t> alpha;  // training pictures only
 };
 
 // Relative to the scene folder.
 std::string ImageOf(const PosedPicture& picture) { return "images/" + picture.name + ".png"; }
 
-// Square pixels, the principal point in the middle.
-ColmapCamera LensOfFieldOfView(double horizontal_fov_rad, const Image& image) {
-  const double focal_px = 0.5 * image.width / std::tan(0.5 * horizontal_fov_rad);
+// The principal point in the middle.
+ColmapCamera LensOfFieldOfView(const PosedPicture& picture, const Image& image) {
+  const auto focal_px = [](double fov_rad, int size) {
+    return fov_rad == 0 ? 0.0 : 0.5 * size / std::tan(0.5 * fov_rad);
+  };
+  const double fx = focal_px(picture.horizontal_fov_rad, image.width);
+  const double fy = focal_px(picture.vertical_fov_rad, image.height);
   return {kColmapPinhole,
           uint64_t(image.width),
           uint64_t(image.height),
-          {focal_px, focal_px, 0.5 * image.width, 0.5 * image.height}};
+          {fx == 0 ? fy : fx, fy == 0 ? fx : fy, 0.5 * image.width, 0.5 * image.height}};
 }
 
-ColmapCamera LensOf(const PosedPicture& picture, const Image& image) {
-  if (picture.lens.width == 0) return LensOfFieldOfView(picture.horizontal_fov_rad, image);
-  if (uint64_t(image.width) != picture.lens.width ||
-      uint64_t(image.height) != picture.lens.height) {
-    throw DataError(fmt::format(
-        "{} has {} x {} pixels, its camera {} x {}; give the pictures that the cameras belong to",
-        picture.file.string(), image.width, image.height, picture.lens.width, picture.lens.height));
+// As its camera sees it; notes what was done to it.
+Image ReadPicture(const PosedPicture& picture, StoredPicture& stored) {
+  Image image = ReadImage(picture.file, ExifRotation::kIgnore, &stored.clipped_pixels);
+  const ColmapCamera& lens = picture.lens;
+  const auto fits = [&](int width, int height) {
+    return lens.width == 0 || (uint64_t(width) == lens.width && uint64_t(height) == lens.height);
+  };
+  if (fits(image.width, image.height)) return image;
+  if (fits(image.height, image.width)) {
+    Image turned = ReadImage(picture.file, ExifRotation::kApply);
+    stored.turned = fits(turned.width, turned.height) && turned.channels == image.channels;
+    if (stored.turned) return turned;
   }
-  return picture.lens;
+  throw DataError(fmt::format(
+      "{} has {} x {} pixels, its camera {} x {}; give the pictures that the cameras belong to",
+      picture.file.string(), image.width, image.height, lens.width, lens.height));
+}
+
+// Same shape but for the rounding of the smaller one's sides.
+bool AreAlikeInShape(const Image& a, const Image& b) {
+  const int64_t difference = int64_t(a.width) * b.height - int64_t(a.height) * b.width;
+  return 2 * std::abs(difference) <= std::max(a.width + a.height, b.width + b.height);
+}
+
+Image ReadAndApplyMask(const PosedPicture& picture, const Image& image) {
+  const Image mask = ReadImage(picture.mask);
+  if (!AreAlikeInShape(mask, image)) {
+    throw DataError(fmt::format("{}: mask of {} x {} pixels for {} of {} x {}; expected one shape",
+                                picture.mask.string(), mask.width, mask.height,
+                                picture.file.string(), image.width, image.height));
+  }
+  return MaskedBy(image, mask);
+}
+
+// The longer side of the working picture [px].
+int LongerSide(const Image& image, const ImportOptions& options) {
+  const int longer = std::max(image.width, image.height);
+  if (options.downscale) return std::max(1, int(std::lround(longer / *options.downscale)));
+  return options.max_size == 0 ? longer : std::min(longer, options.max_size);
 }
 
 // Both sides are rounded.
@@ -59,18 +100,20 @@ Camera Scaled(const ColmapCamera& pinhole, const glm::ivec2& size) {
 
 // Brings a picture to a pinhole camera and to size, stores it under images/NAME.png.
 StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::path& folder,
-                           int max_size) {
-  Image image = ReadImage(picture.file);
-  const ColmapCamera lens = LensOf(picture, image);
+                           const ImportOptions& options) {
   StoredPicture stored;
+  Image image = ReadPicture(picture, stored);
+  if (!picture.mask.empty()) image = ReadAndApplyMask(picture, image);
+  const ColmapCamera lens =
+      picture.lens.width == 0 ? LensOfFieldOfView(picture, image) : picture.lens;
+  const int longer_side = LongerSide(image, options);
   if (lens.model == kColmapPinhole) {
-    const glm::ivec2 size = FitToMaxSize(image.width, image.height, max_size);
+    const glm::ivec2 size = FitToMaxSize(image.width, image.height, longer_side);
     stored.camera = Scaled(lens, size);
     stored.resized = size != glm::ivec2(image.width, image.height);
     if (stored.resized) image = ResizeByArea(image, size.x, size.y);
   } else {
-    stored.camera =
-        UndistortedCamera(lens, max_size == 0 ? std::max(image.width, image.height) : max_size);
+    stored.camera = UndistortedCamera(lens, longer_side);
     stored.resized = true;
     image = Undistort(image, lens, stored.camera);
   }
@@ -83,7 +126,8 @@ StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::p
 }
 
 std::vector<StoredPicture> StorePictures(const std::vector<PosedPicture>& pictures,
-                                         const std::filesystem::path& folder, int max_size) {
+                                         const std::filesystem::path& folder,
+                                         const ImportOptions& options) {
   constexpr size_t kBlock = 16;  // between two looks at the user's wish to stop
   std::vector<StoredPicture> stored(pictures.size());
   Progress progress("pictures", double(pictures.size()));
@@ -92,7 +136,7 @@ std::vector<StoredPicture> StorePictures(const std::vector<PosedPicture>& pictur
     const size_t count = std::min(kBlock, pictures.size() - first);
     ParallelFor(count, 1, [&](size_t begin, size_t end) {
       for (size_t i = first + begin; i < first + end; ++i) {
-        stored[i] = StorePicture(pictures[i], folder, max_size);
+        stored[i] = StorePicture(pictures[i], folder, options);
       }
     });
     progress.Update(double(first + count));
@@ -104,10 +148,11 @@ void CheckAlike(const std::vector<PosedPicture>& pictures,
                 const std::vector<StoredPicture>& stored) {
   for (size_t i = 1; i < stored.size(); ++i) {
     if (stored[i].has_alpha == stored[0].has_alpha) continue;
-    throw DataError(
-        fmt::format("{} has {} alpha channel, {} has {}; all pictures of a data set must be alike",
-                    pictures[i].file.string(), stored[i].has_alpha ? "an" : "no",
-                    pictures[0].file.string(), stored[0].has_alpha ? "one" : "none"));
+    throw DataError(fmt::format(
+        "{} has {} alpha channel or mask, {} has {}; all pictures of a data set must be "
+        "alike",
+        pictures[i].file.string(), stored[i].has_alpha ? "an" : "no", pictures[0].file.string(),
+        stored[0].has_alpha ? "one" : "none"));
   }
 }
 
@@ -131,6 +176,63 @@ void HoldOut(std::vector<PosedPicture>& pictures, int every) {
   }
 }
 
+// The picture that a line of the test list names: by its name, else by its file's, with or without
+// extension and folder.
+size_t FindListed(const std::vector<PosedPicture>& pictures, const std::string& line,
+                  const std::string& where) {
+  std::vector<size_t> found;
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    const PosedPicture& picture = pictures[i];
+    if (picture.name == line) return i;
+    const std::filesystem::path& file = picture.file;
+    const bool is_its_file = picture.name + file.extension().string() == line ||
+                             file.filename() == line || file.stem() == line;
+    if (is_its_file) found.push_back(i);
+  }
+  if (found.empty()) {
+    throw DataError(
+        fmt::format("{}: no picture of the data set has the name \"{}\"; names are as "
+                    "\"{}\"",
+                    where, line, pictures[0].name));
+  }
+  if (found.size() > 1) {
+    throw DataError(
+        fmt::format("{}: \"{}\" is the name of {} pictures, as \"{}\" and \"{}\"; "
+                    "write it in full",
+                    where, line, found.size(), pictures[found[0]].name, pictures[found[1]].name));
+  }
+  return found[0];
+}
+
+void SplitByList(std::vector<PosedPicture>& pictures, const std::filesystem::path& list) {
+  for (PosedPicture& picture : pictures) picture.split = Split::kTrain;
+  std::istringstream lines(ReadText(list, kMaxListBytes));
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    line.erase(line.find_last_not_of(" \t\r") + 1);
+    if (line.empty()) continue;
+    const std::string where = fmt::format("{}: line {}", list.string(), number);
+    pictures[FindListed(pictures, line, where)].split = Split::kTest;
+  }
+}
+
+void ChooseSplit(Dataset& set, const ImportOptions& options) {
+  constexpr int kUsualHoldout = 8;
+  if (!options.test_list.empty()) {
+    SplitByList(set.pictures, options.test_list);
+  } else if (options.holdout || !set.has_split) {
+    HoldOut(set.pictures, options.holdout.value_or(kUsualHoldout));
+  }
+  const bool has_training =
+      std::any_of(set.pictures.begin(), set.pictures.end(),
+                  [](const PosedPicture& picture) { return picture.split == Split::kTrain; });
+  if (!has_training) {
+    throw DataError(
+        fmt::format("all {} pictures are held out; leave some to train on", set.pictures.size()));
+  }
+}
+
 // The data set as a scene, still in the input's frame.
 Scene SceneInInput(const Dataset& set, const std::vector<StoredPicture>& stored) {
   Scene scene;
@@ -149,6 +251,17 @@ Scene SceneInInput(const Dataset& set, const std::vector<StoredPicture>& stored)
   return scene;
 }
 
+std::string Text(const glm::dvec3& v) {
+  return fmt::format("({:.3f}, {:.3f}, {:.3f})", v.x, v.y, v.z);
+}
+
+bool HoldsTrainingCamera(const Bounds3& box, const Dataset& set) {
+  return std::any_of(set.pictures.begin(), set.pictures.end(), [&](const PosedPicture& picture) {
+    return picture.split == Split::kTrain &&
+           box.Contains(picture.cam_from_input.Inverse().translation);
+  });
+}
+
 // Of pictures without points.
 Bounds3 SubjectBoundsInInput(const Dataset& set, std::vector<StoredPicture>& stored) {
   std::vector<AlphaMask> masks;
@@ -157,7 +270,12 @@ Bounds3 SubjectBoundsInInput(const Dataset& set, std::vector<StoredPicture>& sto
     masks.push_back({stored[i].camera, set.pictures[i].cam_from_input, std::move(stored[i].alpha)});
   }
   if (stored[0].has_alpha) return FindSubjectBounds(masks);
-  if (set.box_in_input) return *set.box_in_input;
+  if (set.box_in_input) {
+    const Bounds3& box = *set.box_in_input;
+    if (!HoldsTrainingCamera(box, set)) return box;
+    LogInfo("the data set's box, {} to {}, holds cameras, and so more than the subject",
+            Text(box.min), Text(box.max));
+  }
   LogWarning(
       "the pictures have neither alpha nor points: the subject's bounds are what all training "
       "cameras see");
@@ -168,10 +286,6 @@ Bounds3 SubjectBoundsInInput(const Dataset& set, std::vector<StoredPicture>& sto
 Similarity3 InputFromWorld(const Bounds3& bounds_in_input) {
   const glm::dvec3 size = bounds_in_input.Size();
   return {0.5 * std::max({size.x, size.y, size.z}), glm::dmat3(1.0), bounds_in_input.Center()};
-}
-
-std::string Text(const glm::dvec3& v) {
-  return fmt::format("({:.3f}, {:.3f}, {:.3f})", v.x, v.y, v.z);
 }
 
 // The axes stay those of the input.
@@ -202,8 +316,22 @@ void ImportOptions::Check() const {
   if (max_size < 0 || max_size > 65536) {
     throw UsageError(fmt::format("--max-size {}: expected 0 to 65536 pixels", max_size));
   }
-  if (holdout < 0 || holdout == 1 || holdout > 1000000) {
-    throw UsageError(fmt::format("--holdout {}: expected 0 or 2 to 1000000", holdout));
+  if (downscale && !(*downscale >= 1 && *downscale <= 1024)) {
+    throw UsageError(fmt::format("--downscale {}: expected 1 to 1024", *downscale));
+  }
+  if (holdout && (*holdout < 0 || *holdout == 1 || *holdout > 1000000)) {
+    throw UsageError(fmt::format("--holdout {}: expected 0 or 2 to 1000000", *holdout));
+  }
+  if (subject_in_input) {
+    const auto& [min, max] = *subject_in_input;
+    const bool is_box = glm::all(glm::lessThan(min, max)) &&
+                        glm::all(glm::lessThan(glm::abs(min), glm::dvec3(kFarthest))) &&
+                        glm::all(glm::lessThan(glm::abs(max), glm::dvec3(kFarthest)));
+    if (!is_box) {
+      throw UsageError(fmt::format(
+          "--bounds {},{},{},{},{},{}: expected x0,y0,z0,x1,y1,z1 with each x0 < x1, below {}",
+          min.x, min.y, min.z, max.x, max.y, max.z, kFarthest));
+    }
   }
 }
 
@@ -222,17 +350,23 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
   if (set.pictures.empty()) {
     throw DataError(fmt::format("{}: the data set has no pictures", dataset.string()));
   }
-  if (!set.has_split) HoldOut(set.pictures, options.holdout);
-  std::vector<StoredPicture> stored = StorePictures(set.pictures, folder, options.max_size);
+  ChooseSplit(set, options);
+  std::vector<StoredPicture> stored = StorePictures(set.pictures, folder, options);
   CheckAlike(set.pictures, stored);
 
   ImportedScene imported;
   imported.missing_files = set.missing_files;
-  for (const StoredPicture& picture : stored) imported.resized += picture.resized;
+  for (const StoredPicture& picture : stored) {
+    imported.resized += picture.resized;
+    imported.turned += picture.turned;
+    imported.clipped_pixels += picture.clipped_pixels;
+  }
   Scene& scene = imported.scene;
   scene = SceneInInput(set, stored);
   scene.background = BackgroundOf(scene, options);
-  if (!scene.has_alpha && !scene.points.empty()) {
+  if (options.subject_in_input) {
+    MoveToBounds(scene, *options.subject_in_input);
+  } else if (!scene.has_alpha && !scene.points.empty()) {
     MoveToSubject(scene, FindSubject(scene));
   } else {
     MoveToBounds(scene, SubjectBoundsInInput(set, stored));
@@ -245,11 +379,20 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   const Timer timer;
   stage.Output("scene.json");
   stage.Output("images");
-  const ImportedScene imported = ImportDataset(stage.Input("DATASET"), stage.folder(), options);
+  ImportOptions with_list = options;
+  if (stage.HasInput("test-list")) with_list.test_list = stage.Input("test-list");
+  const ImportedScene imported = ImportDataset(stage.Input("DATASET"), stage.folder(), with_list);
   const Scene& scene = imported.scene;
   if (!scene.points.empty()) stage.Output("points.ply");
   for (const std::string& file : imported.missing_files) {
     LogWarning("{} is not there; the scene goes without it", file);
+  }
+  if (imported.turned > 0) {
+    LogWarning("pictures turned by their EXIF orientation, as their cameras are: {}",
+               imported.turned);
+  }
+  if (imported.clipped_pixels > 0) {
+    LogWarning("pixels too bright or dark for display, clipped: {}", imported.clipped_pixels);
   }
   const Camera& camera = scene.cameras[0];
   LogInfo("{} training, {} validation, {} test views; {} x {} pixels; {} resized",
@@ -261,6 +404,8 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   stage.Count("points", scene.points.size());
   stage.Count("cameras", scene.cameras.size());
   stage.Count("pictures_resized", imported.resized);
+  stage.Count("pictures_turned", imported.turned);
+  stage.Count("pixels_clipped", imported.clipped_pixels);
   stage.Note("missing_files", imported.missing_files);
   stage.Seconds("import", timer.seconds());
 }

@@ -15,28 +15,37 @@ namespace tetrec {
 
 struct ImportOptions {
   DatasetFormat format = DatasetFormat::kAuto;
-  int max_size = 400;  // [px] bound of the longer side; 0: as stored
+  int max_size = 400;               // [px] bound of the longer side; 0: as stored
+  std::optional<double> downscale;  // divides the pictures' sides, in place of max_size
   // Behind pictures with alpha white or black; without it: what the pictures stand before. Unset:
   // white, or the scene's own where there is no alpha.
   std::optional<Background> background;
-  int holdout = 8;     // of data sets without a split of their own every n-th view by name; 0: none
-  void Check() const;  // throws UsageError naming the option and its value
+  // Every n-th view by name is a test view, the others train; 0: none. Unset: the data set's own
+  // split, or every 8th.
+  std::optional<int> holdout;
+  std::filesystem::path test_list;          // names the test views, the others train; empty: none
+  std::optional<Bounds3> subject_in_input;  // in place of what the data set tells
+  void Check() const;                       // throws UsageError naming the option and its value
 };
 
 struct ImportedScene {
   Scene scene;
   size_t resized = 0;                      // pictures, undistorted ones too
+  size_t turned = 0;                       // pictures, by their EXIF orientation
+  uint64_t clipped_pixels = 0;             // of EXR pictures, too bright for display
   std::vector<std::string> missing_files;  // as Dataset's
 };
 
 // Reads the data set, brings its pictures to a pinhole camera and to size (in parallel), finds the
 // subject's bounds, moves the world so that the subject's longest side is 2 and its centre 0, and
 // writes the scene folder. Bounds come from carving the training masks where there is alpha, else
-// from the points, else from what all training cameras see. Throws DataError.
+// from the points, else from the data set's own box if that holds no training camera, else from
+// what all training cameras see. Pixels are as stored; where only the picture turned by its EXIF
+// orientation has the size that its camera tells, it is turned. Throws DataError.
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
                             const std::filesystem::path& folder, const ImportOptions& options);
 
-// The stage: input "DATASET".
+// The stage: inputs "DATASET" and "test-list".
 void RunImport(const ImportOptions& options, Stage& stage);
 
 // Width and height scaled down so that the longer side is at most `max_size` (0: no bound).

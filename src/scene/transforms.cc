@@ -3,11 +3,18 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/log.h"
 #include "geometry/rotation.h"
 #include "scene/checked_json.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <set>
 #include <unordered_map>
 
 namespace tetrec {
@@ -23,14 +30,36 @@ constexpr SplitFile kSplitFiles[] = {{"transforms_train.json", Split::kTrain},
 
 // 0.6 to 172 degrees.
 constexpr double kMinFov_rad = 0.01, kMaxFov_rad = 3.0;
+constexpr double kMaxSide_px = 65536;
+constexpr double kMinFocal_px = 1e-3, kMaxFocal_px = 1e9;
+constexpr double kLargestCoefficient = 1e6;
 // The files hold floats (1e-7); some writers print six digits.
 constexpr double kRotationTolerance = 1e-4;
 constexpr double kFarthestCamera = 1e9;
+constexpr double kDegree_rad = std::numbers::pi / 180;
+
+// Tried in this order behind a file path that names no file.
+constexpr const char* kExtensions[] = {".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG", ".exr"};
+
+// A frame, with the fields that it does not have itself taken from the file.
+struct FrameFields {
+  CheckedJson frame, file;
+
+  bool Has(const std::string& name) const { return frame.Has(name) || file.Has(name); }
+  CheckedJson operator[](const std::string& name) const {
+    return frame.Has(name) ? frame.Field(name) : file.Field(name);
+  }
+  double Coefficient(const std::string& name) const {
+    return Has(name) ? (*this)[name].NumberIn(-kLargestCoefficient, kLargestCoefficient) : 0.0;
+  }
+};
 
 Rigid3 CamFromInput(const CheckedJson& json) {
-  if (json.Size() != 4) json.Fail(fmt::format("has {} rows; expected 4", json.Size()));
-  double rows[4][4];
-  for (size_t i = 0; i < 4; ++i) {
+  if (json.Size() != 3 && json.Size() != 4) {
+    json.Fail(fmt::format("has {} rows; expected 3 or 4", json.Size()));
+  }
+  double rows[4][4] = {{}, {}, {}, {0, 0, 0, 1}};
+  for (size_t i = 0; i < json.Size(); ++i) {
     const CheckedJson row = json.Item(i);
     if (row.Size() != 4) row.Fail(fmt::format("has {} items; expected 4 numbers", row.Size()));
     for (size_t j = 0; j < 4; ++j) {
@@ -54,51 +83,303 @@ Rigid3 CamFromInput(const CheckedJson& json) {
   return cam_from_opengl * input_from_opengl.Inverse();
 }
 
-// The picture that "file_path" means: as written, else with .png.
-std::filesystem::path FindPicture(const std::filesystem::path& folder,
-                                  const std::filesystem::path& relative, const CheckedJson& json) {
-  std::error_code unusable;  // e.g. a name too long for the file system: not there either
-  const std::filesystem::path as_written = folder / relative;
-  if (std::filesystem::is_regular_file(as_written, unusable)) return as_written;
-  const std::filesystem::path with_png = as_written.string() + ".png";
-  if (std::filesystem::is_regular_file(with_png, unusable)) return with_png;
-  json.Fail(fmt::format("names a missing picture: neither {} nor {} is there", as_written.string(),
-                        with_png.string()));
+double FieldOfView_rad(const CheckedJson& angle, double unit_rad) {
+  const double fov_rad = angle.Number() * unit_rad;
+  if (fov_rad < kMinFov_rad || fov_rad > kMaxFov_rad) {
+    angle.Fail(fmt::format("is {}; expected a field of view of {} to {} radians", angle.Number(),
+                           kMinFov_rad, kMaxFov_rad));
+  }
+  return fov_rad;
 }
 
-PosedPicture ReadFrame(const CheckedJson& json, const std::filesystem::path& folder) {
-  const CheckedJson file_path = json.Field("file_path");
-  const std::filesystem::path relative = std::filesystem::path(file_path.Text()).lexically_normal();
+// Along an axis ("x", "y"); none where no angle is told.
+std::optional<double> FieldOfView_rad(const FrameFields& fields, const std::string& axis) {
+  const std::string in_radians = "camera_angle_" + axis, in_degrees = axis + "_fov";
+  if (fields.Has(in_radians)) return FieldOfView_rad(fields[in_radians], 1.0);
+  if (fields.Has(in_degrees)) return FieldOfView_rad(fields[in_degrees], kDegree_rad);
+  return std::nullopt;
+}
+
+std::optional<double> Focal_px(const FrameFields& fields, const std::string& axis, double size_px) {
+  if (fields.Has("fl_" + axis)) return fields["fl_" + axis].NumberIn(kMinFocal_px, kMaxFocal_px);
+  if (const std::optional<double> fov_rad = FieldOfView_rad(fields, axis)) {
+    return 0.5 * size_px / std::tan(0.5 * *fov_rad);
+  }
+  return std::nullopt;
+}
+
+[[noreturn]] void FailWithoutFocal(const FrameFields& fields) {
+  fields.frame.Fail(
+      "has no focal length: neither it nor the file tells fl_x (with w and h) or camera_angle_x");
+}
+
+bool IsFisheye(const FrameFields& fields) {
+  for (const char* other : {"ftheta_p0", "latlong", "equirectangular"}) {
+    if (fields.Has(other)) {
+      fields[other].Fail(
+          "belongs to a camera that is not read; expected a perspective or an "
+          "OPENCV_FISHEYE camera");
+    }
+  }
+  if (fields.Has("is_fisheye") && fields["is_fisheye"].Flag()) return true;
+  if (!fields.Has("camera_model")) return false;
+  const std::string model = fields["camera_model"].Text();
+  if (model == "OPENCV_FISHEYE") return true;
+  // The coefficients that are there tell these apart.
+  constexpr const char* kPerspective[] = {"PERSPECTIVE",   "SIMPLE_PINHOLE", "PINHOLE",    "OPENCV",
+                                          "SIMPLE_RADIAL", "RADIAL",         "FULL_OPENCV"};
+  const bool known =
+      std::find(std::begin(kPerspective), std::end(kPerspective), model) != std::end(kPerspective);
+  if (!known) {
+    fields["camera_model"].Fail(
+        fmt::format("is \"{}\"; expected {} or OPENCV_FISHEYE", model,
+                    fmt::join(std::begin(kPerspective), std::end(kPerspective), ", ")));
+  }
+  return false;
+}
+
+void RefuseCoefficients(const FrameFields& fields, std::initializer_list<const char*> names,
+                        const char* kind) {
+  for (const char* name : names) {
+    const double value = fields.Coefficient(name);
+    if (value != 0) fields[name].Fail(fmt::format("is {}; expected 0 for a {} lens", value, kind));
+  }
+}
+
+// Appends the lens distortion to fx fy cx cy and sets the model.
+void SetDistortion(const FrameFields& fields, ColmapCamera& lens) {
+  const auto append = [&](std::initializer_list<const char*> names) {
+    for (const char* name : names) lens.params.push_back(fields.Coefficient(name));
+  };
+  if (IsFisheye(fields)) {
+    RefuseCoefficients(fields, {"p1", "p2"}, "fisheye");
+    lens.model = kColmapOpenCvFisheye;
+    append({"k1", "k2", "k3", "k4"});
+    return;
+  }
+  // Programs disagree on what they are: a divisor's or the eighth power's.
+  RefuseCoefficients(fields, {"k4", "k5", "k6"}, "perspective");
+  append({"k1", "k2", "p1", "p2", "k3"});
+  const auto is_zero = [](double value) { return value == 0; };
+  if (std::all_of(lens.params.begin() + 4, lens.params.end(), is_zero)) {
+    lens.model = kColmapPinhole;
+    lens.params.resize(4);
+  } else if (lens.params.back() == 0) {
+    lens.model = kColmapOpenCv;
+    lens.params.resize(8);
+  } else {
+    lens.model = kColmapFullOpenCv;
+    lens.params.resize(12);  // k4 to k6: 0
+  }
+}
+
+uint64_t Side_px(const CheckedJson& json) {
+  const double side_px = json.NumberIn(1, kMaxSide_px);  // often written as 1080.0
+  if (side_px != std::floor(side_px)) json.Fail(fmt::format("is {}; expected pixels", side_px));
+  return uint64_t(side_px);
+}
+
+ColmapCamera ReadLens(const FrameFields& fields) {
+  ColmapCamera lens;
+  lens.width = Side_px(fields["w"]);
+  lens.height = Side_px(fields["h"]);
+  const auto width = double(lens.width), height = double(lens.height);
+  const std::optional<double> fx = Focal_px(fields, "x", width), fy = Focal_px(fields, "y", height);
+  if (!fx && !fy) FailWithoutFocal(fields);
+  const auto principal_point_px = [&](const char* name, double size_px) {
+    return fields.Has(name) ? fields[name].NumberIn(-kMaxSide_px, 2 * kMaxSide_px) : 0.5 * size_px;
+  };
+  lens.params = {fx.value_or(fy.value_or(0)), fy.value_or(fx.value_or(0)),
+                 principal_point_px("cx", width), principal_point_px("cy", height)};
+  SetDistortion(fields, lens);
+  return lens;
+}
+
+// Of a file that does not tell the pictures' size: nothing in pixels, no distortion.
+void ReadFieldOfView(const FrameFields& fields, PosedPicture& picture) {
+  for (const char* name : {"fl_x", "fl_y", "cx", "cy"}) {
+    if (fields.Has(name)) fields[name].Fail("is in pixels of a picture of w x h; add w and h");
+  }
+  if (IsFisheye(fields)) fields.frame.Fail("has a fisheye lens but no picture size; add w and h");
+  for (const char* name : {"k1", "k2", "k3", "k4", "p1", "p2"}) {
+    if (fields.Coefficient(name) != 0) {
+      fields[name].Fail("is the lens distortion of a picture of w x h; add w and h");
+    }
+  }
+  const std::optional<double> x = FieldOfView_rad(fields, "x"), y = FieldOfView_rad(fields, "y");
+  if (!x && !y) FailWithoutFocal(fields);
+  picture.horizontal_fov_rad = x.value_or(0);
+  picture.vertical_fov_rad = y.value_or(0);
+}
+
+// The normalised path that a field names, relative to the folder.
+std::filesystem::path PathInside(const CheckedJson& json, const std::filesystem::path& folder) {
+  const std::filesystem::path relative = std::filesystem::path(json.Text()).lexically_normal();
   if (!StaysInside(relative)) {
-    file_path.Fail(
+    json.Fail(
         fmt::format("is \"{}\"; expected a path inside {}", relative.string(), folder.string()));
   }
-  PosedPicture picture;
-  picture.file = FindPicture(folder, relative, file_path);
-  const bool has_extension = picture.file == folder / relative;
-  picture.name = (has_extension ? std::filesystem::path(relative).replace_extension() : relative)
-                     .generic_string();
-  picture.cam_from_input = CamFromInput(json.Field("transform_matrix"));
-  return picture;
+  return relative;
 }
 
-std::vector<PosedPicture> ReadSplit(const std::filesystem::path& path, Split split) {
-  const nlohmann::json file = ReadJson(path);
-  const CheckedJson json(file, path);
-  const CheckedJson angle = json.Field("camera_angle_x");
-  const double fov_rad = angle.Number();
-  if (fov_rad < kMinFov_rad || fov_rad > kMaxFov_rad) {
-    angle.Fail(fmt::format("is {}; expected the horizontal field of view, {} to {} radians",
-                           fov_rad, kMinFov_rad, kMaxFov_rad));
+bool IsFile(const std::filesystem::path& path) {
+  std::error_code unusable;  // e.g. a name too long for the file system: not there either
+  return std::filesystem::is_regular_file(path, unusable);
+}
+
+// The picture that "file_path" means: as written, else with an extension.
+std::filesystem::path FindPicture(const std::filesystem::path& as_written,
+                                  const CheckedJson& json) {
+  if (IsFile(as_written)) return as_written;
+  for (const char* extension : kExtensions) {
+    const std::filesystem::path extended = as_written.string() + extension;
+    if (IsFile(extended)) return extended;
   }
-  const CheckedJson frames = json.Field("frames");
-  std::vector<PosedPicture> pictures(frames.Size());
-  for (size_t i = 0; i < pictures.size(); ++i) {
-    pictures[i] = ReadFrame(frames.Item(i), path.parent_path());
-    pictures[i].split = split;
-    pictures[i].horizontal_fov_rad = fov_rad;
+  json.Fail(fmt::format("names a missing picture: {} is not there, nor is it with {}",
+                        as_written.string(),
+                        fmt::join(std::begin(kExtensions), std::end(kExtensions), ", ")));
+}
+
+// A frame's picture, and its file_path, normalised.
+struct Frame {
+  PosedPicture picture;
+  std::filesystem::path relative;
+  bool has_depth = false;
+};
+
+Frame ReadFrame(const FrameFields& fields, const std::filesystem::path& folder) {
+  const CheckedJson& json = fields.frame;
+  const CheckedJson file_path = json.Field("file_path");
+  Frame frame;
+  frame.relative = PathInside(file_path, folder);
+  PosedPicture& picture = frame.picture;
+  picture.file = FindPicture(folder / frame.relative, file_path);
+  const bool has_extension = picture.file == folder / frame.relative;
+  std::filesystem::path name = frame.relative;
+  if (has_extension) name.replace_extension();
+  picture.name = name.generic_string();
+  picture.cam_from_input = CamFromInput(json.Field("transform_matrix"));
+  if (json.Has("mask_path")) {
+    picture.mask = folder / PathInside(json.Field("mask_path"), folder);
+    if (!IsFile(picture.mask)) {
+      json.Field("mask_path")
+          .Fail(fmt::format("names a missing mask: {} is not there", picture.mask.string()));
+    }
   }
-  return pictures;
+  if (fields.Has("w") || fields.Has("h")) {
+    picture.lens = ReadLens(fields);
+  } else {
+    ReadFieldOfView(fields, picture);
+  }
+  frame.has_depth = json.Has("depth_file_path") || json.Has("depth_path");
+  return frame;
+}
+
+std::vector<Frame> ReadFrames(const CheckedJson& json, const std::filesystem::path& path) {
+  const CheckedJson items = json.Field("frames");
+  std::vector<Frame> frames;
+  for (size_t i = 0; i < items.Size(); ++i) {
+    frames.push_back(ReadFrame({items.Item(i), json}, path.parent_path()));
+  }
+  const auto depths = std::count_if(frames.begin(), frames.end(),
+                                    [](const Frame& frame) { return frame.has_depth; });
+  if (depths > 0)
+    LogInfo("{}: depth pictures named by frames: {}; not used", path.string(), depths);
+  return frames;
+}
+
+// Which file a picture's name came from; a view may be listed once.
+using FileOfName = std::unordered_map<std::string, std::string>;
+
+void AddPicture(const PosedPicture& picture, const std::filesystem::path& path, FileOfName& files,
+                Dataset& set) {
+  const std::string file = path.filename().string();
+  const auto [other, is_new] = files.emplace(picture.name, file);
+  if (!is_new) {
+    throw DataError(
+        fmt::format("{}: picture \"{}\" of {} is in {} already; a view may be listed once",
+                    path.parent_path().string(), picture.name, file, other->second));
+  }
+  set.pictures.push_back(picture);
+}
+
+// Side by side in transforms.json: a list of file paths for each split.
+struct SplitList {
+  const char* name;
+  Split split;
+};
+constexpr SplitList kSplitLists[] = {{"train_filenames", Split::kTrain},
+                                     {"val_filenames", Split::kValidation},
+                                     {"test_filenames", Split::kTest}};
+
+// The split that each file path is listed in. Some writers list the same views for validation and
+// test: these are test views.
+std::map<std::filesystem::path, Split> ReadSplitLists(const CheckedJson& json,
+                                                      const std::filesystem::path& folder,
+                                                      const std::vector<Frame>& frames) {
+  std::set<std::filesystem::path> known;
+  for (const Frame& frame : frames) known.insert(frame.relative);
+  std::map<std::filesystem::path, Split> splits;
+  for (const SplitList& list : kSplitLists) {
+    if (!json.Has(list.name)) continue;
+    const CheckedJson items = json.Field(list.name);
+    for (size_t i = 0; i < items.Size(); ++i) {
+      const CheckedJson item = items.Item(i);
+      const std::filesystem::path path = PathInside(item, folder);
+      if (!known.contains(path))
+        item.Fail(fmt::format("is \"{}\", which no frame has", path.string()));
+      const auto [other, is_new] = splits.emplace(path, list.split);
+      if (is_new || other->second == list.split) continue;
+      if (other->second == Split::kTrain) {
+        item.Fail(fmt::format("is \"{}\", which is in train_filenames too", path.string()));
+      }
+      other->second = list.split;
+    }
+  }
+  return splits;
+}
+
+// Sets the splits; takes out the frames that no list names.
+void ApplySplitLists(const CheckedJson& json, const std::filesystem::path& path,
+                     std::vector<Frame>& frames) {
+  const auto splits = ReadSplitLists(json, path.parent_path(), frames);
+  for (Frame& frame : frames) {
+    if (const auto found = splits.find(frame.relative); found != splits.end()) {
+      frame.picture.split = found->second;
+    }
+  }
+  if (!json.Has("train_filenames")) return;
+  const size_t left_out =
+      std::erase_if(frames, [&](const Frame& frame) { return !splits.contains(frame.relative); });
+  if (left_out > 0) {
+    LogWarning(
+        "{}: frames in none of train_filenames, val_filenames and test_filenames: {}; "
+        "left out",
+        path.string(), left_out);
+  }
+}
+
+// Where instant-ngp puts the input: input * scale + offset, the box around 0.5. (It then swaps axes
+// cyclically, which leaves a cube around (0.5, 0.5, 0.5) where it is.)
+std::optional<Bounds3> ReadBox(const CheckedJson& json) {
+  if (json.Has("aabb")) {
+    const CheckedJson aabb = json.Field("aabb");
+    if (aabb.Size() != 2) aabb.Fail(fmt::format("has {} items; expected 2 corners", aabb.Size()));
+    const Bounds3 box{aabb.Item(0).Vector3(), aabb.Item(1).Vector3()};
+    if (!glm::all(glm::lessThan(box.min, box.max))) aabb.Fail("is no box from min to max");
+    return box;
+  }
+  if (!json.Has("aabb_scale")) return std::nullopt;
+  const double side = json.Field("aabb_scale").NumberIn(1e-3, 1e6);
+  const double scale = json.Has("scale") ? json.Field("scale").NumberIn(1e-6, 1e6) : 0.33;
+  glm::dvec3 offset(0.5);
+  if (json.Has("offset")) {
+    const CheckedJson told = json.Field("offset");
+    offset = told.IsArray() ? told.Vector3() : glm::dvec3(told.Number());
+  }
+  const glm::dvec3 center = (0.5 - offset) / scale;
+  const double half = 0.5 * side / scale;
+  return Bounds3{center - half, center + half};
 }
 
 }  // namespace
@@ -110,7 +391,7 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder) {
   }
   Dataset set;
   set.has_split = true;
-  std::unordered_map<std::string, const char*> file_of_name;
+  FileOfName files;
   for (const SplitFile& split_file : kSplitFiles) {
     const std::filesystem::path path = folder / split_file.name;
     if (!std::filesystem::exists(path)) {
@@ -121,16 +402,13 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder) {
                       "transforms_val.json and transforms_test.json",
                       folder.string(), split_file.name));
     }
-    for (PosedPicture& picture : ReadSplit(path, split_file.split)) {
-      const auto [other, is_new] = file_of_name.emplace(picture.name, split_file.name);
-      if (!is_new) {
-        throw DataError(
-            fmt::format("{}: picture \"{}\" of {} is in {} already; a view may be listed "
-                        "once",
-                        folder.string(), picture.name, split_file.name, other->second));
-      }
-      set.pictures.push_back(std::move(picture));
+    const nlohmann::json file = ReadJson(path);
+    const CheckedJson json(file, path);
+    for (Frame& frame : ReadFrames(json, path)) {
+      frame.picture.split = split_file.split;
+      AddPicture(frame.picture, path, files, set);
     }
+    if (split_file.split == Split::kTrain) set.box_in_input = ReadBox(json);
     if (split_file.split == Split::kTrain && set.pictures.empty()) {
       throw DataError(fmt::format("{}: frames is empty; expected training views", path.string()));
     }
@@ -139,8 +417,22 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder) {
 }
 
 Dataset ReadTransforms(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "transforms.json";
+  const nlohmann::json file = ReadJson(path);
+  const CheckedJson json(file, path);
+  std::vector<Frame> frames = ReadFrames(json, path);
   Dataset set;
-  set.pictures = ReadSplit(folder / "transforms.json", Split::kTrain);
+  for (const SplitList& list : kSplitLists) set.has_split |= json.Has(list.name);
+  if (set.has_split) ApplySplitLists(json, path, frames);
+  FileOfName files;
+  for (const Frame& frame : frames) AddPicture(frame.picture, path, files, set);
+  const bool has_training =
+      std::any_of(set.pictures.begin(), set.pictures.end(),
+                  [](const PosedPicture& picture) { return picture.split == Split::kTrain; });
+  if (!has_training) {
+    throw DataError(fmt::format("{}: frames has no training view; expected some", path.string()));
+  }
+  set.box_in_input = ReadBox(json);
   return set;
 }
 

@@ -60,11 +60,85 @@ def scene_json():
     return json.dumps(scene).encode()
 
 
-def transforms_json():
-    """One frame."""
+def transforms_seeds():
+    """NeRF-synthetic; instant-ngp; nerfstudio: the first byte says which file the rest is (see
+    transforms.cc)."""
     matrix = [row + [t] for row, t in zip(IDENTITY, (0, 0, 4))] + [[0, 0, 0, 1]]
-    return json.dumps({"camera_angle_x": 0.69,
-                       "frames": [{"file_path": "./train/r_0", "transform_matrix": matrix}]}).encode()
+    first = {"file_path": "./train/r_0", "transform_matrix": matrix}
+    second = {"file_path": "train/r_1.png", "transform_matrix": matrix[:3], "mask_path": "mask.png",
+              "fl_x": 51.0, "depth_file_path": "d.png"}
+    files = {
+        "nerf_synthetic": ("n", {"camera_angle_x": 0.69, "frames": [first]}),
+        "instant_ngp": ("t", {"w": 40.0, "h": 30, "x_fov": 45.0, "camera_angle_y": 0.5, "k1": 0.1,
+                              "k2": 0, "p1": 0, "p2": 0.01, "is_fisheye": False, "aabb_scale": 4,
+                              "scale": 0.33, "offset": [0.5, 0.5, 0.5], "frames": [first, second]}),
+        "nerfstudio": ("t", {"w": 40, "h": 30, "fl_x": 50.0, "fl_y": 50.0, "cx": 20.0, "cy": 15.0,
+                             "camera_model": "OPENCV_FISHEYE", "k1": 0.1, "k2": 0.1, "k3": 0.1,
+                             "k4": 0.1, "train_filenames": ["train/r_1.png"],
+                             "val_filenames": ["train/r_0"], "test_filenames": ["./train/r_0"],
+                             "frames": [first, second]}),
+        "box": ("t", {"camera_angle_x": 0.69, "aabb": [[0, 0, 0], [1, 1, 1]], "frames": [first]}),
+    }
+    for name, (kind, content) in files.items():
+        yield name, (kind + json.dumps(content)).encode()
+
+
+def png(width, height, depth, color_type, rows, *more):
+    """A PNG of uncompressed rows, each without its filter byte."""
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    header = struct.pack(">2I5B", width, height, depth, color_type, 0, 0, 0)
+    pixels = zlib.compress(b"".join(b"\0" + row for row in rows))
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + b"".join(chunk(*c) for c in more)
+            + chunk(b"IDAT", pixels) + chunk(b"IEND", b""))
+
+
+def jpeg():
+    """8 x 8 grey, flat: one Huffman code for the mean, one for the end of the block."""
+    def segment(code, body):
+        return b"\xff" + bytes([code]) + struct.pack(">H", len(body) + 2) + body
+
+    one_code = bytes([1] + 15 * [0] + [0])  # symbol 0 by the code 0
+    exif = b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0"
+    return (b"\xff\xd8" + segment(0xE1, exif) + segment(0xDB, bytes([0] + 64 * [1]))
+            + segment(0xC0, bytes([8, 0, 8, 0, 8, 1, 1, 0x11, 0]))
+            + segment(0xC4, b"\x00" + one_code) + segment(0xC4, b"\x10" + one_code)
+            + segment(0xDA, bytes([1, 1, 0, 0, 63, 0])) + b"\x3f\xff\xd9")
+
+
+def exr(channels, compression, pixels):
+    """2 x 1 pixels in one scan line: `pixels` are its bytes."""
+    def attribute(name, kind, body):
+        return name + b"\0" + kind + b"\0" + struct.pack("<I", len(body)) + body
+
+    half = 1
+    listed = b"".join(name + b"\0" + struct.pack("<I4B2I", half, 0, 0, 0, 0, 1, 1)
+                      for name in channels) + b"\0"
+    window = struct.pack("<4i", 0, 0, 1, 0)
+    header = (b"\x76\x2f\x31\x01" + struct.pack("<I", 2) + attribute(b"channels", b"chlist", listed)
+              + attribute(b"compression", b"compression", bytes([compression]))
+              + attribute(b"dataWindow", b"box2i", window)
+              + attribute(b"displayWindow", b"box2i", window)
+              + attribute(b"lineOrder", b"lineOrder", b"\0")
+              + attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
+              + attribute(b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0))
+              + attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0")
+    return header + struct.pack("<QiI", len(header) + 8, 0, len(pixels)) + pixels
+
+
+def image_seeds():
+    """PNG of every colour type, 8 and 16 bits; JPEG with EXIF; EXR."""
+    yield "grey.png", png(2, 2, 8, 0, [b"\x10\x20", b"\x30\x40"])
+    yield "rgb.png", png(2, 1, 8, 2, [bytes(range(6))])
+    yield "palette.png", png(2, 1, 8, 3, [b"\0\1"], (b"PLTE", bytes(range(6))), (b"tRNS", b"\x80"))
+    yield "grey_alpha.png", png(2, 1, 8, 4, [bytes(range(4))])
+    yield "rgba.png", png(2, 1, 8, 6, [bytes(range(8))])
+    yield "deep.png", png(1, 1, 16, 6, [bytes(range(8))])
+    yield "bits.png", png(8, 1, 1, 0, [b"\x5a"])
+    yield "grey.jpg", jpeg()
+    yield "rgba.exr", exr([b"A", b"B", b"G", b"R"], 0, struct.pack("<8e", *(i / 8 for i in range(8))))
+    yield "grey.exr", exr([b"Y"], 0, struct.pack("<2e", 0.5, 2))
 
 
 def colmap_seeds():
@@ -114,7 +188,8 @@ SEEDS = {
     "tet_mesh": lambda: [("two_tets.tet", tet_mesh_bytes())],
     "field": lambda: [("two_tets.tetf", field_bytes()), ("two_cells.tetf", cell_field_bytes())],
     "scene": lambda: [("scene.json", scene_json())],
-    "transforms": lambda: [("transforms_train.json", transforms_json())],
+    "image": image_seeds,
+    "transforms": transforms_seeds,
     "colmap_model": colmap_seeds,
     "volume": volume_seeds,
     "transfer_function": transfer_function_seeds,

@@ -1,5 +1,5 @@
-// Fuzz target: transforms_train.json of a NeRF-synthetic folder whose picture train/r_0.png is
-// there.
+// Fuzz target: transforms.json, or transforms_train.json of a NeRF-synthetic folder; which of them
+// is told by the first byte, as the pictures, a mask among them, are there.
 #include "scene/transforms.h"
 
 #include "fuzz/fuzz_target.h"
@@ -7,10 +7,18 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const fuzz::Folder folder;
   static const bool prepared = [] {
-    folder.Write("train/r_0.png", {});
+    for (const char* file : {"train/r_0.png", "train/r_1.png", "mask.png"}) folder.Write(file, {});
     return true;
   }();
-  if (!prepared) return 0;
-  folder.Write("transforms_train.json", {data, size});
-  return fuzz::Refusing([&] { tetrec::ReadNerfSynthetic(folder.path()); });
+  if (!prepared || size == 0) return 0;
+  const bool is_nerf_synthetic = data[0] == 'n';
+  folder.Write(is_nerf_synthetic ? "transforms_train.json" : "transforms.json",
+               {data + 1, size - 1});
+  return fuzz::Refusing([&] {
+    if (is_nerf_synthetic) {
+      tetrec::ReadNerfSynthetic(folder.path());
+    } else {
+      tetrec::ReadTransforms(folder.path());
+    }
+  });
 }

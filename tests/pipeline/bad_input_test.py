@@ -5,7 +5,7 @@ import subprocess
 import unittest
 
 from stage_case import StageCase, limit_file_size
-from tiny_dataset import write_tiny_dataset
+from tiny_dataset import join_splits, write_tiny_dataset
 
 
 class BadInputTest(StageCase):
@@ -60,6 +60,35 @@ class BadInputTest(StageCase):
         (self.folder / "ball" / "transforms_train.json").write_text('{"camera_angle_x": 0.8, "frames": [')
         result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "out")
         self.assert_fails(result, 3, "transforms_train.json")
+
+    def test_import_options_that_do_not_go_together(self):
+        write_tiny_dataset(self.folder / "ball", train=8)
+        (self.folder / "list.txt").write_text("test/r_9\n")
+        for options, parts in ((("--downscale", 2, "--max-size", 100), ("--downscale", "--max-size")),
+                               (("--test-list", self.folder / "list.txt", "--holdout", 8),
+                                ("--test-list", "--holdout")),
+                               (("--downscale", 0.5), ("--downscale 0.5", "1 to 1024")),
+                               (("--bounds", "0,0,0,1,1"), ("--bounds",)),
+                               (("--bounds", "0,0,0,1,-1,1"), ("--bounds 0,0,0,1,-1,1",))):
+            with self.subTest(options):
+                result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "out", *options)
+                self.assert_fails(result, 2, *parts)
+                self.assertFalse((self.folder / "out").exists())
+        result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "out", "--test-list",
+                                self.folder / "list.txt")
+        self.assert_fails(result, 3, "list.txt: line 1", "test/r_9")
+
+    def test_import_of_a_lens_that_is_not_read(self):
+        write_tiny_dataset(self.folder / "ball", train=8)
+        join_splits(self.folder / "ball")
+        path = self.folder / "ball" / "transforms.json"
+        transforms = json.loads(path.read_text())
+        for field, value, part in (("camera_model", "EQUIRECTANGULAR", "OPENCV_FISHEYE"),
+                                   ("fl_x", -3, "fl_x is -3"), ("w", 33, "33 x 32")):
+            with self.subTest(field):
+                path.write_text(json.dumps(transforms | {field: value}))
+                result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "out")
+                self.assert_fails(result, 3, part)
 
     def test_a_damaged_field_is_refused(self):
         tetrahedra = self.tiny_tetrahedra()

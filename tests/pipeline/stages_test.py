@@ -1,8 +1,9 @@
 """How stages behave in a chain: wrong and missing folders, second runs, changed options."""
+import json
 import unittest
 
 from stage_case import StageCase, hashes
-from tiny_dataset import write_tiny_dataset
+from tiny_dataset import join_splits, write_tiny_dataset
 
 STAGES = ("sfm", "import", "tetrahedralize", "optimize", "render", "surface", "evaluate")
 
@@ -75,6 +76,29 @@ class StagesTest(StageCase):
         result = self.run_stage("import", self.folder / "ball", "-o", mine)
         self.assert_fails(result, 2, str(mine))
         self.assertEqual([path.name for path in mine.iterdir()], ["notes.txt"])
+
+    def test_one_transforms_json_gives_the_same_scene_as_its_splits(self):
+        write_tiny_dataset(self.folder / "ball", train=12)
+        scenes = []
+        names = "test/r_0\ntest/r_1.png\r\n\ntest/r_2\ntest/r_3\n"
+        (self.folder / "list.txt").write_text(names)
+        bounds = "--bounds=-1,-1,-1,1,1,1"
+        for name in ("splits", "joined"):
+            scene = self.folder / name
+            self.assert_done(self.run_stage("import", self.folder / "ball", "-o", scene, "--downscale", 2, bounds,
+                                            "--test-list", self.folder / "list.txt"))
+            content = json.loads((scene / "scene.json").read_text())
+            content["views"].sort(key=lambda view: view["name"])
+            # fl_x and camera_angle_x differ in their last digit.
+            for camera in content["cameras"]:
+                for key, value in camera.items():
+                    camera[key] = round(value, 9)
+            scenes.append((content, self.manifest(scene)["counts"], hashes(scene / "images")))
+            if name == "splits":
+                join_splits(self.folder / "ball")
+        self.assertEqual(scenes[0], scenes[1])
+        self.assertEqual(scenes[0][1]["test_views"], 4)
+        self.assertEqual(scenes[0][1]["train_views"], 14)
 
     def test_a_second_run_is_up_to_date_and_changes_nothing(self):
         scene = self.tiny_scene()

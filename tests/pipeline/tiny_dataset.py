@@ -98,3 +98,17 @@ def write_tiny_dataset(folder, train=40, validation=2, test=4):
             frames.append({"file_path": f"./{split}/r_{i}", "transform_matrix": matrix})
         (folder / f"transforms_{split}.json").write_text(
             json.dumps({"camera_angle_x": FOV_RAD, "frames": frames}))
+
+
+def join_splits(folder):
+    """Makes the data set one of instant-ngp's form: a single transforms.json, its lens in pixels."""
+    frames = []
+    for split in ("train", "val", "test"):
+        path = folder / f"transforms_{split}.json"
+        frames += json.loads(path.read_text())["frames"]
+        path.unlink()
+    focal = SIZE / 2 / math.tan(FOV_RAD / 2)
+    (folder / "transforms.json").write_text(
+        json.dumps({"w": SIZE, "h": float(SIZE), "fl_x": focal, "cx": SIZE / 2, "cy": SIZE / 2,
+                    "k1": 0, "k2": 0, "p1": 0, "p2": 0, "is_fisheye": False, "aabb_scale": 1,
+                    "frames": frames}))

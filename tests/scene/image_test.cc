@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -55,6 +56,11 @@ std::vector<uint8_t> WithExif(std::vector<uint8_t> jpeg, const std::vector<uint8
   jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
   return jpeg;
 }
+
+// TIFF header, one entry: orientation (0x0112) 6, a quarter turn.
+const std::vector<uint8_t> kQuarterTurn = {'E', 'x', 'i', 'f', 0, 0,    'I',  'I', 42, 0, 8,
+                                           0,   0,   0,   1,   0, 0x12, 0x01, 3,   0,  1, 0,
+                                           0,   0,   6,   0,   0, 0,    0,    0,   0,  0};
 
 void ExpectTruncated(std::vector<uint8_t> bytes, size_t length) {
   bytes.resize(length);
@@ -158,18 +164,164 @@ TEST(ImageFiles, JpegReturnsAboutTheSameColoursInTheSameOrder) {
 }
 
 TEST(ImageFiles, JpegIsReadAsStoredDespiteItsExifRotation) {
-  // TIFF header, one entry: orientation (0x0112) 6, a quarter turn.
-  const std::vector<uint8_t> exif = {'E',  'x',  'i', 'f', 0, 0, 'I', 'I', 42, 0, 8, 0, 0, 0, 1, 0,
-                                     0x12, 0x01, 3,   0,   1, 0, 0,   0,   6,  0, 0, 0, 0, 0, 0, 0};
   const std::vector<uint8_t> jpeg = SomeJpeg();
   const Image plain = DecodeImage(jpeg, "plain"),
-              turned = DecodeImage(WithExif(jpeg, exif), "turned");
+              turned = DecodeImage(WithExif(jpeg, kQuarterTurn), "turned");
   EXPECT_EQ(turned.width, 64);
   EXPECT_EQ(turned.height, 48);
   EXPECT_EQ(turned.pixels, plain.pixels);
-  // The tag is understood by whoever obeys it; else this test would prove nothing.
-  const cv::Mat obeyed = cv::imdecode(WithExif(jpeg, exif), cv::IMREAD_COLOR);
-  EXPECT_EQ(obeyed.cols, 48);
+}
+
+TEST(ImageFiles, JpegIsTurnedByItsExifRotationOnRequest) {
+  const std::vector<uint8_t> jpeg = SomeJpeg();
+  const Image stored = DecodeImage(jpeg, "plain");
+  const Image turned = DecodeImage(WithExif(jpeg, kQuarterTurn), "turned", ExifRotation::kApply);
+  ASSERT_EQ(turned.width, 48);
+  ASSERT_EQ(turned.height, 64);
+  // The stored picture's first column, from below, is the first row.
+  for (int y = 0; y < turned.height; ++y) {
+    for (int x = 0; x < turned.width; ++x) {
+      for (int c = 0; c < 3; ++c) EXPECT_EQ(turned.At(x, y)[c], stored.At(y, 47 - x)[c]);
+    }
+  }
+  EXPECT_EQ(DecodeImage(jpeg, "plain", ExifRotation::kApply).pixels, stored.pixels);
+}
+
+TEST(ImageFiles, SixteenBitsAreRoundedToTheNearestLevel) {
+  cv::Mat deep(256, 256, CV_16UC1);
+  for (int i = 0; i < 65536; ++i) deep.at<uint16_t>(i / 256, i % 256) = uint16_t(i);
+  const Image image = DecodeImage(Encode(".png", deep), "deep");
+  for (int i = 0; i < 65536; ++i) {
+    ASSERT_EQ(image.At(i % 256, i / 256)[0], (i * 255 + 32767) / 65535) << i;
+  }
+  const cv::Mat rgba(1, 1, CV_16UC4, cv::Scalar(257 * 1, 257 * 2, 257 * 3, 257 * 4));
+  EXPECT_EQ(DecodeImage(Encode(".png", rgba), "rgba").pixels, (std::vector<uint8_t>{3, 2, 1, 4}));
+}
+
+TEST(ImageFiles, GreyWithAlphaBecomesRgba) {
+  const std::vector<uint8_t> png = {
+      0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48,
+      0x44, 0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x04, 0x00, 0x00,
+      0x00, 0x5e, 0x2b, 0xb7, 0x01, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x44, 0x41, 0x54, 0x78,
+      0x9c, 0x63, 0xf0, 0xfd, 0x7f, 0xc2, 0x18, 0x00, 0x05, 0xf9, 0x02, 0x48, 0x73, 0x9b,
+      0xe8, 0xc6, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  EXPECT_EQ(DecodeImage(png, "grey").pixels,
+            (std::vector<uint8_t>{77, 77, 77, 255, 200, 200, 200, 51}));
+}
+
+// A picture of one row, pixel by pixel in OpenCV's order: blue, green, red, alpha.
+std::vector<uint8_t> SomeExr(int channels, std::vector<float> values) {
+  return Encode(".exr",
+                cv::Mat(1, int(values.size()) / channels, CV_32FC(channels), values.data()));
+}
+
+// From display sRGB, by the inverse of the curve.
+float Linear(double level) {
+  const double v = level / 255;
+  return float(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
+}
+
+TEST(ImageFiles, ExrReturnsTheLevelsThatItsLightCameFrom) {
+  std::vector<float> grey, colour, premultiplied;
+  std::vector<uint8_t> grey_levels, colour_levels, rgba_levels;
+  for (int level = 0; level < 256; ++level) {
+    const int other = 255 - level;
+    grey.push_back(Linear(level));
+    grey_levels.insert(grey_levels.end(), 3, uint8_t(level));
+    colour.insert(colour.end(), {Linear(level), Linear(other), Linear(10)});
+    colour_levels.insert(colour_levels.end(), {10, uint8_t(other), uint8_t(level)});
+    const float alpha = float(level) / 255;
+    premultiplied.insert(premultiplied.end(), {Linear(200) * alpha, Linear(255) * alpha, 0, alpha});
+    const uint8_t seen = level > 0 ? 255 : 0;
+    rgba_levels.insert(rgba_levels.end(), {0, seen, uint8_t(level > 0 ? 200 : 0), uint8_t(level)});
+  }
+  uint64_t clipped = 0;
+  const auto decode = [&](const std::vector<uint8_t>& exr) {
+    return DecodeImage(exr, "exr", ExifRotation::kIgnore, &clipped).pixels;
+  };
+  EXPECT_EQ(decode(SomeExr(1, grey)), grey_levels);
+  EXPECT_EQ(decode(SomeExr(3, colour)), colour_levels);
+  EXPECT_EQ(decode(SomeExr(4, premultiplied)), rgba_levels);
+  EXPECT_EQ(clipped, 0u);
+}
+
+TEST(ImageFiles, ExrBeyondDisplayIsClippedAndCounted) {
+  uint64_t clipped = 0;
+  const std::vector<uint8_t> exr =
+      SomeExr(3, {0, 0.2f, 1, 2, 0, 0, -1, 0, 0, NAN, 0, 1, 0, INFINITY, 0, 1.001f, 1, 1});
+  const Image image = DecodeImage(exr, "bright", ExifRotation::kIgnore, &clipped);
+  EXPECT_EQ(clipped, 4u);  // 1.001 is white within half a level
+  EXPECT_EQ(image.pixels, (std::vector<uint8_t>{255, 124, 0, 0, 0, 255, 0, 0, 0, 255, 0, 0,  //
+                                                0, 255, 0, 255, 255, 255}));
+}
+
+TEST(ImageFiles, AnExrCutAnywhereIsRefused) {
+  cv::Mat mat(20, 20, CV_32FC3);
+  cv::randu(mat, 0, 1);
+  const std::vector<uint8_t> exr = Encode(".exr", mat);
+  EXPECT_EQ(DecodeImage(exr, "whole").width, 20);
+  for (size_t length = 0; length < exr.size(); length += 1 + length / 8)
+    ExpectTruncated(exr, length);
+  ExpectTruncated(exr, exr.size() - 1);
+}
+
+TEST(ImageFiles, ExrsThatAreNoPlainPictureAreRefused) {
+  const std::vector<uint8_t> exr = SomeExr(3, std::vector<float>(12, 0.5f));
+  // Where an attribute's value begins.
+  const auto value_of = [&](const std::string& name, const std::string& type) {
+    const std::string attribute = name + '\0' + type + '\0';
+    const auto found = std::search(exr.begin(), exr.end(), attribute.begin(), attribute.end());
+    EXPECT_NE(found, exr.end());
+    return size_t(found - exr.begin()) + attribute.size() + 4;
+  };
+  using Changes = std::vector<std::pair<size_t, int>>;
+  const auto message = [&](const Changes& changes, const char* part) {
+    std::vector<uint8_t> bytes = exr;
+    for (const auto& [position, value] : changes) bytes[position] = uint8_t(value);
+    ExpectError<DataError>([&] { DecodeImage(bytes, "a.exr"); }, {"a.exr", part});
+  };
+  const size_t data = value_of("dataWindow", "box2i"), display = value_of("displayWindow", "box2i");
+  const size_t ratio = value_of("pixelAspectRatio", "float");
+  const size_t channels = value_of("channels", "chlist");
+  message({{5, 0x08}}, "several parts or deep");
+  message({{5, 0x10}}, "several parts or deep");
+  message({{data + 8, 2}}, "store the whole picture");
+  message({{data + 10, 0x10}, {display + 10, 0x10}}, "picture of 1048580 x 1 pixels");
+  message({{data + 11, 0x80}, {display + 11, 0x80}}, "picture of 0 x 1 pixels");
+  message({{data + 9, 0xF0}, {data + 13, 1}, {display + 9, 0xF0}, {display + 13, 1}},
+          "cannot hold the 15791108 bytes");  // 61,444 x 257
+  message({{data - 16, 'X'}}, "header without a window");
+  message({{data - 4, 15}}, "attribute dataWindow of 15 bytes; expected 16");
+  message({{ratio - 1, 0x7F}}, "its value");
+  // OpenEXR itself reads on behind the end of a channel list that lacks its 0.
+  message({{channels - 4, exr[channels - 4] - 1}}, "EXR channels");
+}
+
+TEST(MaskedBy, MultipliesAlphaByTheMask) {
+  Image rgb = MakeImage(3, 1, 3);
+  rgb.pixels = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+  Image mask = rgb;
+  mask.pixels = {255, 255, 255, 0, 0, 0, 0, 51, 20};  // the largest channel counts
+  EXPECT_EQ(MaskedBy(rgb, mask).pixels,
+            (std::vector<uint8_t>{1, 2, 3, 255, 4, 5, 6, 0, 7, 8, 9, 51}));
+  Image rgba = MakeImage(1, 1, 4), half = MakeImage(1, 1, 4);
+  rgba.pixels = {1, 2, 3, 100};
+  half.pixels = {255, 255, 255, 128};
+  EXPECT_EQ(MaskedBy(rgba, half).pixels, (std::vector<uint8_t>{1, 2, 3, 50}));
+}
+
+TEST(MaskedBy, TakesMasksOfZeroAndOneAndOfOtherSizes) {
+  Image rgb = MakeImage(4, 2, 3), bits = MakeImage(4, 2, 3), small = MakeImage(2, 1, 3);
+  rgb.pixels.assign(rgb.pixels.size(), 9);
+  const auto alpha = [&](const Image& mask) { return AlphaOf(MaskedBy(rgb, mask)); };
+  std::fill_n(bits.At(0, 1), 6, uint8_t(1));
+  EXPECT_EQ(alpha(bits), (std::vector<uint8_t>{0, 0, 0, 0, 255, 255, 0, 0}));
+  std::fill_n(small.At(1, 0), 3, uint8_t(1));
+  EXPECT_EQ(alpha(small), (std::vector<uint8_t>{0, 0, 255, 255, 0, 0, 255, 255}));
+  Image large = MakeImage(8, 4, 3);
+  std::fill_n(large.At(0, 0), 3 * 4, uint8_t(200));  // half of two pixels
+  EXPECT_EQ(alpha(large), (std::vector<uint8_t>{100, 100, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(alpha(MakeImage(4, 2, 3)), std::vector<uint8_t>(8, 0));
 }
 
 TEST(ImageFiles, SixteenBitsGreyAndPaletteBecomeEightBitColours) {
@@ -232,13 +384,20 @@ TEST(ImageFiles, OtherThingsAreRefusedWithTheirName) {
   ExpectError<DataError>([&] { ReadImage(folder.Write("e.png", "")); }, {"e.png", "empty"});
   ExpectError<DataError>([&] { ReadImage(folder.Write("t.png", "no picture at all")); },
                          {"t.png", "not a picture"});
-  const cv::Mat real(4, 4, CV_32FC3, cv::Scalar(0.5, 0.5, 0.5));
-  ExpectError<DataError>([&] { DecodeImage(Encode(".tiff", real), "real.tiff"); },
-                         {"real.tiff", "8 nor 16 bit"});
+  const cv::Mat some(4, 4, CV_8UC3, cv::Scalar(5, 5, 5));
+  ExpectError<DataError>([&] { DecodeImage(Encode(".tiff", some), "a.tiff"); },
+                         {"a.tiff", "expected PNG, JPEG or EXR"});
+  std::vector<uint8_t> damaged = Encode(".png", some);
+  damaged[45] ^= 0xFF;  // inside the pixels' chunk
+  ExpectError<DataError>([&] { DecodeImage(damaged, "d.png"); }, {"d.png: damaged picture"});
 }
 
 TEST(ImageFiles, AHugePictureIsRefusedBeforeItIsDecoded) {
   std::vector<uint8_t> png = Encode(".png", cv::Mat(2, 2, CV_8UC3, cv::Scalar(0)));
+  std::vector<uint8_t> claims = png;
+  claims[17] = 0x01, claims[19] = 0x00, claims[22] = 0x0F;  // 65,536 x 3,842
+  ExpectError<DataError>([&] { DecodeImage(claims, "claims"); },
+                         {"claims: a file of", "cannot hold the 755367936 bytes"});
   png[16] = 0x00, png[17] = 0x01, png[18] = 0x86, png[19] = 0xA0;  // 100,000 wide
   ExpectError<DataError>([&] { DecodeImage(png, "wide"); }, {"wide", "100000 x 2"});
 }

@@ -1,14 +1,17 @@
 #include "scene/import.h"
 
 #include "core/error.h"
+#include "core/file.h"
 #include "expect_error.h"
 #include "scene/image.h"
 #include "scene/synthetic.h"
 #include "scratch_folder.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -155,6 +158,198 @@ TEST(Import, RefusesACutPictureAndPicturesThatDiffer) {
                          {"test/r_1.png", "no alpha"});
 }
 
+// Writes the scene as one transforms.json with the lens in pixels.
+Json WriteTransforms(const ScratchFolder& folder, const SyntheticScene& synthetic) {
+  const Camera& camera = synthetic.scene.cameras[0];
+  Json json = {{"w", camera.width},      {"h", camera.height}, {"fl_x", camera.fx},
+               {"fl_y", camera.fy},      {"cx", camera.cx},    {"cy", camera.cy},
+               {"frames", Json::array()}};
+  std::filesystem::create_directories(folder / "images");
+  for (size_t i = 0; i < synthetic.images.size(); ++i) {
+    const std::string file = fmt::format("images/{:02}", i);
+    WriteImage(folder / (file + ".png"), synthetic.images[i]);
+    json["frames"].push_back({{"file_path", file + ".png"},
+                              {"transform_matrix", Pose(synthetic.scene.views[i].cam_from_world)}});
+  }
+  folder.Write("transforms.json", json.dump());
+  return json;
+}
+
+// Which images the test views of the imported scene show.
+std::vector<std::string> TestViews(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const int view : scene.ViewsOf(Split::kTest)) {
+    names.push_back(scene.views[size_t(view)].name);
+  }
+  return names;
+}
+
+TEST(Import, ReadsTransformsAndHoldsOutEveryEighth) {
+  const ScratchFolder folder;
+  const SyntheticScene synthetic = SomeScene();
+  WriteTransforms(folder, synthetic);
+  const Scene scene = ImportDataset(folder.path(), folder / "scene", AtSize(40)).scene;
+  EXPECT_EQ(TestViews(scene),
+            (std::vector<std::string>{"images/00", "images/08", "images/16", "images/24"}));
+  const Similarity3 world_from_synthetic = scene.input_from_world.Inverse() * kInputFromSynthetic;
+  const glm::dvec3 point(0.5, -0.3, 0.8);
+  for (size_t i = 0; i < scene.views.size(); ++i) {
+    const glm::dvec2 before =
+        synthetic.scene.cameras[0].ImageFromCam(synthetic.scene.views[i].cam_from_world * point);
+    const glm::dvec2 after = scene.cameras[0].ImageFromCam(scene.views[i].cam_from_world *
+                                                           (world_from_synthetic * point));
+    EXPECT_LT(glm::length(after - 0.5 * before), 1e-9) << scene.views[i].name;
+  }
+}
+
+TEST(Import, SplitsByHoldoutOrListInPlaceOfTheDataSetsOwn) {
+  const ScratchFolder folder;
+  WriteNerf(folder, SomeScene());
+  ImportOptions options = AtSize(10);
+  const auto import = [&] {
+    return TestViews(ImportDataset(folder.path(), folder / "scene", options).scene);
+  };
+  EXPECT_EQ(import(), (std::vector<std::string>{"test/r_0", "test/r_1"}));
+  options.holdout = 10;  // of test/r_0, test/r_1, train/r_0, r_1, r_10 .. r_19, r_2 ...
+  EXPECT_EQ(import(), (std::vector<std::string>{"test/r_0", "train/r_16", "train/r_4"}));
+  options.holdout = 0;
+  EXPECT_TRUE(import().empty());
+  options.test_list = folder.Write("list.txt", "train/r_3\r\n\nr_20.png\ntest/r_1.png  ");
+  EXPECT_EQ(import(), (std::vector<std::string>{"train/r_3", "train/r_20", "test/r_1"}));
+
+  folder.Write("list.txt", "train/r_3\ntrain/r_99\n");
+  ExpectError<DataError>([&] { import(); },
+                         {"list.txt: line 2: no picture", "\"train/r_99\"", "\"train/r_0\""});
+  folder.Write("list.txt", "r_0\n");
+  ExpectError<DataError>([&] { import(); }, {"line 1: \"r_0\" is the name of 3 pictures"});
+  options.test_list = folder / "none.txt";
+  ExpectError<DataError>([&] { import(); }, {"none.txt"});
+}
+
+TEST(Import, RefusesToHoldOutAll) {
+  const ScratchFolder folder;
+  Json json = WriteTransforms(folder, SomeScene());
+  json["frames"].erase(json["frames"].begin() + 1, json["frames"].end());
+  folder.Write("transforms.json", json.dump());
+  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", AtSize(10)); },
+                         {"all 1 pictures are held out"});
+}
+
+TEST(Import, DownscalesByAFactor) {
+  const ScratchFolder folder;
+  const SyntheticScene synthetic = SomeScene();
+  WriteTransforms(folder, synthetic);
+  ImportOptions options;
+  options.downscale = 4;
+  const Scene scene = ImportDataset(folder.path(), folder / "scene", options).scene;
+  EXPECT_EQ(scene.cameras[0].width, 20);
+  EXPECT_EQ(scene.cameras[0].height, 15);
+  EXPECT_EQ(ReadImage(folder / "scene" / scene.views[3].image).pixels,
+            ResizeByArea(synthetic.images[3], 20, 15).pixels);
+}
+
+TEST(Import, MakesAlphaOfMasks) {
+  const ScratchFolder folder;
+  const SyntheticScene synthetic = SomeScene();
+  Json json = WriteTransforms(folder, synthetic);
+  std::filesystem::create_directories(folder / "masks");
+  for (size_t i = 0; i < synthetic.images.size(); ++i) {
+    const Image& rgba = synthetic.images[i];
+    Image mask = MakeImage(rgba.width, rgba.height, 3), rgb = mask;
+    for (size_t p = 0; p < rgba.pixels.size() / 4; ++p) {
+      std::copy_n(&rgba.pixels[4 * p], 3, &rgb.pixels[3 * p]);
+      std::fill_n(&mask.pixels[3 * p], 3, rgba.pixels[4 * p + 3]);
+    }
+    const std::string name = fmt::format("masks/{:02}.png", i);
+    WriteImage(folder / name, mask);
+    WriteImage(folder / fmt::format("images/{:02}.png", i), rgb);
+    json["frames"][i]["mask_path"] = name;
+  }
+  folder.Write("transforms.json", json.dump());
+  const Scene scene = ImportDataset(folder.path(), folder / "scene", AtSize(40)).scene;
+  EXPECT_TRUE(scene.has_alpha);
+  EXPECT_EQ(ReadImage(folder / "scene" / scene.views[5].image).pixels,
+            ResizeByArea(synthetic.images[5], 40, 30).pixels);
+
+  json["frames"][4].erase("mask_path");
+  folder.Write("transforms.json", json.dump());
+  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", AtSize(40)); },
+                         {"images/04.png", "no alpha channel or mask"});
+  json["frames"][4]["mask_path"] = "masks/04.png";
+  folder.Write("transforms.json", json.dump());
+  WriteImage(folder / "masks/04.png", MakeImage(80, 58, 3));
+  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", AtSize(40)); },
+                         {"masks/04.png: mask of 80 x 58", "images/04.png of 80 x 60"});
+}
+
+TEST(Import, TakesTheBoxThatIsGiven) {
+  const ScratchFolder folder;
+  Json json = WriteTransforms(folder, SomeScene(SyntheticKind::kRoom));
+  ImportOptions options = AtSize(10);
+  const auto import = [&] { return ImportDataset(folder.path(), folder / "scene", options).scene; };
+  const auto place = [&] { return import().input_from_world; };
+  // Side 1 / 0.5 around (0.5 - 0) / 0.5: no camera in it.
+  json.update({{"aabb_scale", 1}, {"scale", 0.5}, {"offset", 0}});
+  folder.Write("transforms.json", json.dump());
+  EXPECT_NEAR(place().scale, 1, 1e-12);
+  EXPECT_LT(glm::length(place().translation - glm::dvec3(1, 1, 1)), 1e-12);
+  // A box with the cameras in it does not tell the subject: as without.
+  json["aabb_scale"] = 1000;
+  folder.Write("transforms.json", json.dump());
+  EXPECT_LT(glm::length(place().translation - kInputFromSynthetic.translation), 1e-9);
+
+  options.subject_in_input = {{0, 1, 2}, {1, 2, 6}};
+  EXPECT_EQ(place().scale, 2);
+  EXPECT_EQ(place().translation, glm::dvec3(0.5, 1.5, 4));
+  const Bounds3 bounds = import().subject_bounds;
+  EXPECT_LT(glm::length(bounds.max - glm::dvec3(0.25, 0.25, 1)), 1e-12);
+}
+
+// The JPEG with an EXIF orientation: a quarter turn.
+void AddQuarterTurn(const std::filesystem::path& jpeg) {
+  const std::vector<uint8_t> app1 = {0xFF, 0xE1, 0, 34, 'E', 'x', 'i', 'f', 0,    0,    'I', 'I',
+                                     42,   0,    8, 0,  0,   0,   1,   0,   0x12, 0x01, 3,   0,
+                                     1,    0,    0, 0,  6,   0,   0,   0,   0,    0,    0,   0};
+  std::vector<uint8_t> bytes = ReadBytes(jpeg);
+  bytes.insert(bytes.begin() + 2, app1.begin(), app1.end());
+  WriteBytes(jpeg, bytes);
+}
+
+TEST(Import, TurnsPicturesByExifOnlyWhereTheirCamerasAreTurned) {
+  const ScratchFolder folder;
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom);
+  Json json = WriteTransforms(folder, synthetic);
+  for (size_t i = 0; i < synthetic.images.size(); ++i) {
+    const std::string name = fmt::format("images/{:02}.jpg", i);
+    WriteImage(folder / name, synthetic.images[i]);
+    AddQuarterTurn(folder / name);
+    json["frames"][i]["file_path"] = name;
+  }
+  folder.Write("transforms.json", json.dump());
+  const ImportedScene as_stored = ImportDataset(folder.path(), folder / "scene", AtSize(80));
+  EXPECT_EQ(as_stored.turned, 0u);
+  EXPECT_EQ(as_stored.scene.cameras[0].width, 80);
+
+  json.update({{"w", 60}, {"h", 80}, {"cx", 30}, {"cy", 40}});
+  folder.Write("transforms.json", json.dump());
+  const ImportedScene turned = ImportDataset(folder.path(), folder / "scene", AtSize(80));
+  EXPECT_EQ(turned.turned, synthetic.images.size());
+  EXPECT_EQ(turned.scene.cameras[0].width, 60);
+  EXPECT_EQ(ReadImage(folder / "scene" / turned.scene.views[0].image).height, 80);
+
+  json.update({{"w", 61}});
+  folder.Write("transforms.json", json.dump());
+  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", AtSize(80)); },
+                         {"has 80 x 60 pixels, its camera 61 x 80"});
+}
+
+TEST(Import, SaysThatAFileIsNoFolder) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.Write("transforms.json", "{}");
+  ExpectError<DataError>([&] { RecogniseDataset(file); },
+                         {"transforms.json: is a file", "give the folder"});
+}
+
 TEST(Import, RefusesOptionsThatMakeNoSense) {
   ImportOptions options;
   options.max_size = -1;
@@ -162,6 +357,18 @@ TEST(Import, RefusesOptionsThatMakeNoSense) {
   options = {};
   options.holdout = 1;
   ExpectError<UsageError>([&] { options.Check(); }, {"--holdout 1"});
+  options = {};
+  options.downscale = 0.5;
+  ExpectError<UsageError>([&] { options.Check(); }, {"--downscale 0.5"});
+  options.downscale = NAN;
+  ExpectError<UsageError>([&] { options.Check(); }, {"--downscale nan"});
+  options = {};
+  options.subject_in_input = {{0, 0, 0}, {1, -1, 1}};
+  ExpectError<UsageError>([&] { options.Check(); }, {"--bounds 0,0,0,1,-1,1: expected"});
+  options.subject_in_input = {{0, 0, 0}, {1, NAN, 1}};
+  ExpectError<UsageError>([&] { options.Check(); }, {"--bounds"});
+  options.subject_in_input = {{-INFINITY, 0, 0}, {1, 1, 1}};
+  ExpectError<UsageError>([&] { options.Check(); }, {"--bounds -inf"});
 }
 
 TEST(FitToMaxSize, KeepsTheShape) {

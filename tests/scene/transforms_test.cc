@@ -1,6 +1,7 @@
 #include "scene/transforms.h"
 
 #include "core/error.h"
+#include "core/log.h"
 #include "expect_error.h"
 #include "geometry/camera.h"
 #include "geometry/rotation.h"
@@ -100,7 +101,7 @@ TEST(NerfSynthetic, RefusesEveryBrokenFieldByName) {
     std::function<void(Json&)> spoil;
   };
   const Case cases[] = {
-      {"camera_angle_x is missing", [](Json& j) { j.erase("camera_angle_x"); }},
+      {"frames[0] has no focal length", [](Json& j) { j.erase("camera_angle_x"); }},
       {"camera_angle_x is 0", [](Json& j) { j["camera_angle_x"] = 0; }},
       {"camera_angle_x is 40", [](Json& j) { j["camera_angle_x"] = 40; }},
       {"camera_angle_x is \"wide\"", [](Json& j) { j["camera_angle_x"] = "wide"; }},
@@ -119,7 +120,11 @@ TEST(NerfSynthetic, RefusesEveryBrokenFieldByName) {
       {"picture \"train/r_0\"", [](Json& j) { j["frames"][1]["file_path"] = "train/r_0.png"; }},
       {"frames[0].transform_matrix is missing",
        [](Json& j) { j["frames"][0].erase("transform_matrix"); }},
-      {"transform_matrix has 3 rows", [](Json& j) { j["frames"][0]["transform_matrix"].erase(3); }},
+      {"transform_matrix has 2 rows",
+       [](Json& j) {
+         j["frames"][0]["transform_matrix"].erase(3);
+         j["frames"][0]["transform_matrix"].erase(2);
+       }},
       {"transform_matrix[1] has 3 items",
        [](Json& j) { j["frames"][0]["transform_matrix"][1].erase(3); }},
       {"transform_matrix[2][3] is null",
@@ -155,6 +160,294 @@ TEST(NerfSynthetic, SaysWhenTheFolderIsNotOne) {
   const ScratchFolder folder;
   ExpectError<DataError>([&] { ReadNerfSynthetic(folder / "none"); }, {"none", "no such folder"});
   ExpectError<DataError>([&] { ReadNerfSynthetic(folder.path()); }, {"no transforms_train.json"});
+}
+
+// transforms.json of instant-ngp or nerfstudio: two frames, the lens for both.
+Json OneFile() {
+  Json json = Transforms({"./images/a.jpg", "images/b.jpg"});
+  json.erase("camera_angle_x");
+  json.update({{"w", 40}, {"h", 30.0}, {"fl_x", 50}, {"fl_y", 51}, {"cx", 19}, {"cy", 16}});
+  return json;
+}
+
+Dataset ReadOneFile(const ScratchFolder& folder, const Json& json) {
+  for (const char* file : {"images/a.jpg", "images/b.jpg", "masks/a.png"}) folder.Write(file, "");
+  folder.Write("transforms.json", json.dump());
+  return ReadTransforms(folder.path());
+}
+
+Json With(Json json, const Json& fields) {
+  json.update(fields);
+  return json;
+}
+
+TEST(Transforms, TakeTheLensFromTheFileOrTheFrame) {
+  const ScratchFolder folder;
+  Json json = OneFile();
+  json["frames"][1]["fl_x"] = 60;
+  json["frames"][1]["cx"] = 20.5;
+  const Dataset set = ReadOneFile(folder, json);
+  ASSERT_EQ(set.pictures.size(), 2u);
+  EXPECT_FALSE(set.has_split);
+  EXPECT_EQ(set.pictures[0].name, "images/a");
+  EXPECT_EQ(set.pictures[0].file, folder / "images/a.jpg");
+  EXPECT_EQ(set.pictures[0].lens.model, kColmapPinhole);
+  EXPECT_EQ(set.pictures[0].lens.width, 40u);
+  EXPECT_EQ(set.pictures[0].lens.height, 30u);
+  EXPECT_EQ(set.pictures[0].lens.params, (std::vector<double>{50, 51, 19, 16}));
+  EXPECT_EQ(set.pictures[1].lens.params, (std::vector<double>{60, 51, 20.5, 16}));
+}
+
+TEST(Transforms, TellTheFocalLengthInFourWaysAndTheMiddleByDefault) {
+  const ScratchFolder folder;
+  Json bare = OneFile();
+  for (const char* name : {"fl_x", "fl_y", "cx", "cy"}) bare.erase(name);
+  const double angle = 2 * std::atan(0.4), degrees = angle * 180 / 3.14159265358979323846;
+  const auto params = [&](const Json& fields) {
+    return ReadOneFile(folder, With(bare, fields)).pictures[0].lens.params;
+  };
+  // 50 px on 40 px is tan 0.4 of the half angle.
+  const auto expect = [](const std::vector<double>& found, const std::vector<double>& wanted) {
+    ASSERT_EQ(found.size(), wanted.size());
+    for (size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(found[i], wanted[i], 1e-12) << i;
+  };
+  expect(params({{"fl_x", 50}}), {50, 50, 20, 15});
+  expect(params({{"fl_y", 50}}), {50, 50, 20, 15});
+  expect(params({{"camera_angle_x", angle}}), {50, 50, 20, 15});
+  expect(params({{"x_fov", degrees}}), {50, 50, 20, 15});
+  expect(params({{"camera_angle_y", angle}}), {37.5, 37.5, 20, 15});
+  expect(params({{"camera_angle_x", angle}, {"y_fov", degrees}}), {50, 37.5, 20, 15});
+  expect(params({{"camera_angle_x", 0.1}, {"fl_x", 50}}), {50, 50, 20, 15});
+}
+
+TEST(Transforms, WithoutASizeKeepTheFieldsOfView) {
+  const ScratchFolder folder;
+  Json json = Transforms({"images/a.jpg"});
+  json["camera_angle_y"] = 0.5;
+  const PosedPicture picture = ReadOneFile(folder, json).pictures[0];
+  EXPECT_EQ(picture.lens.width, 0u);
+  EXPECT_EQ(picture.horizontal_fov_rad, 0.7);
+  EXPECT_EQ(picture.vertical_fov_rad, 0.5);
+}
+
+TEST(Transforms, GiveEachDistortionItsModel) {
+  const ScratchFolder folder;
+  const auto lens = [&](const Json& fields) {
+    return ReadOneFile(folder, With(OneFile(), fields)).pictures[0].lens;
+  };
+  struct Case {
+    Json fields;
+    int model;
+    std::vector<double> coefficients;
+  };
+  const Case cases[] = {
+      {{{"k1", 0}, {"k2", 0.0}, {"p1", 0}, {"p2", 0}, {"camera_model", "OPENCV"}},
+       kColmapPinhole,
+       {}},
+      {{{"camera_model", "SIMPLE_PINHOLE"}, {"is_fisheye", false}}, kColmapPinhole, {}},
+      {{{"k1", 0.1}}, kColmapOpenCv, {0.1, 0, 0, 0}},
+      {{{"k1", 0.1}, {"k2", 0.2}, {"p1", 0.3}, {"p2", 0.4}, {"k3", 0}, {"k4", 0}},
+       kColmapOpenCv,
+       {0.1, 0.2, 0.3, 0.4}},
+      {{{"k1", 0.1}, {"k2", 0.2}, {"p1", 0.3}, {"p2", 0.4}, {"k3", 0.5}},
+       kColmapFullOpenCv,
+       {0.1, 0.2, 0.3, 0.4, 0.5, 0, 0, 0}},
+      {{{"camera_model", "OPENCV_FISHEYE"}}, kColmapOpenCvFisheye, {0, 0, 0, 0}},
+      {{{"is_fisheye", true}, {"k1", 0.1}, {"k2", 0.2}, {"k3", 0.3}, {"k4", 0.4}},
+       kColmapOpenCvFisheye,
+       {0.1, 0.2, 0.3, 0.4}},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.fields.dump());
+    std::vector<double> params = {50, 51, 19, 16};
+    params.insert(params.end(), c.coefficients.begin(), c.coefficients.end());
+    EXPECT_EQ(lens(c.fields).model, c.model);
+    EXPECT_EQ(lens(c.fields).params, params);
+  }
+}
+
+TEST(Transforms, ThreeRowsOfAMatrixAreEnough) {
+  const ScratchFolder folder;
+  Json json = OneFile();
+  json["frames"][1]["transform_matrix"].erase(3);
+  const Dataset set = ReadOneFile(folder, json);
+  EXPECT_EQ(set.pictures[0].cam_from_input.translation, set.pictures[1].cam_from_input.translation);
+  EXPECT_EQ(set.pictures[0].cam_from_input.rotation, set.pictures[1].cam_from_input.rotation);
+}
+
+TEST(Transforms, FindPicturesWithoutExtension) {
+  const ScratchFolder folder;
+  for (const char* extension : {".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG", ".exr"}) {
+    const std::string name = std::string("p/v1.") + extension[1] + std::to_string(extension[2]);
+    folder.Write(name + extension, "");
+    Json json = OneFile();
+    json["frames"][0]["file_path"] = name;
+    const PosedPicture picture = ReadOneFile(folder, json).pictures[0];
+    EXPECT_EQ(picture.file, folder / (name + extension));
+    EXPECT_EQ(picture.name, name);
+    std::filesystem::remove(picture.file);
+  }
+}
+
+TEST(Transforms, NameMasksAndIgnoreDepthsAndUnknownKeys) {
+  const ScratchFolder folder;
+  Json json = With(OneFile(), {{"applied_scale", 0.5}, {"applied_transform", kPose}});
+  json["frames"][0].update(
+      {{"mask_path", "./masks/a.png"}, {"depth_file_path", "d/none.png"}, {"sharpness", 12.5}});
+  const Dataset set = ReadOneFile(folder, json);
+  EXPECT_EQ(set.pictures[0].mask, folder / "masks/a.png");
+  EXPECT_TRUE(set.pictures[1].mask.empty());
+  EXPECT_EQ(set.pictures[0].cam_from_input.translation, set.pictures[1].cam_from_input.translation);
+}
+
+TEST(Transforms, TakeNerfstudiosSplit) {
+  const ScratchFolder folder;
+  const auto splits = [&](const Json& lists) {
+    const Dataset set = ReadOneFile(folder, With(OneFile(), lists));
+    EXPECT_TRUE(set.has_split);
+    std::vector<std::pair<std::string, Split>> found;
+    for (const PosedPicture& picture : set.pictures)
+      found.emplace_back(picture.name, picture.split);
+    return found;
+  };
+  using Found = std::vector<std::pair<std::string, Split>>;
+  const Found a_trains = {{"images/a", Split::kTrain}, {"images/b", Split::kTest}};
+  EXPECT_EQ(splits({{"train_filenames", {"images/a.jpg"}}, {"test_filenames", {"./images/b.jpg"}}}),
+            a_trains);
+  EXPECT_EQ(splits({{"test_filenames", {"images/b.jpg"}}}), a_trains);
+  EXPECT_EQ(splits({{"val_filenames", {"images/b.jpg"}},
+                    {"test_filenames", {"images/b.jpg"}},
+                    {"train_filenames", {"images/a.jpg"}}}),
+            a_trains);
+  EXPECT_EQ(splits({{"val_filenames", {"images/a.jpg"}}}),
+            (Found{{"images/a", Split::kValidation}, {"images/b", Split::kTrain}}));
+  TakeWarnings();
+  EXPECT_EQ(splits({{"train_filenames", {"images/b.jpg"}}}), (Found{{"images/b", Split::kTrain}}));
+  const std::vector<std::string> warnings = TakeWarnings();
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0], ::testing::HasSubstr("test_filenames: 1; left out"));
+}
+
+TEST(Transforms, BringInstantNgpsBoxIntoTheInput) {
+  const ScratchFolder folder;
+  EXPECT_FALSE(ReadOneFile(folder, OneFile()).box_in_input);
+  struct Case {
+    Json fields;
+    double side, scale;
+    glm::dvec3 offset;
+  };
+  const Case cases[] = {
+      {{{"aabb_scale", 1}}, 1, 0.33, glm::dvec3(0.5)},
+      {{{"aabb_scale", 4}, {"scale", 0.5}, {"offset", 0.25}}, 4, 0.5, glm::dvec3(0.25)},
+      {{{"aabb_scale", 2}, {"scale", 2}, {"offset", {0.1, -3, 0.5}}}, 2, 2, {0.1, -3, 0.5}},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.fields.dump());
+    const Dataset set = ReadOneFile(folder, With(OneFile(), c.fields));
+    ASSERT_TRUE(set.box_in_input);
+    // Back into instant-ngp's frame.
+    const glm::dvec3 min = set.box_in_input->min * c.scale + c.offset;
+    const glm::dvec3 max = set.box_in_input->max * c.scale + c.offset;
+    EXPECT_LT(glm::length(min - (0.5 - 0.5 * c.side)), 1e-12);
+    EXPECT_LT(glm::length(max - (0.5 + 0.5 * c.side)), 1e-12);
+  }
+  const Json aabb = {{"aabb", {{-1, -2, -3}, {1, 2, 3.5}}}, {"aabb_scale", 8}};
+  const Dataset set = ReadOneFile(folder, With(OneFile(), aabb));
+  EXPECT_EQ(set.box_in_input->min, glm::dvec3(-1, -2, -3));
+  EXPECT_EQ(set.box_in_input->max, glm::dvec3(1, 2, 3.5));
+}
+
+TEST(Transforms, NerfSyntheticFilesMayTellTheLensToo) {
+  const ScratchFolder folder;
+  WriteGoodSet(folder);
+  const Json lens = {{"w", 40}, {"h", 30}, {"fl_x", 50}, {"k1", 0.1}, {"aabb_scale", 1}};
+  folder.Write("transforms_train.json", With(Transforms({"train/r_0"}), lens).dump());
+  const Dataset set = ReadNerfSynthetic(folder.path());
+  EXPECT_EQ(set.pictures[0].lens.model, kColmapOpenCv);
+  EXPECT_EQ(set.pictures[0].lens.params, (std::vector<double>{50, 50, 20, 15, 0.1, 0, 0, 0}));
+  EXPECT_EQ(set.pictures[1].lens.width, 0u);
+  EXPECT_TRUE(set.box_in_input);
+}
+
+TEST(Transforms, AreRefusedFieldByField) {
+  struct Case {
+    const char* message;
+    Json fields;
+  };
+  const Json pose = kPose;
+  const Case cases[] = {
+      {"w is 0; expected 1", {{"w", 0}}},
+      {"w is 40.5; expected pixels", {{"w", 40.5}}},
+      {"h is 1000000", {{"h", 1000000}}},
+      {"fl_x is 0; expected", {{"fl_x", 0}}},
+      {"fl_y is -5", {{"fl_y", -5}}},
+      {"cx is 1e+300", {{"cx", 1e300}}},
+      {"cy is \"middle\"", {{"cy", "middle"}}},
+      {"k1 is null", {{"k1", nullptr}}},
+      {"k2 is 1e+300", {{"k2", 1e300}}},
+      {"k4 is 0.1; expected 0 for a perspective lens", {{"k4", 0.1}}},
+      {"p1 is 0.1; expected 0 for a fisheye lens", {{"is_fisheye", true}, {"p1", 0.1}}},
+      {"is_fisheye is 1; expected true or false", {{"is_fisheye", 1}}},
+      {"camera_model is \"EQUIRECTANGULAR\"; expected PERSPECTIVE, ",
+       {{"camera_model", "EQUIRECTANGULAR"}}},
+      {"ftheta_p0 belongs to a camera that is not read", {{"ftheta_p0", 1.5}}},
+      {"aabb_scale is 0", {{"aabb_scale", 0}}},
+      {"scale is 0", {{"aabb_scale", 1}, {"scale", 0}}},
+      {"offset has 2 items", {{"aabb_scale", 1}, {"offset", {1, 2}}}},
+      {"aabb is no box", {{"aabb", {{0, 0, 0}, {1, 0, 1}}}}},
+      {"aabb has 3 items", {{"aabb", {{0, 0, 0}, {1, 0, 1}, {2, 2, 2}}}}},
+      {"frames has no training view", {{"frames", Json::array()}}},
+      {"frames has no training view", {{"test_filenames", {"images/a.jpg", "images/b.jpg"}}}},
+      {"test_filenames[0] is \"images/c.jpg\", which no frame has",
+       {{"test_filenames", {"images/c.jpg"}}}},
+      {"val_filenames[0] is \"images/a.jpg\", which is in train_filenames too",
+       {{"train_filenames", {"images/a.jpg"}}, {"val_filenames", {"images/a.jpg"}}}},
+      {"test_filenames[0] is \"../a.jpg\"; expected a path inside",
+       {{"test_filenames", {"../a.jpg"}}}},
+      {"picture \"images/a\" of transforms.json is in transforms.json already",
+       {{"frames",
+         {{{"file_path", "images/a.jpg"}, {"transform_matrix", pose}},
+          {{"file_path", "./images/a.jpg"}, {"transform_matrix", pose}}}}}},
+      {"frames[0].mask_path names a missing mask",
+       {{"frames",
+         {{{"file_path", "images/a.jpg"},
+           {"transform_matrix", pose},
+           {"mask_path", "masks/b.png"}}}}}},
+      {"frames[0].mask_path is \"../b.png\"; expected a path inside",
+       {{"frames",
+         {{{"file_path", "images/a.jpg"},
+           {"transform_matrix", pose},
+           {"mask_path", "../b.png"}}}}}},
+  };
+  const ScratchFolder folder;
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.message);
+    ExpectError<DataError>([&] { ReadOneFile(folder, With(OneFile(), c.fields)); },
+                           {folder.path().string(), c.message});
+  }
+}
+
+TEST(Transforms, WithoutASizeRefuseWhatIsInPixels) {
+  const ScratchFolder folder;
+  const auto message = [&](const Json& fields, const char* part) {
+    ExpectError<DataError>([&] { ReadOneFile(folder, With(Transforms({"images/a.jpg"}), fields)); },
+                           {part});
+  };
+  message({{"fl_x", 50}}, "fl_x is in pixels of a picture of w x h; add w and h");
+  message({{"cy", 50}}, "cy is in pixels");
+  message({{"k1", 0.1}}, "k1 is the lens distortion of a picture of w x h; add w and h");
+  message({{"is_fisheye", true}}, "frames[0] has a fisheye lens but no picture size");
+  message({{"w", 50}}, "h is missing");
+  message({{"x_fov", 180}, {"camera_angle_x", 3.5}}, "camera_angle_x is 3.5; expected a field");
+  Json degrees = Transforms({"images/a.jpg"});
+  degrees.erase("camera_angle_x");
+  degrees["x_fov"] = 180;
+  ExpectError<DataError>([&] { ReadOneFile(folder, degrees); }, {"x_fov is 180; expected a field"});
+}
+
+TEST(Transforms, SayWhatIsMissing) {
+  const ScratchFolder folder;
+  ExpectError<DataError>([&] { ReadTransforms(folder.path()); }, {"transforms.json"});
 }
 
 }  // namespace

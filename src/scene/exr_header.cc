@@ -1,0 +1,114 @@
+// OpenEXR headers, checked before OpenEXR reads them.
+#include "scene/exr_header.h"
+
+#include "core/error.h"
+#include "core/file.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <map>
+#include <optional>
+
+namespace tetrec {
+namespace {
+
+// Bytes of a value by its type. Types that are not here are kept by their told size alone.
+const std::map<std::string, size_t> kSizes = {
+    {"box2f", 16},      {"box2i", 16},   {"chromaticities", 32},
+    {"compression", 1}, {"double", 8},   {"envmap", 1},
+    {"float", 4},       {"int", 4},      {"keycode", 28},
+    {"lineOrder", 1},   {"m33d", 72},    {"m33f", 36},
+    {"m44d", 128},      {"m44f", 64},    {"rational", 8},
+    {"tiledesc", 9},    {"timecode", 8}, {"v2d", 16},
+    {"v2f", 8},         {"v2i", 8},      {"v3d", 24},
+    {"v3f", 12},        {"v3i", 12},     {"deepImageState", 1}};
+
+// Up to its 0; advances past it.
+std::string ReadName(ByteReader& reader) {
+  constexpr size_t kLongestName = 255;
+  std::string text;
+  while (const char c = reader.Read<char>("a name in the EXR header")) {
+    if (text.size() == kLongestName) {
+      throw DataError(fmt::format("{}: EXR header with a name that is too long", reader.name()));
+    }
+    text += c;
+  }
+  return text;
+}
+
+// Channels to an empty name, which must be the value's end.
+void CheckChannels(std::span<const uint8_t> value, const std::string& name) {
+  ByteReader reader(value, name + ": EXR channels");
+  while (!ReadName(reader).empty()) reader.Read<std::array<uint8_t, 16>>("a channel");
+  reader.ExpectEnd();
+}
+
+// A preview's 4 bytes a pixel; text in pieces of told sizes.
+void CheckPreview(std::span<const uint8_t> value, const std::string& name) {
+  ByteReader reader(value, name + ": EXR preview");
+  const uint64_t width = reader.Read<uint32_t>("its width"),
+                 height = reader.Read<uint32_t>("height");
+  reader.ReadArray<uint32_t>(width * height, "its pixels");
+  reader.ExpectEnd();
+}
+
+void CheckTexts(std::span<const uint8_t> value, const std::string& name) {
+  ByteReader reader(value, name + ": EXR texts");
+  while (reader.remaining() > 0) {
+    reader.ReadArray<char>(reader.Read<uint32_t>("a text's size"), "a text");
+  }
+}
+
+void CheckValue(const std::string& attribute, const std::string& type,
+                std::span<const uint8_t> value, const std::string& name) {
+  if (type == "chlist") CheckChannels(value, name);
+  if (type == "preview") CheckPreview(value, name);
+  if (type == "stringvector") CheckTexts(value, name);
+  const auto known = kSizes.find(type);
+  if (known == kSizes.end() || known->second == value.size()) return;
+  throw DataError(fmt::format("{}: EXR attribute {} of {} bytes; expected {}", name, attribute,
+                              value.size(), known->second));
+}
+
+// Corners x0 y0 x1 y1, both inside.
+using Window = std::array<int32_t, 4>;
+
+Window WindowOf(std::span<const uint8_t> value, const std::string& name) {
+  return ByteReader(value, name).Read<Window>("an EXR window");
+}
+
+uint64_t Side(int32_t first, int32_t last) {
+  return last < first ? 0 : uint64_t(int64_t(last) - first + 1);
+}
+
+}  // namespace
+
+glm::u64vec2 CheckExrHeader(std::span<const uint8_t> bytes, const std::string& name) {
+  ByteReader reader(bytes, name);
+  reader.Read<uint32_t>("EXR signature");
+  constexpr uint32_t kVersionAndPlainFlags = 0x2 | 0x200 | 0x400;  // tiles, long names
+  if ((reader.Read<uint32_t>("EXR flags") & ~kVersionAndPlainFlags) != 0) {
+    throw DataError(
+        fmt::format("{}: EXR of several parts or deep pixels; store it as one plain part", name));
+  }
+  std::optional<Window> data, display;
+  for (std::string attribute; !(attribute = ReadName(reader)).empty();) {
+    const std::string type = ReadName(reader);
+    const auto value =
+        reader.ReadArray<uint8_t>(reader.Read<uint32_t>("an EXR attribute's size"), "its value");
+    CheckValue(attribute, type, value, name);
+    if (attribute == "dataWindow") data = WindowOf(value, name);
+    if (attribute == "displayWindow") display = WindowOf(value, name);
+  }
+  if (!data || !display) throw DataError(fmt::format("{}: EXR header without a window", name));
+  if (data != display) {
+    throw DataError(
+        fmt::format("{}: EXR whose pixels are a part of the picture (data window), or more than "
+                    "it; store the whole picture",
+                    name));
+  }
+  return {Side((*data)[0], (*data)[2]), Side((*data)[1], (*data)[3])};
+}
+
+}  // namespace tetrec
