@@ -1,19 +1,86 @@
-// tetrec-import: a data set with known cameras -> a scene folder.
+// tetrec-import: a data set with known cameras, or a volume -> a scene folder.
 #include "scene/import.h"
 
+#include "core/error.h"
 #include "core/stage.h"
+#include "scene/volume_import.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <map>
 #include <vector>
 
 using tetrec::Background, tetrec::DatasetFormat;
 
+namespace {
+
+constexpr const char* kVolumes = "Volumes (.raw, .nrrd, .nhdr, .mha, .mhd)";
+
+void AddVolumeOptions(tetrec::StageCommand& command, tetrec::VolumeImportOptions& options) {
+  CLI::App& app = command.app();
+  command.InputPath("--transfer-function", "opacity and colour of samples: our JSON or ParaView's",
+                    false);
+  command.FilesNamedBy("DATASET", tetrec::FilesNamedByVolume);
+  app.add_option("--dimensions", options.dimensions,
+                 ".raw: samples along x, y and z, like 103x94x161; x is fastest");
+  app.add_option("--sample-type", options.sample_type, ".raw: uint8, uint16 or float32");
+  app.add_option("--byte-order", options.byte_order, ".raw: little (the default) or big");
+  app.add_option("--spacing", options.spacing,
+                 ".raw: distance of samples along x, y and z, like 1x1x1.5 (the default is 1x1x1)");
+  app.add_option("--attenuation", options.attenuation,
+                 "density at opacity 1 [1 / the volume's longest side]");
+  app.add_option("--shading", options.shading,
+                 "pre: density and colour are interpolated between samples; post: the sample is "
+                 "interpolated, then given density and colour");
+  app.add_option("--cameras", options.cameras, "views, on a sphere around the volume");
+  app.add_option(
+      "--size", options.size_px,
+      "width and height of the pictures [pixels]; --max-size bounds them too, where it is given");
+  app.add_option("--rays-per-side", options.rays_per_side,
+                 "a pixel is the mean of so many times so many rays");
+  app.add_option("--seed", options.seed, "turns the sphere of cameras");
+  for (const char* name :
+       {"--transfer-function", "--dimensions", "--sample-type", "--byte-order", "--spacing",
+        "--attenuation", "--shading", "--cameras", "--size", "--rays-per-side", "--seed"}) {
+    app.get_option(name)->group(kVolumes);
+  }
+}
+
+// Options of volumes are for volumes, and those of pictures for pictures.
+void CheckOptionsFor(const CLI::App& app, bool is_volume) {
+  const auto refuse = [](const CLI::Option* option, const char* what) {
+    if (option->count() == 0) return;
+    throw tetrec::UsageError(fmt::format("{}: is for {}", option->get_name(), what));
+  };
+  if (is_volume) {
+    for (const char* name : {"--format", "--test-list", "--bounds"}) {
+      refuse(app.get_option(name), "pictures, not for volumes");
+    }
+    if (app.get_option("--transfer-function")->count() == 0) {
+      throw tetrec::UsageError(
+          "--transfer-function is missing: a volume needs one to become pictures");
+    }
+    return;
+  }
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_group() == kVolumes) {
+      refuse(option, "volumes, which are files .raw, .nrrd, .nhdr, .mha or .mhd");
+    }
+  }
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   tetrec::StageCommand command("import", 3,
-                               "Imports a data set with known cameras into a scene folder.");
+                               "Imports a data set with known cameras, or a volume, into a scene "
+                               "folder.");
   tetrec::ImportOptions options;
+  tetrec::VolumeImportOptions volume_options;
   CLI::App& app = command.app();
-  command.InputPath("DATASET", "folder of the data set");
+  command.InputPath("DATASET", "folder of the data set, or file of a volume");
+  AddVolumeOptions(command, volume_options);
   const std::map<std::string, DatasetFormat> formats = {
       {Name(DatasetFormat::kAuto), DatasetFormat::kAuto},
       {Name(DatasetFormat::kNerfSynthetic), DatasetFormat::kNerfSynthetic},
@@ -65,8 +132,13 @@ int main(int argc, char** argv) {
   app.add_flag("--triangulate", options.triangulate,
                "find points by COLMAP's features and the known cameras, for data sets without "
                "points, so that the first mesh can be made of points");
+  bool is_volume = false;
   return command.Run(
-      argc, argv, [&](tetrec::Stage& stage) { RunImport(options, stage); },
+      argc, argv,
+      [&](tetrec::Stage& stage) {
+        if (is_volume) return RunVolumeImport(volume_options, stage);
+        RunImport(options, stage);
+      },
       [&] {
         options.format = formats.at(format);
         options.background = backgrounds.at(background);
@@ -75,5 +147,16 @@ int main(int argc, char** argv) {
                                       {bounds[3], bounds[4], bounds[5]}};
         }
         options.Check();
+        const std::string dataset = app.get_option("DATASET")->as<std::string>();
+        is_volume = tetrec::IsVolumeFile(dataset);
+        CheckOptionsFor(app, is_volume);
+        if (!is_volume) return;
+        volume_options.background = options.background.value_or(Background::kWhite);
+        volume_options.holdout = options.holdout.value_or(volume_options.holdout);
+        if (app.get_option("--max-size")->count() > 0 && options.max_size > 0) {
+          volume_options.size_px = std::min(volume_options.size_px, options.max_size);
+        }
+        volume_options.Check();
+        volume_options.CheckFor(dataset);
       });
 }

@@ -20,6 +20,7 @@ nlohmann-json3-dev          core: JSON
 libcli11-dev                core: command lines
 libssl-dev                  core: SHA-256
 libsqlite3-dev              scene: the database of COLMAP
+zlib1g-dev                  scene: compressed volumes
 libglm-dev                  geometry: vectors and matrices
 libopencv-core-dev          scene, eval: pictures
 libopencv-imgproc-dev       scene, eval: pictures

@@ -405,6 +405,15 @@ void StageCommand::InputPath(const std::string& name, const std::string& help, b
   inputs_.push_back(std::move(input));
 }
 
+void StageCommand::FilesNamedBy(const std::string& input_name,
+                                std::function<std::vector<fs::path>(const fs::path&)> files_of) {
+  const auto input = std::find_if(inputs_.begin(), inputs_.end(), [&](const auto& i) {
+    return i->name == WithoutDashes(input_name);
+  });
+  TETREC_CHECK(input != inputs_.end(), "no input named " + input_name);
+  (*input)->files_of = std::move(files_of);
+}
+
 void StageCommand::DoesNotChangeResults(CLI::Option* option) { without_effect_.insert(option); }
 
 json StageCommand::Options(bool with_effect_only) const {
@@ -453,6 +462,15 @@ StageCommand::Request StageCommand::MakeRequest() const {
     } else if (fs::is_regular_file(path)) {
       record["kind"] = "file";
       record["sha256"] = Sha256OfFile(path);
+      json named = json::array();
+      if (input->files_of) {
+        for (const fs::path& file : input->files_of(path)) {
+          named.push_back(
+              {{"path", RelativeTo(file, request.folder)}, {"sha256", Sha256OfFile(file)}});
+          keys[input->name + " names " + file.filename().string()] = named.back()["sha256"];
+        }
+      }
+      if (!named.empty()) record["names"] = named;
     } else {
       throw DataError(fmt::format("{}: there is no such file or folder", path.string()));
     }

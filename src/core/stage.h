@@ -78,6 +78,11 @@ class StageCommand {
   // A positional argument or option ("PHOTOS", "--ground-truth") that is a file or folder from
   // outside; files are hashed into the key (folders: names, sizes and times of files inside).
   void InputPath(const std::string& name, const std::string& help, bool required = true);
+  // Other files that an input file names inside itself; they are hashed into the key too.
+  // `files_of` gets the input's path.
+  void FilesNamedBy(
+      const std::string& input_name,
+      std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)> files_of);
   // Marks an option as not changing results (device, logging): recorded, but not part of the key.
   void DoesNotChangeResults(CLI::Option* option);
 
@@ -93,6 +98,7 @@ class StageCommand {
     std::set<std::string> stages;  // empty: a path from outside
     std::filesystem::path path;
     CLI::Option* option = nullptr;
+    std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)> files_of;
   };
   struct Request;  // what the command line asks for, with its key
 

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "geometry/look_at.h"
 
 #include <fmt/format.h>
 
@@ -129,15 +130,6 @@ RaySample Sample(SyntheticKind kind, const Texture& texture, const glm::dvec3& o
   return {texture.At(origin + *hit * unit_direction), 1.0};
 }
 
-// A camera at `position` that looks at the centre, the world's z up.
-Rigid3 LookAtCenter(const glm::dvec3& position) {
-  const glm::dvec3 forward = glm::normalize(-position);
-  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0, 0, 1)));
-  const glm::dvec3 down = glm::cross(forward, right);
-  const glm::dmat3 rotation = glm::transpose(glm::dmat3(right, down, forward));
-  return {rotation, -(rotation * position)};
-}
-
 // `count` views spread evenly over a sphere but its poles (a Fibonacci lattice turned by `turn`).
 void AddViews(Scene& scene, Split split, int count, double turn) {
   const double golden_angle = kPi * (3 - std::sqrt(5.0));
@@ -148,8 +140,8 @@ void AddViews(Scene& scene, Split split, int count, double turn) {
     view.name = fmt::format("{}/{:03}", Name(split), i);
     view.image = fmt::format("images/{}.png", view.name);
     view.split = split;
-    view.cam_from_world =
-        LookAtCenter(kCameraDistance * glm::dvec3(r * std::cos(angle), r * std::sin(angle), z));
+    view.cam_from_world = CamLookingAt(
+        kCameraDistance * glm::dvec3(r * std::cos(angle), r * std::sin(angle), z), glm::dvec3(0.0));
     scene.views.push_back(std::move(view));
   }
 }

@@ -163,6 +163,35 @@ def colmap_text_seeds():
         yield f"model{kind}", bytes([kind]) + content.encode()
 
 
+def volume_seeds():
+    """2 x 3 x 4 bytes in each format; the first byte says which (see volume.cc)."""
+    samples = bytes(range(24))
+    nrrd = (b"NRRD0004\n# seed\ntype: uchar\ndimension: 3\nsizes: 2 3 4\nspacings: 1 1 2\n"
+            b"space origin: (0,1,2)\n")
+    yield "raw.nrrd", b"\0" + nrrd + b"encoding: raw\n\n" + samples
+    packer = zlib.compressobj(9, zlib.DEFLATED, 31)
+    yield "gzip.nrrd", b"\0" + nrrd + b"encoding: gzip\n\n" + packer.compress(samples) + packer.flush()
+    yield "detached.nhdr", (b"\1NRRD0005\ntype: unsigned short\nendian: big\ndimension: 3\nsizes: 2 2 2\n"
+                            b"space directions: (1,0,0) (0,2,0) (0,0,3)\nencoding: raw\n"
+                            b"byte skip: 8\ndata file: data.raw\n")
+    meta = b"ObjectType = Image\nNDims = 3\nDimSize = 2 3 4\nElementSpacing = 1 2 3\nElementType = MET_UCHAR\n"
+    yield "local.mha", b"\2" + meta + b"ElementDataFile = LOCAL\n" + samples
+    yield "packed.mha", (b"\2" + meta + b"CompressedData = True\nElementDataFile = LOCAL\n"
+                         + zlib.compress(samples))
+    yield "float.mha", (b"\2NDims = 3\nDimSize = 2 2 2\nElementType = MET_FLOAT\n"
+                        b"ElementByteOrderMSB = False\nElementDataFile = LOCAL\n"
+                        + struct.pack("<8f", *range(8)))
+    yield "detached.mhd", b"\3" + meta + b"HeaderSize = -1\nElementDataFile = data.raw\n"
+
+
+def transfer_function_seeds():
+    """Our format and ParaView's."""
+    yield "ours.json", json.dumps({"opacity": [[0, 0], [0.5, 1]],
+                                   "colour": [[0, 1, 0, 0], [1, 0, 0.5, 1]]}).encode()
+    yield "paraview.json", json.dumps([{"ColorSpace": "RGB", "RGBPoints": [0, 1, 0, 0, 255, 0, 0, 1],
+                                        "Points": [0, 0, 0.5, 0, 255, 1, 0.5, 0]}]).encode()
+
+
 SEEDS = {
     "ply": ply_seeds,
     "tet_mesh": lambda: [("two_tets.tet", tet_mesh_bytes())],
@@ -172,6 +201,8 @@ SEEDS = {
     "transforms": transforms_seeds,
     "colmap_model": colmap_seeds,
     "colmap_text": colmap_text_seeds,
+    "volume": volume_seeds,
+    "transfer_function": transfer_function_seeds,
 }
 
 

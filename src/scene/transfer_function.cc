@@ -1,0 +1,172 @@
+// Transfer functions and their two formats.
+#include "scene/transfer_function.h"
+
+#include "core/file.h"
+#include "scene/checked_json.h"
+#include "scene/srgb.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+// More would be slow, and is no function that somebody drew.
+constexpr size_t kMaxPoints = 4096;
+
+// The points around x and how far x is between them.
+template <class Point>
+struct Between {
+  const Point& before;
+  const Point& after;
+  double fraction;
+};
+
+template <class Point>
+Between<Point> Find(const std::vector<Point>& points, double x) {
+  const auto after = std::upper_bound(points.begin(), points.end(), x,
+                                      [](double value, const Point& p) { return value < p.x; });
+  if (after == points.begin()) return {points.front(), points.front(), 0};
+  if (after == points.end()) return {points.back(), points.back(), 0};
+  const Point& before = *(after - 1);
+  return {before, *after, (x - before.x) / (after->x - before.x)};
+}
+
+template <class Point>
+void CheckPosition(const std::vector<Point>& before, double x, const CheckedJson& json) {
+  if (!before.empty() && !(before.back().x < x)) {
+    json.Fail(fmt::format("is {}, not above the position before it, {}; positions rise strictly", x,
+                          before.back().x));
+  }
+}
+
+void CheckCount(size_t count, const CheckedJson& json) {
+  if (count == 0 || count > kMaxPoints) {
+    json.Fail(fmt::format("has {} points; expected 1 to {}", count, kMaxPoints));
+  }
+}
+
+CheckedJson Row(const CheckedJson& list, size_t index, size_t columns, const char* what) {
+  const CheckedJson row = list.Item(index);
+  if (row.Size() != columns) {
+    row.Fail(fmt::format("has {} numbers; expected {}: {}", row.Size(), columns, what));
+  }
+  return row;
+}
+
+TransferFunction ParseOurs(const CheckedJson& json) {
+  TransferFunction function;
+  const CheckedJson opacity = json.Field("opacity"), color = json.Field("colour");
+  CheckCount(opacity.Size(), opacity);
+  CheckCount(color.Size(), color);
+  for (size_t i = 0; i < opacity.Size(); ++i) {
+    const CheckedJson row = Row(opacity, i, 2, "x, opacity");
+    const double x = row.Item(0).NumberIn(0, 1);
+    CheckPosition(function.opacity, x, row.Item(0));
+    function.opacity.push_back({x, row.Item(1).NumberIn(0, 1)});
+  }
+  for (size_t i = 0; i < color.Size(); ++i) {
+    const CheckedJson row = Row(color, i, 4, "x, r, g, b");
+    const double x = row.Item(0).NumberIn(0, 1);
+    CheckPosition(function.color, x, row.Item(0));
+    function.color.push_back(
+        {x, {row.Item(1).NumberIn(0, 1), row.Item(2).NumberIn(0, 1), row.Item(3).NumberIn(0, 1)}});
+  }
+  return function;
+}
+
+// How many points of four numbers a flat list holds.
+size_t CountInFours(const CheckedJson& list, const char* what) {
+  if (list.Size() % 4 != 0) {
+    list.Fail(fmt::format("has {} numbers; expected four a point: {}", list.Size(), what));
+  }
+  CheckCount(list.Size() / 4, list);
+  return list.Size() / 4;
+}
+
+// Positions of both lists to [0, 1].
+void Rescale(TransferFunction& function, const CheckedJson& json) {
+  const double min = std::min(function.opacity.front().x, function.color.front().x);
+  const double max = std::max(function.opacity.back().x, function.color.back().x);
+  if (!(max > min) || !std::isfinite(max - min)) {
+    json.Fail(fmt::format("spans {} to {}; expected a range of positions", min, max));
+  }
+  const auto rescale = [&](auto& points) {
+    for (size_t i = 0; i < points.size(); ++i) {
+      points[i].x = (points[i].x - min) / (max - min);
+      if (i > 0) CheckPosition(std::vector{points[i - 1]}, points[i].x, json);
+    }
+  };
+  rescale(function.opacity);
+  rescale(function.color);
+}
+
+TransferFunction ParseParaView(const CheckedJson& json) {
+  if (json.Size() != 1) {
+    json.Fail(fmt::format("holds {} colour maps; expected one", json.Size()));
+  }
+  const CheckedJson map = json.Item(0);
+  const CheckedJson space = map.Field("ColorSpace");
+  if (space.Text() != "RGB") {
+    space.Fail(fmt::format(
+        "is \"{}\"; only \"RGB\" is read: choose it in ParaView's colour map editor and export "
+        "the map again",
+        space.Text()));
+  }
+  if (map.Has("UseLogScale") && map.Field("UseLogScale").NumberIn(0, 1) != 0) {
+    map.Field("UseLogScale").Fail("is on; only maps linear in the value are read");
+  }
+  TransferFunction function;
+  function.interpolation = ColorInterpolation::kSrgb;
+  constexpr double kFar = 1e100;
+  const CheckedJson color = map.Field("RGBPoints"), opacity = map.Field("Points");
+  const size_t colors = CountInFours(color, "x, r, g, b");
+  for (size_t i = 0; i < colors; ++i) {
+    const auto item = [&](size_t k) { return color.Item(4 * i + k); };
+    const double x = item(0).NumberIn(-kFar, kFar);
+    CheckPosition(function.color, x, item(0));
+    function.color.push_back(
+        {x, {item(1).NumberIn(0, 1), item(2).NumberIn(0, 1), item(3).NumberIn(0, 1)}});
+  }
+  const size_t opacities = CountInFours(opacity, "x, opacity, midpoint, sharpness");
+  for (size_t i = 0; i < opacities; ++i) {
+    const auto item = [&](size_t k) { return opacity.Item(4 * i + k); };
+    const double x = item(0).NumberIn(-kFar, kFar);
+    CheckPosition(function.opacity, x, item(0));
+    if (item(2).Number() != 0.5) item(2).Fail("is a midpoint other than 0.5, which is not read");
+    if (item(3).Number() != 0) item(3).Fail("is a sharpness other than 0, which is not read");
+    function.opacity.push_back({x, item(1).NumberIn(0, 1)});
+  }
+  Rescale(function, map);
+  return function;
+}
+
+}  // namespace
+
+double TransferFunction::OpacityAt(double x) const {
+  const Between<OpacityPoint> at = Find(opacity, x);
+  return at.before.opacity + at.fraction * (at.after.opacity - at.before.opacity);
+}
+
+glm::dvec3 TransferFunction::SrgbAt(double x) const {
+  const Between<ColorPoint> at = Find(color, x);
+  if (interpolation == ColorInterpolation::kSrgb) {
+    return glm::mix(at.before.color_srgb, at.after.color_srgb, at.fraction);
+  }
+  return SrgbFromLinear(glm::mix(LinearFromSrgb(at.before.color_srgb),
+                                 LinearFromSrgb(at.after.color_srgb), at.fraction));
+}
+
+TransferFunction ParseTransferFunction(const nlohmann::json& json,
+                                       const std::filesystem::path& file) {
+  const CheckedJson checked(json, file);
+  return json.is_array() ? ParseParaView(checked) : ParseOurs(checked);
+}
+
+TransferFunction ReadTransferFunction(const std::filesystem::path& path) {
+  return ParseTransferFunction(ReadJson(path), path);
+}
+
+}  // namespace tetrec

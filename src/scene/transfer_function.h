@@ -1,0 +1,43 @@
+// Transfer functions: opacity and colour of a volume's samples, piecewise linear in the normalised
+// sample, constant before the first and behind the last position.
+//
+// Our format: {"opacity": [[x, opacity]...], "colour": [[x, r, g, b]...]}, all in [0, 1], x rising
+// strictly; colours are given in sRGB and interpolated in linear RGB. ParaView's: an array of one
+// colour map with "ColorSpace": "RGB", "RGBPoints": [x, r, g, b...] and "Points": [x, opacity,
+// midpoint, sharpness...] with midpoint 0.5 and sharpness 0; the positions of both together are
+// moved to [0, 1]; colours are interpolated as they are given, in sRGB.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <vector>
+
+namespace tetrec {
+
+// In which space colours are linear between two positions.
+enum class ColorInterpolation { kLinearRgb, kSrgb };
+
+struct TransferFunction {
+  struct OpacityPoint {
+    double x = 0, opacity = 0;
+  };
+  struct ColorPoint {
+    double x = 0;
+    glm::dvec3 color_srgb{0.0};
+  };
+  std::vector<OpacityPoint> opacity;  // at least one; x rises strictly within [0, 1]
+  std::vector<ColorPoint> color;      // likewise
+  ColorInterpolation interpolation = ColorInterpolation::kLinearRgb;
+
+  double OpacityAt(double x) const;
+  glm::dvec3 SrgbAt(double x) const;  // display sRGB
+};
+
+// Either format, told by the outermost bracket. Throws DataError naming the file and the field.
+TransferFunction ParseTransferFunction(const nlohmann::json& json,
+                                       const std::filesystem::path& file);
+TransferFunction ReadTransferFunction(const std::filesystem::path& path);
+
+}  // namespace tetrec

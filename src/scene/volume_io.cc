@@ -1,0 +1,549 @@
+// Volume files.
+#include "scene/volume_io.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/progress.h"
+#include "scene/checked_json.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <string_view>
+
+namespace tetrec {
+namespace {
+namespace fs = std::filesystem;
+
+// A header longer than this is none.
+constexpr size_t kMaxHeaderBytes = size_t{1} << 20;
+constexpr uint64_t kMaxFileBytes = uint64_t{1} << 34;
+
+std::string_view Trimmed(std::string_view text) {
+  const char* blank = " \t\r\f\v";
+  const size_t first = text.find_first_not_of(blank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(blank) - first + 1);
+}
+
+std::string Lower(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = char(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  return lower;
+}
+
+std::vector<std::string_view> Words(std::string_view text) {
+  std::vector<std::string_view> words;
+  while (!(text = Trimmed(text)).empty()) {
+    const size_t end = std::min(text.find_first_of(" \t\r\f\v"), text.size());
+    words.push_back(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+  return words;
+}
+
+// One value of a header, and where it stands.
+struct Field {
+  std::string name, text;
+  std::string file;
+  int line = 0;
+
+  [[noreturn]] void Fail(const std::string& expected) const {
+    std::string excerpt;
+    for (const char c : text.substr(0, 60)) excerpt += c >= ' ' && c != 127 ? c : '?';
+    throw DataError(
+        fmt::format("{}, line {}: {} is \"{}\"; expected {}", file, line, name, excerpt, expected));
+  }
+  template <class T>
+  T NumberFrom(std::string_view word, const char* expected) const {
+    T value{};
+    if (!word.empty() && word[0] == '+') word.remove_prefix(1);
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size()) Fail(expected);
+    return value;
+  }
+  double FiniteFrom(std::string_view word, const char* expected) const {
+    const double value = NumberFrom<double>(word, expected);
+    if (!std::isfinite(value)) Fail(expected);
+    return value;
+  }
+  glm::dvec3 Vector3(const char* expected) const {
+    const std::vector<std::string_view> words = Words(text);
+    if (words.size() != 3) Fail(expected);
+    return {FiniteFrom(words[0], expected), FiniteFrom(words[1], expected),
+            FiniteFrom(words[2], expected)};
+  }
+  glm::ivec3 Size() const {
+    constexpr const char* kExpected = "three numbers of samples";
+    const std::vector<std::string_view> words = Words(text);
+    if (words.size() != 3) Fail(kExpected);
+    return {NumberFrom<int>(words[0], kExpected), NumberFrom<int>(words[1], kExpected),
+            NumberFrom<int>(words[2], kExpected)};
+  }
+  int64_t Integer(const char* expected) const {
+    return NumberFrom<int64_t>(Trimmed(text), expected);
+  }
+  bool Flag() const {
+    const std::string word = Lower(text);
+    if (word == "true" || word == "1") return true;
+    if (word == "false" || word == "0") return false;
+    Fail("True or False");
+  }
+};
+
+// The fields of a header by name; counts which were asked for.
+class Header {
+ public:
+  explicit Header(std::string file) : file_(std::move(file)) {}
+
+  void Add(std::string name, std::string_view text, int line) {
+    if (fields_.contains(name)) {
+      throw DataError(fmt::format("{}, line {}: {} is there twice", file_, line, name));
+    }
+    Field field{name, std::string(text), file_, line};
+    fields_.emplace(std::move(name), std::move(field));
+  }
+  const Field* Find(const std::string& name) {
+    used_.insert(name);
+    const auto found = fields_.find(name);
+    return found == fields_.end() ? nullptr : &found->second;
+  }
+  // The first of several names for one thing.
+  const Field* FindAny(std::initializer_list<const char*> names) {
+    const Field* first = nullptr;
+    for (const char* name : names) {
+      const Field* field = Find(name);
+      if (first == nullptr) first = field;
+    }
+    return first;
+  }
+  const Field& Get(const std::string& name) {
+    const Field* field = Find(name);
+    if (field == nullptr) throw DataError(fmt::format("{}: {} is missing", file_, name));
+    return *field;
+  }
+  std::vector<std::string> Unused() const {
+    std::vector<std::string> names;
+    for (const auto& [name, field] : fields_) {
+      if (!used_.contains(name)) names.push_back(name);
+    }
+    return names;
+  }
+  const std::string& file() const { return file_; }
+
+ private:
+  std::string file_;
+  std::map<std::string, Field> fields_;
+  std::set<std::string> used_;
+};
+
+// Lines of a header at the front of a file.
+class Lines {
+ public:
+  Lines(std::span<const uint8_t> bytes, std::string file)
+      : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()), file_(std::move(file)) {}
+
+  // Nothing at the end of the file.
+  std::optional<std::string_view> Next() {
+    if (position_ >= text_.size()) return std::nullopt;
+    ++number_;
+    const size_t end = std::min(text_.find('\n', position_), text_.size());
+    if (end > kMaxHeaderBytes) {
+      throw DataError(fmt::format("{}: has no end of its header within {} bytes", file_,
+                                  WithThousands(kMaxHeaderBytes)));
+    }
+    const std::string_view line = text_.substr(position_, end - position_);
+    position_ = std::min(end + 1, text_.size());
+    return Trimmed(line);
+  }
+  size_t position() const { return position_; }  // [bytes], behind the last line
+  int number() const { return number_; }         // of the last line, from 1
+
+ private:
+  std::string_view text_;
+  std::string file_;
+  size_t position_ = 0;
+  int number_ = 0;
+};
+
+// Where the samples are, as a header says.
+struct Placement {
+  fs::path data_file;            // empty: behind the header
+  uint64_t skip = 0;             // [bytes] from there
+  bool skip_to_samples = false;  // the samples are the last bytes of the file
+  bool compressed = false;       // gzip or zlib
+};
+
+struct ParsedHeader {
+  VolumeLayout layout;
+  Placement placement;
+  size_t header_bytes = 0;
+  std::vector<std::string> unused_fields;
+};
+
+// --- NRRD
+
+SampleType NrrdType(const Field& field) {
+  static const std::map<std::string, SampleType> kTypes = {
+      {"uchar", SampleType::kUint8},
+      {"unsigned char", SampleType::kUint8},
+      {"uint8", SampleType::kUint8},
+      {"uint8_t", SampleType::kUint8},
+      {"ushort", SampleType::kUint16},
+      {"unsigned short", SampleType::kUint16},
+      {"unsigned short int", SampleType::kUint16},
+      {"uint16", SampleType::kUint16},
+      {"uint16_t", SampleType::kUint16},
+      {"float", SampleType::kFloat32}};
+  std::string spelling;
+  for (const std::string_view word : Words(field.text)) {
+    if (!spelling.empty()) spelling += ' ';
+    spelling += Lower(word);
+  }
+  const auto found = kTypes.find(spelling);
+  if (found == kTypes.end()) field.Fail("uint8, uint16 or float");
+  return found->second;
+}
+
+// "(a,b,c)"
+glm::dvec3 NrrdVector(const Field& field, std::string_view& text) {
+  constexpr const char* kExpected = "vectors like (1,0,0) (0,1,0) (0,0,1)";
+  text = Trimmed(text);
+  const size_t end = text.find(')');
+  if (text.empty() || text[0] != '(' || end == std::string_view::npos) field.Fail(kExpected);
+  std::string_view inside = text.substr(1, end - 1);
+  glm::dvec3 vector(0.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const size_t comma = inside.find(',');
+    if ((comma == std::string_view::npos) != (axis == 2)) field.Fail(kExpected);
+    vector[axis] = field.FiniteFrom(Trimmed(inside.substr(0, comma)), kExpected);
+    if (axis < 2) inside.remove_prefix(comma + 1);
+  }
+  text.remove_prefix(end + 1);
+  return vector;
+}
+
+glm::dvec3 SpacingFromDirections(const Field& field) {
+  glm::dvec3 spacing(0.0);
+  std::string_view rest = field.text;
+  for (int axis = 0; axis < 3; ++axis) {
+    const glm::dvec3 direction = NrrdVector(field, rest);
+    for (int i = 0; i < 3; ++i) {
+      const bool good = i == axis ? direction[i] > 0 : direction[i] == 0;
+      if (!good) field.Fail("a diagonal above 0: turned, sheared or mirrored axes are not read");
+    }
+    spacing[axis] = direction[axis];
+  }
+  if (!Trimmed(rest).empty()) field.Fail("three vectors");
+  return spacing;
+}
+
+void ReadNrrdFrame(Header& header, VolumeLayout& layout) {
+  const Field* spacings = header.Find("spacings");
+  const Field* directions = header.Find("space directions");
+  if (spacings != nullptr && directions != nullptr) {
+    directions->Fail("either this or spacings, not both");
+  }
+  if (spacings != nullptr) layout.spacing = spacings->Vector3("three numbers");
+  if (directions != nullptr) layout.spacing = SpacingFromDirections(*directions);
+  if (const Field* origin = header.Find("space origin")) {
+    std::string_view rest = origin->text;
+    layout.origin = NrrdVector(*origin, rest);
+    if (!Trimmed(rest).empty()) origin->Fail("one vector");
+  }
+}
+
+// A file inside the header's folder.
+fs::path InsideFolder(const Field& field) {
+  const fs::path path = fs::path(field.text).lexically_normal();
+  if (!StaysInside(path)) field.Fail("a file inside the header's folder");
+  return path;
+}
+
+Placement ReadNrrdPlacement(Header& header, const VolumeLayout& layout) {
+  Placement placement;
+  const Field& encoding = header.Get("encoding");
+  const std::string word = Lower(encoding.text);
+  placement.compressed = word == "gzip" || word == "gz";
+  if (!placement.compressed && word != "raw") encoding.Fail("raw or gzip");
+  if (const Field* file = header.FindAny({"data file", "datafile"})) {
+    if (Words(file->text).empty() || file->text.starts_with("LIST") ||
+        file->text.find('%') != std::string::npos) {
+      file->Fail("the name of one file (lists and patterns of files are not read)");
+    }
+    placement.data_file = InsideFolder(*file);
+  }
+  if (const Field* lines = header.FindAny({"line skip", "lineskip"})) {
+    if (lines->Integer("a number") != 0) lines->Fail("0; use byte skip");
+  }
+  if (const Field* bytes = header.FindAny({"byte skip", "byteskip"})) {
+    const int64_t skip = bytes->Integer("a number of bytes, or -1 for data at the file's end");
+    placement.skip_to_samples = skip == -1;
+    if (skip < (placement.compressed ? 0 : -1)) {
+      bytes->Fail("a number of bytes of 0 or more, or -1 where the encoding is raw");
+    }
+    // Of compressed data NRRD counts these behind the unpacking.
+    if (skip > 0 && placement.compressed) bytes->Fail("0 where the encoding is gzip");
+    if (skip > 0) placement.skip = uint64_t(skip);
+  }
+  if (const Field* endian = header.Find("endian"); endian != nullptr) {
+    const std::string order = Lower(endian->text);
+    if (order != "little" && order != "big") endian->Fail("little or big");
+  } else if (BytesOf(layout.type) > 1) {
+    header.Get("endian");
+  }
+  return placement;
+}
+
+ParsedHeader ParseNrrdHeader(std::span<const uint8_t> bytes, const std::string& name) {
+  Lines lines(bytes, name);
+  const std::string_view magic = lines.Next().value_or("");
+  if (!magic.starts_with("NRRD000") || magic.size() != 8 || magic[7] < '1' || magic[7] > '5') {
+    throw DataError(fmt::format("{}: does not begin with NRRD0001 to NRRD0005", name));
+  }
+  Header header(name);
+  while (const std::optional<std::string_view> line = lines.Next()) {
+    if (line->empty()) break;  // the samples are next
+    if ((*line)[0] == '#') continue;
+    const size_t colon = line->find(':');
+    if (colon == std::string_view::npos) {
+      throw DataError(fmt::format("{}, line {}: is no field (name: value)", name, lines.number()));
+    }
+    if (colon + 1 < line->size() && (*line)[colon + 1] == '=') continue;  // a note: key:=value
+    header.Add(Lower(Trimmed(line->substr(0, colon))), Trimmed(line->substr(colon + 1)),
+               lines.number());
+  }
+  ParsedHeader parsed;
+  VolumeLayout& layout = parsed.layout;
+  const Field& dimension = header.Get("dimension");
+  if (dimension.Integer("a number") != 3) dimension.Fail("3");
+  layout.size = header.Get("sizes").Size();
+  layout.type = NrrdType(header.Get("type"));
+  ReadNrrdFrame(header, layout);
+  parsed.placement = ReadNrrdPlacement(header, layout);
+  const Field* endian = header.Find("endian");
+  layout.big_endian = endian != nullptr && Lower(endian->text) == "big";
+  parsed.header_bytes = lines.position();
+  parsed.unused_fields = header.Unused();
+  return parsed;
+}
+
+// --- MetaImage
+
+SampleType MetaType(const Field& field) {
+  const std::string& type = field.text;
+  if (type == "MET_UCHAR") return SampleType::kUint8;
+  if (type == "MET_USHORT") return SampleType::kUint16;
+  if (type == "MET_FLOAT") return SampleType::kFloat32;
+  field.Fail("MET_UCHAR, MET_USHORT or MET_FLOAT");
+}
+
+void RefuseTurnedAxes(const Field& matrix) {
+  const std::vector<std::string_view> words = Words(matrix.text);
+  if (words.size() != 9) matrix.Fail("nine numbers");
+  for (size_t i = 0; i < words.size(); ++i) {
+    if (matrix.FiniteFrom(words[i], "nine numbers") != (i % 4 == 0 ? 1 : 0)) {
+      matrix.Fail("1 0 0 0 1 0 0 0 1: turned axes are not read");
+    }
+  }
+}
+
+Placement ReadMetaPlacement(Header& header, const Field& data_file) {
+  Placement placement;
+  if (const Field* binary = header.Find("BinaryData"); binary != nullptr && !binary->Flag()) {
+    binary->Fail("True: samples as text are not read");
+  }
+  if (const Field* compressed = header.Find("CompressedData")) {
+    placement.compressed = compressed->Flag();
+  }
+  header.Find("CompressedDataSize");  // the stream itself tells where it ends
+  if (const Field* size = header.Find("HeaderSize")) {
+    const int64_t skip = size->Integer("a number of bytes, or -1 for data at the file's end");
+    if (skip < -1) size->Fail("a number of bytes, or -1 for data at the file's end");
+    placement.skip_to_samples = skip == -1 && !placement.compressed;
+    if (skip == -1 && placement.compressed) size->Fail("0 or more where the data is compressed");
+    if (skip > 0) placement.skip = uint64_t(skip);
+  }
+  const bool is_list = data_file.text.starts_with("LIST") ||
+                       data_file.text.find('%') != std::string::npos || data_file.text.empty();
+  if (is_list) data_file.Fail("LOCAL or one file (lists and patterns of files are not read)");
+  if (Lower(data_file.text) != "local") placement.data_file = InsideFolder(data_file);
+  return placement;
+}
+
+ParsedHeader ParseMetaHeader(std::span<const uint8_t> bytes, const std::string& name) {
+  Lines lines(bytes, name);
+  Header header(name);
+  bool ended = false;  // by ElementDataFile, which is the last field
+  while (!ended) {
+    const std::optional<std::string_view> line = lines.Next();
+    if (!line) break;
+    if (line->empty() || (*line)[0] == '#') continue;
+    const size_t equals = line->find('=');
+    if (equals == std::string_view::npos) {
+      throw DataError(fmt::format("{}, line {}: is no field (Name = value)", name, lines.number()));
+    }
+    const std::string field(Trimmed(line->substr(0, equals)));
+    header.Add(field, Trimmed(line->substr(equals + 1)), lines.number());
+    ended = field == "ElementDataFile";
+  }
+  if (const Field* kind = header.Find("ObjectType"); kind != nullptr && kind->text != "Image") {
+    kind->Fail("Image");
+  }
+  const Field& dimensions = header.Get("NDims");
+  if (dimensions.Integer("a number") != 3) dimensions.Fail("3");
+  const Field* channels = header.Find("ElementNumberOfChannels");
+  if (channels != nullptr && channels->Integer("a number") != 1) channels->Fail("1");
+
+  ParsedHeader parsed;
+  VolumeLayout& layout = parsed.layout;
+  layout.size = header.Get("DimSize").Size();
+  layout.type = MetaType(header.Get("ElementType"));
+  if (const Field* spacing = header.FindAny({"ElementSpacing", "ElementSize"})) {
+    layout.spacing = spacing->Vector3("three numbers");
+  }
+  if (const Field* origin = header.FindAny({"Offset", "Origin", "Position"})) {
+    layout.origin = origin->Vector3("three numbers");
+  }
+  for (const char* matrix : {"TransformMatrix", "Rotation", "Orientation"}) {
+    if (const Field* field = header.Find(matrix)) RefuseTurnedAxes(*field);
+  }
+  if (const Field* order = header.FindAny({"ElementByteOrderMSB", "BinaryDataByteOrderMSB"})) {
+    layout.big_endian = order->Flag();
+  }
+  parsed.placement = ReadMetaPlacement(header, header.Get("ElementDataFile"));
+  parsed.header_bytes = lines.position();
+  parsed.unused_fields = header.Unused();
+  return parsed;
+}
+
+// --- Samples
+
+// Unpacks gzip or zlib data; `size` bytes must come out.
+std::vector<uint8_t> Inflate(std::span<const uint8_t> packed, size_t size,
+                             const std::string& name) {
+  // Deflate packs 1032 bytes into one at best: a claim beyond that takes no memory.
+  if (size / 1032 > packed.size()) {
+    throw DataError(fmt::format("{}: {} bytes of compressed samples cannot hold {}", name,
+                                WithThousands(packed.size()), WithThousands(size)));
+  }
+  std::vector<uint8_t> unpacked(size);
+  z_stream stream{};
+  constexpr int kEitherHeader = 15 + 32;
+  if (inflateInit2(&stream, kEitherHeader) != Z_OK) throw BugError("zlib does not start");
+  constexpr size_t kMaxPart = size_t{1} << 30;  // zlib counts in 32 bits
+  size_t read = 0, written = 0;
+  int state = Z_OK;
+  while (state == Z_OK && written < size) {
+    const size_t in = std::min(kMaxPart, packed.size() - read);
+    const size_t out = std::min(kMaxPart, size - written);
+    stream.next_in = const_cast<Bytef*>(packed.data() + read);
+    stream.avail_in = uInt(in);
+    stream.next_out = unpacked.data() + written;
+    stream.avail_out = uInt(out);
+    state = inflate(&stream, Z_NO_FLUSH);
+    read += in - stream.avail_in;
+    written += out - stream.avail_out;
+    if (in == stream.avail_in && out == stream.avail_out) break;  // nothing left to read
+  }
+  inflateEnd(&stream);
+  if (written < size) {
+    throw DataError(
+        fmt::format("{}: the compressed samples are damaged or end after {} of {} "
+                    "bytes",
+                    name, WithThousands(written), WithThousands(size)));
+  }
+  return unpacked;
+}
+
+VolumeFile ReadSamples(const fs::path& path, std::vector<uint8_t> file,
+                       const ParsedHeader& header) {
+  header.layout.Check(path.string());
+  VolumeFile result;
+  result.type = header.layout.type;
+  result.unused_fields = header.unused_fields;
+  result.data_file = path;
+  const Placement& placement = header.placement;
+  size_t begin = header.header_bytes;
+  if (!placement.data_file.empty()) {
+    result.data_file = path.parent_path() / placement.data_file;
+    file = ReadBytes(result.data_file, kMaxFileBytes);
+    begin = 0;
+  }
+  const std::string name = result.data_file.string();
+  const size_t size = header.layout.Bytes();
+  const size_t available = file.size() - begin;
+  if (placement.skip > available) {
+    throw DataError(fmt::format("{}: has no sample after its first {} bytes", name,
+                                WithThousands(placement.skip)));
+  }
+  begin += size_t(placement.skip);
+  if (placement.skip_to_samples && available >= size) begin = file.size() - size;
+  std::span<const uint8_t> samples = std::span(file).subspan(begin);
+  if (placement.compressed) {
+    const std::vector<uint8_t> unpacked = Inflate(samples, size, name);
+    result.volume = DecodeVolume(header.layout, unpacked, name);
+    return result;
+  }
+  if (samples.size() > size) {
+    LogWarning("{}: {} bytes behind the samples are not read", name,
+               WithThousands(samples.size() - size));
+  }
+  result.volume = DecodeVolume(header.layout, samples, name);
+  return result;
+}
+
+ParsedHeader ParseHeader(const fs::path& path, std::span<const uint8_t> bytes) {
+  const std::string extension = Lower(path.extension().string());
+  return extension == ".nrrd" || extension == ".nhdr" ? ParseNrrdHeader(bytes, path.string())
+                                                      : ParseMetaHeader(bytes, path.string());
+}
+
+}  // namespace
+
+bool NeedsLayout(const fs::path& path) { return Lower(path.extension().string()) == ".raw"; }
+
+bool IsVolumeFile(const fs::path& path) {
+  constexpr std::array kExtensions = {".raw", ".nrrd", ".nhdr", ".mha", ".mhd"};
+  const std::string extension = Lower(path.extension().string());
+  std::error_code unusable;
+  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end() &&
+         !fs::is_directory(path, unusable);
+}
+
+VolumeFile ReadRawVolume(const fs::path& path, const VolumeLayout& layout) {
+  layout.Check(path.string());
+  const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
+  if (bytes.size() != layout.Bytes()) {
+    throw DataError(fmt::format(
+        "{}: has {} bytes where {} x {} x {} samples of {} take {}; check --dimensions and "
+        "--sample-type",
+        path.string(), WithThousands(bytes.size()), layout.size.x, layout.size.y, layout.size.z,
+        Name(layout.type), WithThousands(layout.Bytes())));
+  }
+  return {DecodeVolume(layout, bytes, path.string()), layout.type, path, {}};
+}
+
+VolumeFile ReadVolume(const fs::path& path) {
+  std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
+  const ParsedHeader header = ParseHeader(path, bytes);
+  return ReadSamples(path, std::move(bytes), header);
+}
+
+std::vector<fs::path> FilesNamedByVolume(const fs::path& path) {
+  if (!IsVolumeFile(path) || NeedsLayout(path)) return {};
+  const ParsedHeader header = ParseHeader(path, ReadBytes(path, kMaxFileBytes));
+  const fs::path& data_file = header.placement.data_file;
+  if (data_file.empty()) return {};
+  return {path.parent_path() / data_file};
+}
+
+}  // namespace tetrec

@@ -1,0 +1,41 @@
+// Volume files: raw samples, NRRD (.nrrd, .nhdr) and MetaImage (.mha, .mhd).
+//
+// Of NRRD: three dimensions; encodings raw and gzip; spacings, or space directions along the axes
+// with space origin; a data file beside the header or in a folder below it; byte skip. Of
+// MetaImage: three dimensions, one channel, binary, plain or compressed; ElementDataFile LOCAL or a
+// file as above; HeaderSize. Samples uint8, uint16 or float32. What else a header says is either
+// refused, where it would change the volume, or listed in `unused_fields`.
+#pragma once
+
+#include "scene/volume.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tetrec {
+
+struct VolumeFile {
+  Volume volume;
+  SampleType type = SampleType::kUint8;
+  std::filesystem::path data_file;         // where the samples lie: the file itself, or another
+  std::vector<std::string> unused_fields;  // of the header
+};
+
+// By its extension: raw, nrrd, nhdr, mha, mhd.
+bool IsVolumeFile(const std::filesystem::path& path);
+// True where the file says nothing of its own layout: raw.
+bool NeedsLayout(const std::filesystem::path& path);
+
+// The file's size must be what the layout takes.
+VolumeFile ReadRawVolume(const std::filesystem::path& path, const VolumeLayout& layout);
+// NRRD or MetaImage, by the extension.
+VolumeFile ReadVolume(const std::filesystem::path& path);
+// All throw DataError naming the file and the field or line. Memory is taken for no more samples
+// than the file's size allows.
+
+// Files that a header names: the one with the samples, where that is another; from the header
+// alone.
+std::vector<std::filesystem::path> FilesNamedByVolume(const std::filesystem::path& path);
+
+}  // namespace tetrec

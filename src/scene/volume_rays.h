@@ -1,0 +1,79 @@
+// Emission and absorption along rays through a volume, on the CPU: the ground truth of pictures.
+//
+// sigma = density_at_opacity_1 * opacity; a ray gathers int sigma c e^-tau dt, tau = int sigma dt.
+// c is display sRGB, as everywhere in the field and its pictures: what is integrated is what a
+// field can hold. In each cell of the grid the trilinear interpolant is a cubic along the ray, so
+//   pre-shaded: the transfer function is applied at the samples, then density and colour are
+//     interpolated, each for itself: sigma is a cubic;
+//   post-shaded: the sample is interpolated, then the transfer function applied: sigma is a cubic
+//     between two crossings of the transfer function's knots, which are found.
+// Either way tau is a quartic, taken exactly, and int sigma c e^-tau goes by four Gauss-Legendre
+// nodes a part, parts being cut to an optical depth of about 1. A ray ends where less than
+// kStopTransmittance is left.
+#pragma once
+
+#include "geometry/camera.h"
+#include "geometry/rigid3.h"
+#include "scene/image.h"
+#include "scene/shaded_transfer.h"
+#include "scene/volume.h"
+
+#include <glm/glm.hpp>
+
+#include <vector>
+
+namespace tetrec {
+
+enum class Shading { kPre, kPost };
+const char* Name(Shading shading);  // "pre", "post"
+
+// What a ray gathers.
+struct GatheredColor {
+  glm::vec3 premultiplied_srgb{0.0f};  // [0, 1], times alpha
+  float alpha = 0;
+};
+
+class VolumeRays {
+ public:
+  static constexpr float kStopTransmittance = 1e-4f;
+
+  // world_from_volume: from the volume's own coordinates (spacings and origin), without rotation.
+  // Keeps a reference to the volume. density_at_opacity_1 in [1 / world unit].
+  VolumeRays(const Volume& volume, const TransferFunction& function, double density_at_opacity_1,
+             Shading shading, const Similarity3& world_from_volume);
+
+  // `parts`: each part of a ray is cut into so many more; 1 is accurate.
+  GatheredColor Gather(const glm::dvec3& origin_in_world, const glm::dvec3& unit_direction_in_world,
+                       int parts = 1) const;
+
+  // Density [1 / world unit] and display sRGB at every sample, in its order.
+  const std::vector<glm::vec4>& shaded_samples() const { return shaded_; }
+
+ private:
+  struct CellPassage;
+  struct Gathering;
+
+  void ShadeSamples(const TransferFunction& function);
+  void FindVisibleBlocks();
+  bool IsVisible(const glm::ivec3& block) const;
+  template <class Visit>
+  void Walk(const glm::dvec3& origin, const glm::dvec3& direction, const Visit& visit) const;
+  bool GatherPreShaded(const CellPassage& passage, Gathering& gathering) const;
+  bool GatherPostShaded(const CellPassage& passage, Gathering& gathering) const;
+
+  const Volume& volume_;
+  ShadedTransfer transfer_;
+  float density_at_opacity_1_;
+  Shading shading_;
+  glm::dvec3 origin_in_world_, spacing_in_world_;
+  std::vector<glm::vec4> shaded_;
+  glm::ivec3 blocks_{0};                // of kBlockCells^3 cells
+  std::vector<uint8_t> visible_block_;  // x fastest
+};
+
+// An RGBA picture with straight alpha; each pixel is the mean of rays_per_side^2 rays on a regular
+// grid.
+Image RenderVolume(const VolumeRays& rays, const Camera& camera, const Rigid3& cam_from_world,
+                   int rays_per_side);
+
+}  // namespace tetrec

@@ -1,0 +1,182 @@
+// Volumes into scene folders: cameras, frames, ground truth, options.
+#include "scene/volume_import.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "expect_error.h"
+#include "scratch_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace tetrec {
+namespace {
+
+constexpr const char* kFunction =
+    R"({"opacity": [[0, 0], [1, 1]], "colour": [[0, 1, 0, 0], [1, 0, 0, 1]]})";
+
+VolumeImportOptions Small() {
+  VolumeImportOptions options;
+  options.dimensions = "3x2x5";
+  options.sample_type = "uint8";
+  options.spacing = "1x4x0.5";
+  options.cameras = 24;
+  options.size_px = 16;
+  return options;
+}
+
+// 3 x 2 x 5 samples, 8 a step.
+std::string SmallSamples() {
+  std::string bytes;
+  for (int i = 0; i < 30; ++i) bytes += char(8 * i);
+  return bytes;
+}
+
+class VolumeImport : public ::testing::Test {
+ protected:
+  ImportedVolume Import(const std::string& to, const VolumeImportOptions& options) {
+    return ImportVolume(folder_.Write("v.raw", SmallSamples()), folder_.Write("tf.json", kFunction),
+                        folder_ / to, options);
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(VolumeImport, WritesAWholeScene) {
+  Import("scene", Small());
+  const Scene scene = ReadScene(folder_ / "scene");
+  EXPECT_TRUE(scene.has_alpha);
+  EXPECT_EQ(scene.ViewsOf(Split::kTest).size(), 3u);
+  EXPECT_EQ(scene.ViewsOf(Split::kValidation).size(), 3u);
+  EXPECT_EQ(scene.ViewsOf(Split::kTrain).size(), 18u);
+  // 2 x 4 x 2 in the file's units: the second side is the longest.
+  EXPECT_EQ(scene.input_from_world.scale, 2);
+  EXPECT_EQ(scene.input_from_world.translation, glm::dvec3(1, 2, 1));
+  EXPECT_EQ(scene.subject_bounds.min, glm::dvec3(-0.5, -1, -0.5));
+  EXPECT_EQ(scene.subject_bounds.max, glm::dvec3(0.5, 1, 0.5));
+  bool any = false;
+  for (const View& view : scene.views) {
+    const Image image = ReadImage(folder_ / "scene" / view.image);
+    EXPECT_EQ(image.width, 16);
+    EXPECT_EQ(image.channels, 4);
+    EXPECT_EQ(int(image.At(0, 0)[3]), 0);
+    any = any || image.At(8, 8)[3] > 100;
+  }
+  EXPECT_TRUE(any);
+}
+
+TEST_F(VolumeImport, EveryCameraSeesTheWholeVolume) {
+  const Scene scene = Import("scene", Small()).scene;
+  const Bounds3& box = scene.subject_bounds;
+  for (const View& view : scene.views) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 point(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                             corner & 4 ? box.max.z : box.min.z);
+      const glm::dvec3 in_cam = view.cam_from_world * point;
+      EXPECT_GT(in_cam.z, 0);
+      const glm::dvec2 pixel = scene.cameras[0].ImageFromCam(in_cam);
+      EXPECT_TRUE(pixel.x >= 0 && pixel.y >= 0 && pixel.x <= 16 && pixel.y <= 16);
+    }
+    const glm::dvec3 center = view.cam_from_world * glm::dvec3(0.0);
+    EXPECT_NEAR(glm::length(glm::dvec2(center)), 0, 1e-12);
+    EXPECT_NEAR(center.z, 2.5 * 0.5 * box.Diagonal(), 1e-12);
+  }
+}
+
+TEST_F(VolumeImport, CamerasAreSpreadOverTheSphereAndTurnedByTheSeed) {
+  VolumeImportOptions options = Small();
+  options.cameras = 1000;
+  Scene a, b, c;
+  AddSphereOfViews(options, 1, a);
+  AddSphereOfViews(options, 1, b);
+  options.seed = 1;
+  AddSphereOfViews(options, 1, c);
+  glm::dvec3 mean(0.0);
+  for (size_t i = 0; i < a.views.size(); ++i) {
+    const glm::dvec3 position = a.views[i].cam_from_world.Inverse().translation;
+    mean += position / 1000.0;
+    double nearest = 9;
+    for (size_t j = 0; j < a.views.size(); ++j) {
+      if (j == i) continue;
+      nearest = std::min(nearest,
+                         glm::length(position - a.views[j].cam_from_world.Inverse().translation));
+    }
+    // Each has 4 pi 2.5^2 / 1000 of the sphere: a square of side 0.28.
+    EXPECT_GT(nearest, 0.15);
+    EXPECT_LT(nearest, 0.35);
+    EXPECT_EQ(a.views[i].cam_from_world.translation, b.views[i].cam_from_world.translation);
+    EXPECT_NE(a.views[i].cam_from_world.rotation, c.views[i].cam_from_world.rotation);
+  }
+  EXPECT_LT(glm::length(mean), 0.01);
+}
+
+TEST_F(VolumeImport, GroundTruthHoldsDensityAndColourOfEverySample) {
+  VolumeImportOptions options = Small();
+  options.attenuation = 10;
+  Import("scene", options);
+  const std::vector<uint8_t> bytes = ReadBytes(folder_ / "scene/ground_truth/volume.nrrd");
+  const std::string text(bytes.begin(), bytes.end());
+  const size_t begin = text.find("\n\n") + 2;
+  const std::string header = text.substr(0, begin);
+  for (const char* part : {"sizes: 4 3 2 5\n", "type: float\n",
+                           "space directions: none (0.5,0,0) (0,2,0) (0,0,0.25)\n",
+                           "space origin: (-0.5,-1,-0.5)\n"}) {
+    EXPECT_THAT(header, ::testing::HasSubstr(part));
+  }
+  ASSERT_EQ(bytes.size() - begin, 30 * 4 * sizeof(float));
+  const TransferFunction function = ReadTransferFunction(folder_ / "tf.json");
+  for (int i = 0; i < 30; ++i) {
+    glm::vec4 value;
+    std::memcpy(&value, bytes.data() + begin + size_t(i) * sizeof(value), sizeof(value));
+    // The longest side is 2 world units, so that 10 over it is 5 a unit.
+    EXPECT_NEAR(value.x, 5 * 8 * i / 255.0, 1e-6);
+    const glm::dvec3 color = function.SrgbAt(8 * i / 255.0);
+    EXPECT_NEAR(value.y, color.r, 5e-4);
+    EXPECT_NEAR(value.w, color.b, 5e-4);
+  }
+}
+
+TEST_F(VolumeImport, HoldoutOfZeroTrainsOnAll) {
+  VolumeImportOptions options = Small();
+  options.holdout = 0;
+  Scene scene;
+  AddSphereOfViews(options, 1, scene);
+  EXPECT_EQ(scene.ViewsOf(Split::kTrain).size(), 24u);
+}
+
+TEST_F(VolumeImport, OptionsThatAreWrongAreNamed) {
+  const auto refused = [](const auto& change, std::initializer_list<std::string> parts) {
+    VolumeImportOptions options = Small();
+    change(options);
+    ExpectError<UsageError>(
+        [&] {
+          options.Check();
+          options.CheckFor("v.raw");
+        },
+        parts);
+  };
+  using Options = VolumeImportOptions;
+  refused([](Options& o) { o.dimensions = ""; }, {"v.raw", "give --dimensions"});
+  refused([](Options& o) { o.dimensions = "3x2"; }, {"--dimensions 3x2", "103x94x161"});
+  refused([](Options& o) { o.dimensions = "3x2x5x1"; }, {"--dimensions 3x2x5x1"});
+  refused([](Options& o) { o.dimensions = "3,2,5"; }, {"--dimensions 3,2,5"});
+  refused([](Options& o) { o.dimensions = "3x2x1"; }, {"1 samples along z"});
+  refused([](Options& o) { o.dimensions = "3x2x-5"; }, {"-5 samples along z"});
+  refused([](Options& o) { o.sample_type = ""; }, {"--sample-type"});
+  refused([](Options& o) { o.sample_type = "int8"; }, {"--sample-type int8", "uint16"});
+  refused([](Options& o) { o.byte_order = "middle"; }, {"--byte-order middle"});
+  refused([](Options& o) { o.spacing = "1x1"; }, {"--spacing 1x1"});
+  refused([](Options& o) { o.spacing = "1x0x1"; }, {"--spacing", "a spacing of 0"});
+  refused([](Options& o) { o.spacing = "1xnanx1"; }, {"a spacing of nan"});
+  refused([](Options& o) { o.attenuation = 0; }, {"--attenuation 0"});
+  refused([](Options& o) { o.shading = "both"; }, {"--shading both", "pre or post"});
+  refused([](Options& o) { o.cameras = 2; }, {"--cameras 2"});
+  refused([](Options& o) { o.size_px = 0; }, {"--size 0"});
+  refused([](Options& o) { o.holdout = 2; }, {"--holdout 2"});
+  refused([](Options& o) { o.rays_per_side = 0; }, {"--rays-per-side 0"});
+  refused([](Options& o) { o.background = Background::kScene; }, {"--background scene"});
+  ExpectError<UsageError>([] { Small().CheckFor("v.nrrd"); }, {"--dimensions 3x2x5", "v.nrrd"});
+}
+
+}  // namespace
+}  // namespace tetrec

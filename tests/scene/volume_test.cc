@@ -1,0 +1,355 @@
+// Volume files: every format and spelling, and what is refused.
+#include "core/error.h"
+#include "core/file.h"
+#include "expect_error.h"
+#include "scene/volume_io.h"
+#include "scratch_folder.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <bit>
+#include <limits>
+
+namespace tetrec {
+namespace {
+
+// 2 x 3 x 2 samples of 8 bits: 0, 5, 10, ...
+std::string EightBits() {
+  std::string bytes;
+  for (int i = 0; i < 12; ++i) bytes += char(5 * i);
+  return bytes;
+}
+
+template <class T>
+std::string BytesOfValues(const std::vector<T>& values, bool big_endian) {
+  std::string bytes;
+  for (const T value : values) {
+    std::string raw(reinterpret_cast<const char*>(&value), sizeof(T));
+    if (big_endian != (std::endian::native == std::endian::big)) {
+      std::reverse(raw.begin(), raw.end());
+    }
+    bytes += raw;
+  }
+  return bytes;
+}
+
+std::string Gzip(const std::string& bytes) {
+  std::string packed(bytes.size() + 64, '\0');
+  z_stream stream{};
+  deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = uInt(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = uInt(packed.size());
+  deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
+constexpr const char* kNrrd =
+    "NRRD0004\n# a comment\nkey:=value\ntype: unsigned char\ndimension: 3\nsizes: 2 3 2\n";
+constexpr const char* kMeta =
+    "ObjectType = Image\nNDims = 3\nDimSize = 2 3 2\nElementType = MET_UCHAR\n";
+
+class VolumeFiles : public ::testing::Test {
+ protected:
+  VolumeFile Read(const std::string& name, const std::string& content) {
+    return ReadVolume(folder_.Write(name, content));
+  }
+  void ExpectRefused(const std::string& name, const std::string& content,
+                     std::initializer_list<std::string> parts) {
+    SCOPED_TRACE(content.substr(0, 300));
+    ExpectError<DataError>([&] { Read(name, content); }, parts);
+  }
+  static void ExpectEightBits(const Volume& volume) {
+    EXPECT_EQ(volume.size, glm::ivec3(2, 3, 2));
+    for (size_t i = 0; i < 12; ++i) EXPECT_FLOAT_EQ(volume.samples[i], 5.0f * float(i) / 255);
+    EXPECT_EQ(volume.value_at_0, 0);
+    EXPECT_EQ(volume.value_at_1, 255);
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(VolumeFiles, RawSamplesOfEveryTypeAndByteOrder) {
+  VolumeLayout layout;
+  layout.size = {2, 3, 2};
+  ExpectEightBits(ReadRawVolume(folder_.Write("a.raw", EightBits()), layout).volume);
+
+  std::vector<uint16_t> words;
+  std::vector<float> floats;
+  for (int i = 0; i < 12; ++i) {
+    words.push_back(uint16_t(5000 * i));
+    floats.push_back(float(i) * 0.5f - 2);
+  }
+  for (const bool big : {false, true}) {
+    layout.big_endian = big;
+    layout.type = SampleType::kUint16;
+    const Volume sixteen =
+        ReadRawVolume(folder_.Write("b.raw", BytesOfValues(words, big)), layout).volume;
+    EXPECT_FLOAT_EQ(sixteen.samples[3], 15000.0f / 65535);
+    layout.type = SampleType::kFloat32;
+    const Volume real =
+        ReadRawVolume(folder_.Write("c.raw", BytesOfValues(floats, big)), layout).volume;
+    EXPECT_EQ(real.value_at_0, -2);
+    EXPECT_EQ(real.value_at_1, 3.5);
+    EXPECT_EQ(real.samples[0], 0);
+    EXPECT_FLOAT_EQ(real.samples[4], 4.0f / 11);
+    EXPECT_EQ(real.samples[11], 1);
+  }
+}
+
+TEST_F(VolumeFiles, RawSamplesMustBeAsManyAsTheLayoutTakes) {
+  VolumeLayout layout;
+  layout.size = {2, 3, 3};
+  const auto path = folder_.Write("a.raw", EightBits());
+  ExpectError<DataError>([&] { ReadRawVolume(path, layout); },
+                         {"a.raw", "has 12 bytes", "2 x 3 x 3", "uint8", "18", "--dimensions"});
+  layout.size = {2, 3, 1};
+  ExpectError<DataError>([&] { ReadRawVolume(path, layout); }, {"1 samples along z", "2 to"});
+  layout.size = {65536, 65536, 65536};
+  ExpectError<DataError>([&] { ReadRawVolume(path, layout); },
+                         {"65536 x 65536 x 65536", "at most"});
+  ExpectError<DataError>([&] { ReadRawVolume(folder_ / "none.raw", {{2, 3, 2}}); }, {"none.raw"});
+}
+
+TEST_F(VolumeFiles, FloatSamplesMustBeFiniteAndDiffer) {
+  VolumeLayout layout;
+  layout.size = {2, 2, 2};
+  layout.type = SampleType::kFloat32;
+  std::vector<float> values = {0, 1, 2, 3, 4, NAN, 6, INFINITY};
+  ExpectError<DataError>(
+      [&] { ReadRawVolume(folder_.Write("a.raw", BytesOfValues(values, false)), layout); },
+      {"2 samples are not finite", "(1, 0, 1)"});
+  values.assign(8, 3);
+  ExpectError<DataError>(
+      [&] { ReadRawVolume(folder_.Write("a.raw", BytesOfValues(values, false)), layout); },
+      {"all samples are 3"});
+  // The range itself overflows float.
+  constexpr float kMax = std::numeric_limits<float>::max();
+  values = {-kMax, kMax, 0, 0, 0, 0, 0, 0};
+  const Volume wide =
+      ReadRawVolume(folder_.Write("a.raw", BytesOfValues(values, false)), layout).volume;
+  EXPECT_EQ(wide.samples[0], 0);
+  EXPECT_EQ(wide.samples[1], 1);
+  EXPECT_EQ(wide.samples[2], 0.5f);
+}
+
+TEST_F(VolumeFiles, NrrdWithItsSamplesBehindTheHeader) {
+  const VolumeFile file =
+      Read("a.nrrd", std::string(kNrrd) +
+                         "encoding: raw\nspacings: 1 2 0.5\nspace origin: (1, 2,-3e0)\n"
+                         "content: words\n\n" +
+                         EightBits());
+  ExpectEightBits(file.volume);
+  EXPECT_EQ(file.volume.spacing, glm::dvec3(1, 2, 0.5));
+  EXPECT_EQ(file.volume.origin, glm::dvec3(1, 2, -3));
+  EXPECT_EQ(file.unused_fields, std::vector<std::string>{"content"});
+  ExpectEightBits(Read("b.nrrd", std::string(kNrrd) +
+                                     "space directions: (1,0,0) (0,2,0) (0,0,.5)\r\nencoding: "
+                                     "GZIP\r\n\r\n" +
+                                     Gzip(EightBits()))
+                      .volume);
+}
+
+TEST_F(VolumeFiles, NrrdTypesInAllSpellings) {
+  const auto read = [&](const std::string& type, const std::string& bytes) {
+    return Read("a.nrrd", "NRRD0001\ntype: " + type +
+                              "\ndimension: 3\nsizes: 2 3 2\nendian: big\nencoding: raw\n\n" +
+                              bytes)
+        .type;
+  };
+  for (const char* type : {"uchar", "unsigned char", "uint8", "uint8_t", "Unsigned  Char"}) {
+    EXPECT_EQ(read(type, EightBits()), SampleType::kUint8);
+  }
+  const std::string words = BytesOfValues(std::vector<uint16_t>(12, 7), true);
+  for (const char* type :
+       {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"}) {
+    EXPECT_EQ(read(type, words), SampleType::kUint16);
+  }
+  const std::string floats =
+      BytesOfValues(std::vector<float>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, true);
+  EXPECT_EQ(read("float", floats), SampleType::kFloat32);
+}
+
+TEST_F(VolumeFiles, DetachedSamplesLieInsideTheHeadersFolder) {
+  folder_.Write("data/s.raw", "head" + EightBits());
+  const std::string nrrd = std::string(kNrrd) + "encoding: raw\n";
+  ExpectEightBits(Read("a.nhdr", nrrd + "data file: data/s.raw\nbyte skip: 4\n").volume);
+  ExpectEightBits(Read("a.nhdr", nrrd + "datafile: ./data/s.raw\nbyteskip: -1\n").volume);
+  ExpectEightBits(
+      Read("a.mhd", std::string(kMeta) + "HeaderSize = 4\nElementDataFile = data/s.raw\n").volume);
+  const VolumeFile file =
+      Read("a.mhd", std::string(kMeta) + "HeaderSize = -1\nElementDataFile = data/s.raw\n");
+  ExpectEightBits(file.volume);
+  EXPECT_EQ(file.data_file, folder_ / "data/s.raw");
+  EXPECT_EQ(FilesNamedByVolume(folder_ / "a.mhd"),
+            std::vector<std::filesystem::path>{folder_ / "data/s.raw"});
+  EXPECT_EQ(FilesNamedByVolume(folder_ / "data/s.raw").size(), 0u);
+
+  for (const char* outside : {"../s.raw", "/etc/passwd", "data/../../s.raw"}) {
+    ExpectRefused("a.nhdr", nrrd + "data file: " + outside + "\n",
+                  {"a.nhdr, line 8", outside, "inside the header's folder"});
+    ExpectRefused("a.mhd", std::string(kMeta) + "ElementDataFile = " + outside + "\n",
+                  {"a.mhd, line 5", outside, "inside the header's folder"});
+  }
+  ExpectRefused("a.nhdr", nrrd + "data file: none.raw\n", {"none.raw"});
+  ExpectRefused("a.nhdr", nrrd + "data file: data\n", {"data: is not a file"});
+  ExpectRefused("a.nhdr", nrrd + "data file: LIST\n", {"the name of one file"});
+  ExpectRefused("a.nhdr", nrrd + "data file: s%03d.raw 1 9 1\n", {"the name of one file"});
+  ExpectRefused("a.nhdr", nrrd + "data file: data/s.raw\nbyte skip: 99\n",
+                {"s.raw", "after its first 99 bytes"});
+}
+
+TEST_F(VolumeFiles, NrrdHeadersThatAreRefused) {
+  const auto header = [](const std::string& type, const std::string& rest) {
+    return "NRRD0004\ntype: " + type + "\ndimension: 3\nsizes: 2 3 2\n" + rest + "\n\n" +
+           EightBits();
+  };
+  const std::string raw = "encoding: raw";
+  ExpectRefused("a.nrrd", "PNG", {"a.nrrd", "NRRD0001 to NRRD0005"});
+  ExpectRefused("a.nrrd", "", {"NRRD0001 to NRRD0005"});
+  ExpectRefused("a.nrrd", "NRRD0009\n", {"NRRD0001 to NRRD0005"});
+  ExpectRefused("a.nrrd", "NRRD0004\nwords\n", {"line 2: is no field (name: value)"});
+  ExpectRefused("a.nrrd", "NRRD0004\n", {"dimension is missing"});
+  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 4\n", {"line 2: dimension is \"4\"; expected 3"});
+  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\n", {"sizes is missing"});
+  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 1 2\n", {"three numbers of samples"});
+  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 2 3 2.5\n", {"three numbers of samples"});
+  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 2 3 99999999999\n",
+                {"three numbers of samples"});
+  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\ndimension: 3\n",
+                {"line 3: dimension is there twice"});
+  ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 2 3 2\n", {"type is missing"});
+  ExpectRefused("a.nrrd", header("short", raw),
+                {"line 2: type is \"short\"", "uint8, uint16 or float"});
+  ExpectRefused("a.nrrd", header("uchar", "kinds: domain"), {"encoding is missing"});
+  ExpectRefused("a.nrrd", header("uchar", "encoding: bzip2"), {"\"bzip2\"; expected raw or gzip"});
+  ExpectRefused("a.nrrd", header("ushort", raw), {"endian is missing"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nendian: middle"), {"little or big"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nline skip: 2"),
+                {"line skip is \"2\"", "byte skip"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nbyte skip: -2"), {"byte skip is \"-2\""});
+  ExpectRefused("a.nrrd", header("uchar", "encoding: gzip\nbyte skip: -1"),
+                {"byte skip is \"-1\""});
+  ExpectRefused("a.nrrd", header("uchar", "encoding: gzip\nbyte skip: 1"),
+                {"0 where the encoding is gzip"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nspacings: 1 nan 1"),
+                {"spacings", "three numbers"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nspacings: 1 0 1"), {"a spacing of 0 along y"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nspace directions: (0,1,0) (1,0,0) (0,0,1)"),
+                {"space directions", "turned, sheared or mirrored"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nspace directions: (-1,0,0) (0,1,0) (0,0,1)"),
+                {"turned, sheared or mirrored"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nspace directions: (1,0,0) (0,1,0)"),
+                {"vectors like"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nspace directions: (1,0) (0,1)"),
+                {"vectors like"});
+  ExpectRefused("a.nrrd",
+                header("uchar", raw + "\nspace directions: (1,0,0) (0,1,0) (0,0,1) (1,1,1)"),
+                {"three vectors"});
+  ExpectRefused(
+      "a.nrrd",
+      header("uchar", raw + "\nspacings: 1 1 1\nspace directions: (1,0,0) (0,1,0) (0,0,1)"),
+      {"either this or spacings"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nspace origin: (1,2)"), {"space origin"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nspace origin: (1,2,3) 4"), {"one vector"});
+  ExpectRefused("a.nrrd", header("uchar", raw + "\nspace origin: (1e99,2,3)"),
+                {"an origin of 1e+99"});
+  ExpectRefused("a.nrrd", "NRRD0004\n" + std::string((size_t{1} << 20) + 9, 'a'),
+                {"no end of its header"});
+}
+
+TEST_F(VolumeFiles, ASmallFileThatClaimsManySamplesCostsNothing) {
+  const std::string claim =
+      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1024 1024 1024\nencoding: ";
+  ExpectRefused("a.nrrd", claim + "raw\n\nabc", {"holds 3 bytes", "1,073,741,824"});
+  ExpectRefused("a.nrrd", claim + "gzip\n\nabc", {"3 bytes of compressed samples cannot hold"});
+}
+
+TEST_F(VolumeFiles, DamagedCompressedSamplesAreRefused) {
+  std::string packed = Gzip(EightBits());
+  const std::string header = std::string(kNrrd) + "encoding: gzip\n\n";
+  ExpectRefused("a.nrrd", header + packed.substr(0, packed.size() / 2), {"damaged or end after"});
+  packed[12] = char(~packed[12]);
+  ExpectRefused("a.nrrd", header + packed, {"damaged or end after"});
+}
+
+TEST_F(VolumeFiles, MetaImageWithItsSamplesBehindTheHeader) {
+  const VolumeFile file =
+      Read("a.mha",
+           std::string(kMeta) +
+               "BinaryData = True\nElementSpacing = 1 2 0.5\nOffset = 4 5 6\nTransformMatrix = 1 "
+               "0 0 0 1 0 0 0 1\nAnatomicalOrientation = RAI\nElementDataFile = LOCAL\n" +
+               EightBits());
+  ExpectEightBits(file.volume);
+  EXPECT_EQ(file.volume.spacing, glm::dvec3(1, 2, 0.5));
+  EXPECT_EQ(file.volume.origin, glm::dvec3(4, 5, 6));
+  EXPECT_EQ(file.unused_fields, std::vector<std::string>{"AnatomicalOrientation"});
+  ExpectEightBits(Read("b.mha", std::string(kMeta) +
+                                    "CompressedData = True\nCompressedDataSize = 30\n"
+                                    "ElementDataFile = LOCAL\n" +
+                                    Gzip(EightBits()))
+                      .volume);
+}
+
+TEST_F(VolumeFiles, MetaImageTypesAndByteOrders) {
+  for (const bool big : {false, true}) {
+    for (const char* order : {"ElementByteOrderMSB", "BinaryDataByteOrderMSB"}) {
+      const VolumeFile file = Read(
+          "a.mha", fmt::format("NDims = 3\nDimSize = 2 2 2\nElementType = MET_USHORT\n{} = {}\n"
+                               "ElementDataFile = LOCAL\n",
+                               order, big ? "True" : "False") +
+                       BytesOfValues(std::vector<uint16_t>(8, 513), big));
+      EXPECT_FLOAT_EQ(file.volume.samples[7], 513.0f / 65535);
+    }
+  }
+  EXPECT_EQ(Read("a.mha",
+                 "NDims = 3\nDimSize = 2 2 2\nElementType = MET_FLOAT\nElementDataFile = "
+                 "LOCAL\n" +
+                     BytesOfValues(std::vector<float>{0, 1, 2, 3, 4, 5, 6, 8}, false))
+                .volume.samples[4],
+            0.5f);
+}
+
+TEST_F(VolumeFiles, MetaImageHeadersThatAreRefused) {
+  const auto header = [](const std::string& rest) {
+    return kMeta + rest + "\nElementDataFile = LOCAL\n" + EightBits();
+  };
+  ExpectRefused("a.mha", "words\n", {"a.mha, line 1: is no field (Name = value)"});
+  ExpectRefused("a.mha", "", {"NDims is missing"});
+  ExpectRefused("a.mha", "ObjectType = Tube\n", {"ObjectType is \"Tube\""});
+  ExpectRefused("a.mha", "NDims = 2\n", {"NDims is \"2\"; expected 3"});
+  ExpectRefused("a.mha", "NDims = 3\nElementType = MET_UCHAR\n", {"DimSize is missing"});
+  ExpectRefused("a.mha", "NDims = 3\nDimSize = 2 2 2\n", {"ElementType is missing"});
+  ExpectRefused("a.mha", "NDims = 3\nDimSize = 2 2 2\nElementType = MET_SHORT\n",
+                {"MET_UCHAR, MET_USHORT or"});
+  ExpectRefused("a.mha", kMeta, {"ElementDataFile is missing"});
+  ExpectRefused("a.mha", header("NDims = 3"), {"line 5: NDims is there twice"});
+  ExpectRefused("a.mha", header("ElementNumberOfChannels = 3"),
+                {"ElementNumberOfChannels is \"3\""});
+  ExpectRefused("a.mha", header("BinaryData = False"), {"samples as text"});
+  ExpectRefused("a.mha", header("BinaryData = Maybe"), {"True or False"});
+  ExpectRefused("a.mha", header("HeaderSize = -2"), {"HeaderSize is \"-2\""});
+  ExpectRefused("a.mha", header("CompressedData = True\nHeaderSize = -1"),
+                {"HeaderSize is \"-1\""});
+  ExpectRefused("a.mha", header("TransformMatrix = 0 1 0 1 0 0 0 0 1"), {"turned axes"});
+  ExpectRefused("a.mha", header("TransformMatrix = 1 0 0 1"), {"nine numbers"});
+  ExpectRefused("a.mha", header("ElementSpacing = 1 1"), {"three numbers"});
+  ExpectRefused("a.mha", header("ElementSpacing = 1 -1 1"), {"a spacing of -1 along y"});
+  ExpectRefused("a.mha", header("Offset = a b c"), {"Offset is \"a b c\""});
+  ExpectRefused("a.mha", std::string(kMeta) + "ElementDataFile = LIST\n", {"one file"});
+  ExpectRefused("a.mha", std::string(kMeta) + "ElementDataFile = LOCAL\nabc", {"holds 3 bytes"});
+}
+
+TEST(IsVolumeFile, GoesByTheExtension) {
+  for (const char* name : {"a.raw", "a.NRRD", "a.nhdr", "b/a.mha", "a.mhd"}) {
+    EXPECT_TRUE(IsVolumeFile(name));
+  }
+  for (const char* name : {"a", "a.png", "raw", "/tmp"}) EXPECT_FALSE(IsVolumeFile(name));
+}
+
+}  // namespace
+}  // namespace tetrec
