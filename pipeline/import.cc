@@ -54,7 +54,8 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
     throw tetrec::UsageError(fmt::format("{}: is for {}", option->get_name(), what));
   };
   if (is_volume) {
-    for (const char* name : {"--format", "--test-list", "--bounds"}) {
+    for (const char* name :
+         {"--format", "--images", "--downscale", "--test-list", "--bounds", "--triangulate"}) {
       refuse(app.get_option(name), "pictures, not for volumes");
     }
     if (app.get_option("--transfer-function")->count() == 0) {

@@ -55,8 +55,9 @@ ColmapCamera LensOfFieldOfView(const PosedPicture& picture, const Image& image) 
 
 // Data sets come with smaller copies of the pictures, their sides rounded up or down.
 bool IsScaledCopy(const ColmapCamera& lens, const Image& image) {
-  const double shape = double(lens.height) / double(lens.width);
-  return std::abs(image.height - shape * image.width) <= std::max(1.0, shape);
+  const double width = double(lens.width), height = double(lens.height), shape = height / width;
+  const bool both_sides_scaled = (image.width - width) * (image.height - height) > 0;
+  return both_sides_scaled && std::abs(image.height - shape * image.width) <= std::max(1.0, shape);
 }
 
 // As its camera sees it, or a scaled copy; notes what was done to it.
