@@ -4,7 +4,7 @@
 int main(int argc, char** argv) {
   tetrec::SfmOptions options;
   tetrec::StageCommand command(
-      "sfm", 2,
+      "sfm", 3,
       "Finds the cameras of a folder of photos with COLMAP and writes the scene folder:\n"
       "undistorted pictures, cameras, sparse points, bounds of the subject and split.");
   command.InputPath("PHOTOS", "Folder of photos (.jpg, .jpeg, .png; folders inside too)");

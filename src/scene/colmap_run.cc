@@ -352,7 +352,11 @@ std::vector<fs::path> MapScene(const ColmapProgram& colmap, const fs::path& phot
           {"--database_path", database, "--image_path", photos, "--output_path", models,
            "--random_seed", std::to_string(seed),
            // More threads are hardly faster and sum in another order each time.
-           "--Mapper.num_threads", "1"},
+           "--Mapper.num_threads", "1",
+           // All cameras are adjusted each time that the model has grown by 40 % (COLMAP: 10 %), in
+           // fewer rounds: a quarter less time; the last adjustment, of all, decides the result.
+           "--Mapper.ba_global_images_ratio", "1.4", "--Mapper.ba_global_points_ratio", "1.4",
+           "--Mapper.ba_global_max_refinements", "2", "--Mapper.ba_local_max_num_iterations", "16"},
           [&](const std::string& line) {
             std::smatch match;
             if (std::regex_search(line, match, registering)) progress.Update(std::stod(match[1]));

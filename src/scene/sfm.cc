@@ -219,7 +219,7 @@ ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photo
   stage.Seconds("matching", timer.seconds());
 
   timer = {};
-  const fs::path finished = cache / fmt::format("model-{}-{}", options.matcher, options.seed);
+  const fs::path finished = cache / fmt::format("mapped-{}-{}", options.matcher, options.seed);
   if (!fs::exists(finished)) {
     const fs::path models = scratch / "models";
     fs::remove_all(models);
