@@ -39,6 +39,16 @@ std::string ComplaintOnSize(uint64_t width, uint64_t height) {
   return fmt::format("a camera has {} x {} pixels", width, height);
 }
 
+std::string ComplaintOnFocalLength(const ColmapCamera& camera) {
+  const bool has_one = camera.model == kColmapSimplePinhole ||
+                       camera.model == kColmapSimpleRadial || camera.model == kColmapRadial ||
+                       camera.model == kColmapSimpleRadialFisheye ||
+                       camera.model == kColmapRadialFisheye;
+  const double least = has_one ? camera.params[0] : std::min(camera.params[0], camera.params[1]);
+  if (least > 0) return "";
+  return fmt::format("a camera has the focal length {} px", least);
+}
+
 std::string ComplaintOnQuaternion(const double (&wxyz)[4]) {
   double squared = 0;
   for (const double component : wxyz) squared += component * component;

@@ -20,6 +20,8 @@ bool IsSane(double value);
 
 // What is wrong; empty where nothing is.
 std::string ComplaintOnSize(uint64_t width, uint64_t height);
+// Of a camera with its parameters.
+std::string ComplaintOnFocalLength(const ColmapCamera& camera);
 std::string ComplaintOnQuaternion(const double (&wxyz)[4]);
 std::string ComplaintOnPictureName(const std::string& name);
 

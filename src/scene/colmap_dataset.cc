@@ -13,17 +13,20 @@ namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
-// The folder of the pictures: in the model's folder, or in one of those above it up to the data
-// set's.
-fs::path FindImages(const fs::path& dataset, const fs::path& model, const std::string& images) {
+// Absolute, without a slash or dot at its end.
+fs::path Plain(const fs::path& folder) {
+  return (fs::absolute(folder) / "").lexically_normal().parent_path();
+}
+
+// The folder that holds that of the pictures: the model's, or one above it up to the data set's.
+fs::path FolderOfImages(const fs::path& dataset, const fs::path& model, const std::string& images) {
   if (!StaysInside(images)) {
     throw UsageError(
         fmt::format("--images \"{}\": expected the name of a folder in the data set", images));
   }
-  for (fs::path above = model; above.string().size() >= dataset.string().size();
-       above = above.parent_path()) {
-    if (fs::is_directory(above / images)) return above / images;
-    if (above == dataset) break;
+  for (fs::path above = model;; above = above.parent_path()) {
+    if (fs::is_directory(above / images)) return above;
+    if (above == dataset || !above.has_relative_path()) break;
   }
   throw DataError(fmt::format(
       "{}: no folder {} with the model's pictures in it or above it, up to {}; --images tells "
@@ -74,7 +77,7 @@ void CheckAllThere(const std::vector<PosedPicture>& pictures, const fs::path& im
 
 std::optional<fs::path> FindColmapModel(const fs::path& folder) {
   for (const char* place : {"", "sparse/0", "sparse", "colmap/sparse/0", "colmap/sparse"}) {
-    const fs::path model = (folder / place).lexically_normal();
+    const fs::path model = Plain(folder / place);
     if (fs::exists(model / "cameras.bin") || fs::exists(model / "cameras.txt")) return model;
   }
   return std::nullopt;
@@ -92,8 +95,14 @@ Dataset ReadColmapDataset(const fs::path& folder, const std::string& images_name
   if (model.images.empty()) {
     throw DataError(fmt::format("{}: the model has no pictures", folder_of_model->string()));
   }
-  const fs::path images = FindImages(folder.lexically_normal(), *folder_of_model, images_name);
+  const fs::path above = FolderOfImages(Plain(folder), *folder_of_model, images_name);
+  const fs::path images = above / images_name;
   Dataset set;
+  if (folder_of_model->filename() == "0" && fs::exists(folder_of_model->parent_path() / "1")) {
+    set.remarks.push_back(
+        fmt::format("{} holds several models: the first is taken, the others are not",
+                    folder_of_model->parent_path().string()));
+  }
   for (const auto& [id, image] : model.images) {
     PosedPicture picture;
     picture.name = image.name;
@@ -109,7 +118,7 @@ Dataset ReadColmapDataset(const fs::path& folder, const std::string& images_name
   for (const PosedPicture& picture : set.pictures) names.push_back(picture.name);
   const std::vector<std::string> files = ImageFiles(names);
   for (size_t i = 0; i < files.size(); ++i) set.pictures[i].image = files[i];
-  FindMasks(images.parent_path() / "masks", set);
+  FindMasks(above / "masks", set);
   for (const auto& [id, point] : model.points) {
     set.points.push_back(
         {point.position, point.color_srgb, float(point.error_px), uint32_t(point.track.size())});

@@ -289,8 +289,10 @@ void ExtractFeatures(const ColmapProgram& colmap, const fs::path& photos,
   }
   for (const std::string& name : names) {
     if (!found.contains(name)) {
-      throw DataError(fmt::format("colmap feature_extractor left out {}; its output is in {}",
-                                  fs::read_symlink(photos / name).string(), colmap.log.string()));
+      const fs::path photo = photos / name;
+      throw DataError(fmt::format(
+          "colmap feature_extractor left out {}; its output is in {}",
+          (fs::is_symlink(photo) ? fs::read_symlink(photo) : photo).string(), colmap.log.string()));
     }
   }
   fs::rename(half, database);

@@ -5,6 +5,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "scene/exr_header.h"
+#include "scene/srgb.h"
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -182,11 +183,6 @@ cv::Mat ToEightBitRgb(const cv::Mat& decoded, const std::string& name) {
   return rgb;
 }
 
-// IEC 61966-2-1.
-double DisplayFromLinear(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-}
-
 // Levels, 0 to 255; counts what was not between them, infinities and NaN too (black).
 uint8_t ToByteOrClip(double value, bool& is_clipped) {
   constexpr double kHalfLevel = 0.5 / 255;
@@ -210,7 +206,7 @@ Image DisplayFromExr(const cv::Mat& linear, uint64_t& clipped_pixels) {
         const double divisor = std::clamp(alpha, 0.0, 1.0);
         for (int c = 0; c < 3; ++c) {
           const double value = source[channels == 1 ? 0 : 2 - c] / divisor;
-          pixel[c] = ToByteOrClip(DisplayFromLinear(value), is_clipped);
+          pixel[c] = ToByteOrClip(SrgbFromLinear(value), is_clipped);
         }
       }
       clipped_pixels += is_clipped;

@@ -207,6 +207,7 @@ size_t FindListed(const std::vector<PosedPicture>& pictures, const std::string& 
     if (picture.name == line) return i;
     const std::filesystem::path& file = picture.file;
     const bool is_its_file = picture.name + file.extension().string() == line ||
+                             std::filesystem::path(picture.name).replace_extension() == line ||
                              file.filename() == line || file.stem() == line;
     if (is_its_file) found.push_back(i);
   }
@@ -228,13 +229,18 @@ size_t FindListed(const std::vector<PosedPicture>& pictures, const std::string& 
 void SplitByList(std::vector<PosedPicture>& pictures, const std::filesystem::path& list) {
   for (PosedPicture& picture : pictures) picture.split = Split::kTrain;
   std::istringstream lines(ReadText(list, kMaxListBytes));
-  int number = 0;
+  int number = 0, listed = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
     line.erase(line.find_last_not_of(" \t\r") + 1);
     if (line.empty()) continue;
     const std::string where = fmt::format("{}: line {}", list.string(), number);
     pictures[FindListed(pictures, line, where)].split = Split::kTest;
+    ++listed;
+  }
+  if (listed == 0) {
+    throw DataError(
+        fmt::format("{}: names no view; to hold out none use --holdout 0", list.string()));
   }
 }
 

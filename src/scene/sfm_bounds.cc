@@ -167,8 +167,8 @@ Subject FindSubject(const Scene& scene) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<std::pair<double, double>> weighted;
     for (const ScenePoint* point : points) {
-      weighted.push_back(
-          {(upright_from_input * point->position)[axis], double(point->track_length)});
+      weighted.push_back({(upright_from_input * point->position)[axis],
+                          double(std::max(1u, point->track_length))});
     }
     box.min[axis] = WeightedQuantile(weighted, kTrimmed);
     box.max[axis] = WeightedQuantile(weighted, 1 - kTrimmed);

@@ -86,24 +86,39 @@ size_t CountInFours(const CheckedJson& list, const char* what) {
   return list.Size() / 4;
 }
 
-// Positions of both lists to [0, 1].
-void Rescale(TransferFunction& function, const CheckedJson& json) {
+// From values of the samples to [0, 1], where `values` are those at 0 and 1; of a map of 0 to 1, as
+// presets are stored, the positions are those already.
+TransferFunction MovedToUnitRange(TransferFunction function, const glm::dvec2& values,
+                                  const CheckedJson& json) {
   const double min = std::min(function.opacity.front().x, function.color.front().x);
   const double max = std::max(function.opacity.back().x, function.color.back().x);
   if (!(max > min) || !std::isfinite(max - min)) {
     json.Fail(fmt::format("spans {} to {}; expected a range of positions", min, max));
   }
-  const auto rescale = [&](auto& points) {
+  if (min == 0 && max == 1) return function;
+  const auto move = [&](auto& points) {
     for (size_t i = 0; i < points.size(); ++i) {
-      points[i].x = (points[i].x - min) / (max - min);
+      points[i].x = (points[i].x - values[0]) / (values[1] - values[0]);
       if (i > 0) CheckPosition(std::vector{points[i - 1]}, points[i].x, json);
     }
   };
-  rescale(function.opacity);
-  rescale(function.color);
+  move(function.opacity);
+  move(function.color);
+  // The part inside, with its values at both ends.
+  TransferFunction inside{
+      {{0, function.OpacityAt(0)}}, {{0, function.SrgbAt(0)}}, function.interpolation};
+  for (const auto& point : function.opacity) {
+    if (point.x > 0 && point.x < 1) inside.opacity.push_back(point);
+  }
+  for (const auto& point : function.color) {
+    if (point.x > 0 && point.x < 1) inside.color.push_back(point);
+  }
+  inside.opacity.push_back({1, function.OpacityAt(1)});
+  inside.color.push_back({1, function.SrgbAt(1)});
+  return inside;
 }
 
-TransferFunction ParseParaView(const CheckedJson& json) {
+TransferFunction ParseParaView(const CheckedJson& json, const glm::dvec2& values) {
   if (json.Size() != 1) {
     json.Fail(fmt::format("holds {} colour maps; expected one", json.Size()));
   }
@@ -139,8 +154,7 @@ TransferFunction ParseParaView(const CheckedJson& json) {
     if (item(3).Number() != 0) item(3).Fail("is a sharpness other than 0, which is not read");
     function.opacity.push_back({x, item(1).NumberIn(0, 1)});
   }
-  Rescale(function, map);
-  return function;
+  return MovedToUnitRange(std::move(function), values, map);
 }
 
 }  // namespace
@@ -160,13 +174,15 @@ glm::dvec3 TransferFunction::SrgbAt(double x) const {
 }
 
 TransferFunction ParseTransferFunction(const nlohmann::json& json,
-                                       const std::filesystem::path& file) {
+                                       const std::filesystem::path& file,
+                                       const glm::dvec2& values_at_0_and_1) {
   const CheckedJson checked(json, file);
-  return json.is_array() ? ParseParaView(checked) : ParseOurs(checked);
+  return json.is_array() ? ParseParaView(checked, values_at_0_and_1) : ParseOurs(checked);
 }
 
-TransferFunction ReadTransferFunction(const std::filesystem::path& path) {
-  return ParseTransferFunction(ReadJson(path), path);
+TransferFunction ReadTransferFunction(const std::filesystem::path& path,
+                                      const glm::dvec2& values_at_0_and_1) {
+  return ParseTransferFunction(ReadJson(path), path, values_at_0_and_1);
 }
 
 }  // namespace tetrec

@@ -4,8 +4,9 @@
 // Our format: {"opacity": [[x, opacity]...], "colour": [[x, r, g, b]...]}, all in [0, 1], x rising
 // strictly; colours are given in sRGB and interpolated in linear RGB. ParaView's: an array of one
 // colour map with "ColorSpace": "RGB", "RGBPoints": [x, r, g, b...] and "Points": [x, opacity,
-// midpoint, sharpness...] with midpoint 0.5 and sharpness 0; the positions of both together are
-// moved to [0, 1]; colours are interpolated as they are given, in sRGB.
+// midpoint, sharpness...] with midpoint 0.5 and sharpness 0; positions are
+// values of the samples, unless the map spans exactly 0 to 1, then normalised ones; colours are
+// interpolated as they are given, in sRGB.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -35,9 +36,12 @@ struct TransferFunction {
   glm::dvec3 SrgbAt(double x) const;  // display sRGB
 };
 
-// Either format, told by the outermost bracket. Throws DataError naming the file and the field.
+// Either format, told by the outermost bracket; `values_at_0_and_1` are those that normalised
+// samples of 0 and 1 stand for. Throws DataError naming the file and the field.
 TransferFunction ParseTransferFunction(const nlohmann::json& json,
-                                       const std::filesystem::path& file);
-TransferFunction ReadTransferFunction(const std::filesystem::path& path);
+                                       const std::filesystem::path& file,
+                                       const glm::dvec2& values_at_0_and_1);
+TransferFunction ReadTransferFunction(const std::filesystem::path& path,
+                                      const glm::dvec2& values_at_0_and_1);
 
 }  // namespace tetrec

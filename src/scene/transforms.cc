@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -45,12 +46,21 @@ constexpr const char* kExtensions[] = {".png", ".jpg", ".jpeg", ".PNG", ".JPG", 
 struct FrameFields {
   CheckedJson frame, file;
 
-  bool Has(const std::string& name) const { return frame.Has(name) || file.Has(name); }
-  CheckedJson operator[](const std::string& name) const {
-    return frame.Has(name) ? frame.Field(name) : file.Field(name);
-  }
+  bool Has(const std::string& name) const { return TellerOf(name).Has(name); }
+  CheckedJson operator[](const std::string& name) const { return TellerOf(name).Field(name); }
   double Coefficient(const std::string& name) const {
     return Has(name) ? (*this)[name].NumberIn(-kLargestCoefficient, kLargestCoefficient) : 0.0;
+  }
+
+ private:
+  // A frame that tells its focal length in any way goes by its own words alone.
+  const CheckedJson& TellerOf(const std::string& name) const {
+    constexpr std::array kFocal = {"fl_x",           "fl_y",  "camera_angle_x",
+                                   "camera_angle_y", "x_fov", "y_fov"};
+    const bool is_focal = std::find(kFocal.begin(), kFocal.end(), name) != kFocal.end();
+    const bool frame_tells_focal = std::any_of(kFocal.begin(), kFocal.end(),
+                                               [&](const char* focal) { return frame.Has(focal); });
+    return frame.Has(name) || (is_focal && frame_tells_focal) ? frame : file;
   }
 };
 

@@ -205,10 +205,11 @@ ImportedVolume ImportVolume(const fs::path& path, const fs::path& transfer_funct
                             const fs::path& folder, const VolumeImportOptions& options) {
   options.Check();
   options.CheckFor(path);
-  const TransferFunction function = ReadTransferFunction(transfer_function);
   ImportedVolume imported;
   imported.file = NeedsLayout(path) ? ReadRawVolume(path, options.Layout()) : ReadVolume(path);
   const Volume& volume = imported.file.volume;
+  const TransferFunction function =
+      ReadTransferFunction(transfer_function, {volume.value_at_0, volume.value_at_1});
 
   Scene& scene = imported.scene;
   scene.background = options.background;

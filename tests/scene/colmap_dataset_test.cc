@@ -68,6 +68,39 @@ TEST(ColmapDataset, FindsModelPicturesInFoldersAndMasksByBothNames) {
   EXPECT_TRUE(set.remarks.empty());
 }
 
+TEST(ColmapDataset, HowTheFolderIsWrittenDoesNotMatter) {
+  const ScratchFolder folder;
+  WriteModel(folder, "set/sparse/0", kNames, kPinhole);
+  WritePictures(folder, "set/images_4", kNames, 16, 12);
+  WritePictures(folder, "set/masks", {"a.jpg.png", "sub folder/b.png", "c.png"}, 16, 12);
+  for (const char* set : {"set", "set/", "set/.", "set/../set"}) {
+    for (const char* images : {"images_4", "images_4/"}) {
+      const Dataset read = ReadColmapDataset(folder.path().string() + "/" + set, images);
+      EXPECT_EQ(read.pictures.size(), 3u) << set;
+      EXPECT_FALSE(read.pictures[0].mask.empty()) << set << " " << images;
+    }
+  }
+  const Dataset model_alone = ReadColmapDataset(folder / "set/sparse/0/../..", "images_4");
+  EXPECT_EQ(model_alone.pictures.size(), 3u);
+}
+
+TEST(ColmapDataset, OfSeveralModelsTheFirstIsTakenAndSaid) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WriteModel(folder, "sparse/1", kNames, kPinhole);
+  WritePictures(folder, "images", kNames, 64, 48);
+  EXPECT_THAT(ReadColmapDataset(folder.path()).remarks,
+              testing::ElementsAre(testing::HasSubstr("several models")));
+}
+
+TEST(ColmapDataset, AFocalLengthThatIsNotPositiveIsRefusedAtItsLine) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, "1 PINHOLE 64 48 60 -60 32 24\n");
+  WritePictures(folder, "images", kNames, 64, 48);
+  ExpectError<DataError>([&] { ReadColmapDataset(folder.path()); },
+                         {"cameras.txt", "focal length -60"});
+}
+
 TEST(ColmapDataset, MasksOfSomePicturesAreRefusedAndOfNoneArePassedOver) {
   const ScratchFolder folder;
   WriteModel(folder, "sparse/0", kNames, kPinhole);

@@ -222,6 +222,9 @@ TEST(Import, SplitsByHoldoutOrListInPlaceOfTheDataSetsOwn) {
                          {"list.txt: line 2: no picture", "\"train/r_99\"", "\"train/r_0\""});
   folder.Write("list.txt", "r_0\n");
   ExpectError<DataError>([&] { import(); }, {"line 1: \"r_0\" is the name of 3 pictures"});
+  options.test_list = folder.Write("empty.txt", "\n \n");
+  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", options); },
+                         {"empty.txt", "names no view", "--holdout 0"});
   options.test_list = folder / "none.txt";
   ExpectError<DataError>([&] { import(); }, {"none.txt"});
 }

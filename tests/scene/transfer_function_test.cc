@@ -13,7 +13,9 @@ namespace {
 
 using nlohmann::json;
 
-TransferFunction Parse(const json& file) { return ParseTransferFunction(file, "tf.json"); }
+TransferFunction Parse(const json& file, const glm::dvec2& values_at_0_and_1 = {-1, 3}) {
+  return ParseTransferFunction(file, "tf.json", values_at_0_and_1);
+}
 
 json Ours() {
   return {{"opacity", {{0.0, 0.0}, {0.5, 0.0}, {0.75, 1.0}}},
@@ -50,12 +52,29 @@ TEST(TransferFunction, OurColoursAreLinearInLinearRgb) {
   EXPECT_NEAR(function.SrgbAt(1).g, 0.5, 1e-12);
 }
 
-TEST(TransferFunction, ParaViewsColoursAreLinearInSrgbAndItsPositionsAreMovedToTheUnitRange) {
+TEST(TransferFunction, ParaViewsColoursAreLinearInSrgbAndItsPositionsAreValuesOfSamples) {
   const TransferFunction function = Parse(ParaView());
   EXPECT_EQ(function.interpolation, ColorInterpolation::kSrgb);
   EXPECT_NEAR(function.OpacityAt(0.25), 0.25, 1e-15);
   EXPECT_NEAR(function.SrgbAt(0.25).g, 0.25, 1e-15);
   EXPECT_NEAR(function.SrgbAt(0.75).b, 0.5, 1e-15);
+  // Samples of -5 to 5: the map ends before, and is constant from there.
+  const TransferFunction wider = Parse(ParaView(), {-5, 5});
+  EXPECT_EQ(wider.OpacityAt(0.3), 0);
+  EXPECT_NEAR(wider.OpacityAt(0.6), 0.5, 1e-15);
+  EXPECT_EQ(wider.OpacityAt(0.9), 1);
+  // Samples of 0 to 2: the map's middle half.
+  const TransferFunction narrower = Parse(ParaView(), {0, 2});
+  EXPECT_NEAR(narrower.OpacityAt(0), 0.25, 1e-15);
+  EXPECT_NEAR(narrower.OpacityAt(1), 0.75, 1e-15);
+  EXPECT_NEAR(narrower.SrgbAt(0.75).b, 0.25, 1e-15);
+}
+
+TEST(TransferFunction, AParaViewMapOfZeroToOneIsNormalised) {
+  json preset = ParaView();
+  preset[0]["RGBPoints"] = {0, 0, 0, 0, 1, 1, 1, 1};
+  preset[0]["Points"] = {0, 0, 0.5, 0, 1, 1, 0.5, 0};
+  EXPECT_NEAR(Parse(preset, {0, 255}).OpacityAt(0.25), 0.25, 1e-15);
 }
 
 TEST(TransferFunction, WhatIsWrongIsNamed) {

@@ -195,7 +195,17 @@ TEST(Transforms, TakeTheLensFromTheFileOrTheFrame) {
   EXPECT_EQ(set.pictures[0].lens.width, 40u);
   EXPECT_EQ(set.pictures[0].lens.height, 30u);
   EXPECT_EQ(set.pictures[0].lens.params, (std::vector<double>{50, 51, 19, 16}));
-  EXPECT_EQ(set.pictures[1].lens.params, (std::vector<double>{60, 51, 20.5, 16}));
+  // A frame that tells its focal length does so for both axes.
+  EXPECT_EQ(set.pictures[1].lens.params, (std::vector<double>{60, 60, 20.5, 16}));
+}
+
+TEST(Transforms, AFramesFieldOfViewComesBeforeTheFilesFocalLength) {
+  const ScratchFolder folder;
+  Json json = OneFile();
+  json["frames"][1]["camera_angle_x"] = 1.0;
+  const std::vector<double> params = ReadOneFile(folder, json).pictures[1].lens.params;
+  EXPECT_NEAR(params[0], 20 / std::tan(0.5), 1e-12);
+  EXPECT_NEAR(params[1], 20 / std::tan(0.5), 1e-12);
 }
 
 TEST(Transforms, TellTheFocalLengthInFourWaysAndTheMiddleByDefault) {

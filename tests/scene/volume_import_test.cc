@@ -124,7 +124,7 @@ TEST_F(VolumeImport, GroundTruthHoldsDensityAndColourOfEverySample) {
     EXPECT_THAT(header, ::testing::HasSubstr(part));
   }
   ASSERT_EQ(bytes.size() - begin, 30 * 4 * sizeof(float));
-  const TransferFunction function = ReadTransferFunction(folder_ / "tf.json");
+  const TransferFunction function = ReadTransferFunction(folder_ / "tf.json", {0, 1});
   for (int i = 0; i < 30; ++i) {
     glm::vec4 value;
     std::memcpy(&value, bytes.data() + begin + size_t(i) * sizeof(value), sizeof(value));

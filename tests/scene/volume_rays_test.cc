@@ -300,7 +300,7 @@ class Tooth : public ::testing::TestWithParam<Shading> {
     VolumeLayout layout;
     layout.size = {103, 94, 161};
     volume_ = ReadRawVolume(raw, layout).volume;
-    function_ = ReadTransferFunction(folder / "tooth3gauss.json");
+    function_ = ReadTransferFunction(folder / "tooth3gauss.json", {0, 255});
   }
   // 50 over the longest side, in cells.
   double Density() const { return 50 / volume_.Extent().z; }
