@@ -2,7 +2,6 @@
 #include "render/kernel_table.h"
 #include "scenes.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -48,19 +47,16 @@ TEST_F(RendererTest, TimestampsCountEveryKernelOfStepsInFlight) {
       ASSERT_TRUE(kernels.contains(name)) << name;
       EXPECT_EQ(kernels.at(name).calls, 5u) << name;
     }
-    double total = 0, longest = 0;
-    std::string slowest;
+    double total = 0;
     for (const auto& [name, kernel] : kernels) {
       EXPECT_GE(kernel.seconds, 0.0) << name;
       total += kernel.seconds;
-      if (kernel.seconds > longest) longest = kernel.seconds, slowest = name;
     }
     // One queue: times do not overlap, and none is longer than all took.
     EXPECT_GT(total, 0.0);
     EXPECT_LE(total, wall);
     if (kind == RendererKind::kMarch) {
       EXPECT_EQ(kernels.at("march_forward").calls, 5u);
-      EXPECT_THAT(slowest, ::testing::StartsWith("march_"));
       EXPECT_EQ(report.untimed_calls, 0u);
     }
   }
