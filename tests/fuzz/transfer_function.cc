@@ -10,7 +10,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const fuzz::Folder folder;
   folder.Write("tf.json", {data, size});
   return fuzz::Refusing([&] {
-    const tetrec::ShadedTransfer shaded(tetrec::ReadTransferFunction(folder.path() / "tf.json", {0, 255}));
+    const tetrec::ShadedTransfer shaded(
+        tetrec::ReadTransferFunction(folder.path() / "tf.json", {0, 255}));
     for (int i = 0; i <= 16; ++i) {
       const float sample = float(i) / 16;
       const int piece = shaded.PieceOf(sample);

@@ -2,6 +2,7 @@
 #include "render/kernel_table.h"
 #include "scenes.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
