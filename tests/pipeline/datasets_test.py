@@ -1,5 +1,6 @@
 """scripts/fetch_dataset: what it puts in place, what it refuses, how it downloads."""
 import fcntl
+import gzip
 import hashlib
 import io
 import json
@@ -306,6 +307,15 @@ class DatasetsTest(unittest.TestCase):
         self.assert_refused(self.fetch("cube", "--from", twice), 3, "twice")
         both = self.hostile_zip(("shapes/cube/both", b"file"), ("shapes/cube/both/x", b"file in it"))
         self.assert_refused(self.fetch("cube", "--from", both), 3, "as a file and as a folder")
+
+    def test_a_tar_header_without_bound_is_refused_unread(self):
+        self.describe()
+        path = self.folder / "hostile.tar.gz"
+        header = tarfile.TarInfo("pax")
+        header.type, header.size = tarfile.XHDTYPE, 64 << 20
+        for first in (b"", tarfile.TarInfo("file").tobuf(tarfile.PAX_FORMAT)):
+            path.write_bytes(gzip.compress(first + header.tobuf(tarfile.USTAR_FORMAT) + bytes(1 << 20)))
+            self.assert_refused(self.fetch("cube", "--from", path), 3, "a header of 67108864 bytes")
 
     def test_a_zip_bomb_is_refused_before_anything_is_written(self):
         self.describe()
