@@ -4,10 +4,12 @@
 #include "core/error.h"
 #include "core/short_list.h"
 #include "scene/checked_json.h"
+#include "scene/image.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 namespace tetrec {
 namespace fs = std::filesystem;
@@ -73,6 +75,21 @@ void CheckAllThere(const std::vector<PosedPicture>& pictures, const fs::path& im
                               ShortList(missing)));
 }
 
+// Pictures beside those of the model, which COLMAP did not register.
+void CountOthers(const fs::path& images, Dataset& set) {
+  std::set<std::string> known;
+  for (const PosedPicture& picture : set.pictures) known.insert(picture.name);
+  size_t others = 0;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(images)) {
+    const bool is_picture = HasPhotoExtension(entry.path()) && entry.is_regular_file();
+    others +=
+        is_picture && !known.contains(entry.path().lexically_relative(images).generic_string());
+  }
+  if (others == 0) return;
+  set.remarks.push_back(
+      fmt::format("{}: {} pictures are not in the model and left out", images.string(), others));
+}
+
 }  // namespace
 
 std::optional<fs::path> FindColmapModel(const fs::path& folder) {
@@ -112,6 +129,7 @@ Dataset ReadColmapDataset(const fs::path& folder, const std::string& images_name
     set.pictures.push_back(std::move(picture));
   }
   CheckAllThere(set.pictures, images);
+  CountOthers(images, set);
   std::sort(set.pictures.begin(), set.pictures.end(),
             [](const PosedPicture& a, const PosedPicture& b) { return a.name < b.name; });
   std::vector<std::string> names;

@@ -241,6 +241,12 @@ uint8_t ToByte(double value) { return uint8_t(std::clamp(value + 0.5, 0.0, 255.0
 
 }  // namespace
 
+bool HasPhotoExtension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+}
+
 Image MakeImage(int width, int height, int channels) {
   TETREC_CHECK(width > 0 && height > 0 && (channels == 3 || channels == 4),
                fmt::format("{} x {} x {}", width, height, channels));

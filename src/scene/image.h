@@ -17,6 +17,9 @@ struct Image {
   const uint8_t* At(int x, int y) const { return &pixels[(size_t(y) * width + x) * channels]; }
 };
 
+// .jpg, .jpeg or .png in any case.
+bool HasPhotoExtension(const std::filesystem::path& path);
+
 // Black; transparent where there is alpha.
 Image MakeImage(int width, int height, int channels);
 

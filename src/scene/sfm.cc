@@ -18,7 +18,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <mutex>
 #include <set>
@@ -55,12 +54,6 @@ void CheckRange(int value, int min, int max, const char* option) {
   }
 }
 
-bool IsPhotoFile(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
-}
-
 std::vector<std::string> PhotoNames(const fs::path& folder) {
   if (!fs::is_directory(folder)) {
     throw DataError(
@@ -73,7 +66,7 @@ std::vector<std::string> PhotoNames(const fs::path& folder) {
     const bool hidden = it->path().filename().string().starts_with('.');
     if (hidden && it->is_directory()) it.disable_recursion_pending();
     if (hidden || !it->is_regular_file()) continue;
-    if (IsPhotoFile(it->path())) {
+    if (HasPhotoExtension(it->path())) {
       names.push_back(it->path().lexically_relative(folder).generic_string());
     } else {
       ++others;

@@ -84,6 +84,16 @@ TEST(ColmapDataset, HowTheFolderIsWrittenDoesNotMatter) {
   EXPECT_EQ(model_alone.pictures.size(), 3u);
 }
 
+TEST(ColmapDataset, PicturesThatTheModelLacksAreCounted) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, "images", kNames, 64, 48);
+  WritePictures(folder, "images", {"d.JPG", "sub folder/e.png"}, 64, 48);
+  folder.Write("images/notes.txt", "");
+  EXPECT_THAT(ReadColmapDataset(folder.path()).remarks,
+              testing::ElementsAre(testing::HasSubstr("2 pictures are not in the model")));
+}
+
 TEST(ColmapDataset, OfSeveralModelsTheFirstIsTakenAndSaid) {
   const ScratchFolder folder;
   WriteModel(folder, "sparse/0", kNames, kPinhole);
