@@ -275,8 +275,9 @@ bool VolumeRays::GatherPreShaded(const CellPassage& passage, Gathering& gatherin
 
 bool VolumeRays::GatherPostShaded(const CellPassage& passage, Gathering& gathering) const {
   const std::array<float, 8> corner = CornersOf(volume_.samples, passage.sample, volume_.size);
-  const auto [least, most] = std::minmax_element(corner.begin(), corner.end());
-  const int first_piece = transfer_.PieceOf(*least), last_piece = transfer_.PieceOf(*most);
+  const auto extremes = std::minmax_element(corner.begin(), corner.end());
+  const auto least = *extremes.first, most = *extremes.second;
+  const int first_piece = transfer_.PieceOf(least), last_piece = transfer_.PieceOf(most);
   if (!transfer_.IsVisible(first_piece, last_piece)) return true;
   const Cubic<float> sample = AlongRay(corner, passage.entry, passage.step);
 
@@ -300,7 +301,7 @@ bool VolumeRays::GatherPostShaded(const CellPassage& passage, Gathering& gatheri
   for (int i = 0; i <= turn_count && gathering.GoesOn(); ++i) {
     const float end = i < turn_count ? turns[size_t(i)] : 1;
     const auto piece_at = [&](float s) {
-      return transfer_.PieceOf(glm::clamp(sample.At(s), *least, *most));
+      return transfer_.PieceOf(glm::clamp(sample.At(s), least, most));
     };
     int piece = piece_at(begin);
     const int last = piece_at(end);
