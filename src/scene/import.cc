@@ -53,51 +53,42 @@ ColmapCamera LensOfFieldOfView(const PosedPicture& picture, const Image& image) 
           {fx == 0 ? fy : fx, fy == 0 ? fx : fy, 0.5 * image.width, 0.5 * image.height}};
 }
 
+glm::ivec2 SizeOf(const Image& image) { return {image.width, image.height}; }
+
 // Data sets come with smaller copies of the pictures, their sides rounded up or down.
-bool IsScaledCopy(const ColmapCamera& lens, const Image& image) {
-  const double width = double(lens.width), height = double(lens.height), shape = height / width;
-  const bool both_sides_scaled = (image.width - width) * (image.height - height) > 0;
-  return both_sides_scaled && std::abs(image.height - shape * image.width) <= std::max(1.0, shape);
+bool IsScaledCopy(const glm::ivec2& copy, const glm::ivec2& original) {
+  const double shape = double(original.y) / original.x;
+  const bool both_sides_scaled =
+      (copy.x < original.x && copy.y < original.y) || (copy.x > original.x && copy.y > original.y);
+  return both_sides_scaled && std::abs(copy.y - shape * copy.x) <= std::max(1.0, shape);
 }
 
 // As its camera sees it, or a scaled copy; notes what was done to it.
 Image ReadPicture(const PosedPicture& picture, StoredPicture& stored) {
   Image image = ReadImage(picture.file, ExifRotation::kIgnore, &stored.clipped_pixels);
-  const ColmapCamera& lens = picture.lens;
-  const auto fits = [&](int width, int height) {
-    return lens.width == 0 || (uint64_t(width) == lens.width && uint64_t(height) == lens.height);
-  };
-  if (fits(image.width, image.height)) return image;
-  if (fits(image.height, image.width)) {
+  const glm::ivec2 wanted(picture.lens.width, picture.lens.height), size = SizeOf(image);
+  if (wanted.x == 0 || size == wanted) return image;
+  if (glm::ivec2(size.y, size.x) == wanted) {
     Image turned = ReadImage(picture.file, ExifRotation::kApply);
-    stored.turned = fits(turned.width, turned.height) && turned.channels == image.channels;
+    stored.turned = SizeOf(turned) == wanted && turned.channels == image.channels;
     if (stored.turned) return turned;
   }
-  stored.lens_scaled = IsScaledCopy(lens, image);
+  stored.lens_scaled = IsScaledCopy(size, wanted);
   if (stored.lens_scaled) return image;
   throw DataError(fmt::format(
       "{} has {} x {} pixels, its camera {} x {}, which is another shape; give the pictures that "
       "the cameras belong to",
-      picture.file.string(), image.width, image.height, lens.width, lens.height));
+      picture.file.string(), size.x, size.y, wanted.x, wanted.y));
 }
 
-ColmapCamera LensOf(const PosedPicture& picture, const Image& image) {
-  const ColmapCamera& lens = picture.lens;
-  if (lens.width == 0) return LensOfFieldOfView(picture, image);
-  const bool is_scaled =
-      uint64_t(image.width) != lens.width || uint64_t(image.height) != lens.height;
-  return is_scaled ? ScaledLens(lens, image.width, image.height) : lens;
-}
-
-// Same shape but for the rounding of the smaller one's sides.
-bool AreAlikeInShape(const Image& a, const Image& b) {
-  const int64_t difference = int64_t(a.width) * b.height - int64_t(a.height) * b.width;
-  return 2 * std::abs(difference) <= std::max(a.width + a.height, b.width + b.height);
+ColmapCamera LensOf(const PosedPicture& picture, const Image& image, bool is_scaled) {
+  if (picture.lens.width == 0) return LensOfFieldOfView(picture, image);
+  return is_scaled ? ScaledLens(picture.lens, image.width, image.height) : picture.lens;
 }
 
 Image ReadAndApplyMask(const PosedPicture& picture, const Image& image) {
   const Image mask = ReadImage(picture.mask);
-  if (!AreAlikeInShape(mask, image)) {
+  if (SizeOf(mask) != SizeOf(image) && !IsScaledCopy(SizeOf(mask), SizeOf(image))) {
     throw DataError(fmt::format("{}: mask of {} x {} pixels for {} of {} x {}; expected one shape",
                                 picture.mask.string(), mask.width, mask.height,
                                 picture.file.string(), image.width, image.height));
@@ -125,7 +116,7 @@ StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::p
   StoredPicture stored;
   Image image = ReadPicture(picture, stored);
   if (!picture.mask.empty()) image = ReadAndApplyMask(picture, image);
-  const ColmapCamera lens = LensOf(picture, image);
+  const ColmapCamera lens = LensOf(picture, image, stored.lens_scaled);
   const int longer_side = LongerSide(image, options);
   if (lens.model == kColmapPinhole) {
     const glm::ivec2 size = FitToMaxSize(image.width, image.height, longer_side);

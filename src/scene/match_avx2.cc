@@ -106,9 +106,7 @@ __attribute__((target("avx2"))) BestOfPair FindBestAvx2(std::span<const uint8_t>
     for (const Lanes& lanes : of_row) result.of_first.push_back(Reduce(lanes));
   }
   result.of_second = Unpack(of_column);
-  // The rows that fill up the last tiles are all 0 and never win.
-  result.of_first.resize(RowsOf(first));
-  result.of_second.resize(RowsOf(second));
+  CutToSize(result, first, second);
   return result;
 }
 

@@ -61,6 +61,15 @@ std::vector<BestTwo> Unpack(const std::vector<BestTwoLanes<kLanes>>& all) {
   return unpacked;
 }
 
+// Drops the descriptors that filled up the last tiles; all 0, they never won.
+inline void CutToSize(BestOfPair& best, std::span<const uint8_t> first,
+                      std::span<const uint8_t> second) {
+  best.of_first.resize(RowsOf(first));
+  best.of_second.resize(RowsOf(second));
+}
+
+// The tile loops of both are alike, and apart all the same: functions of one instruction set are
+// not inlined into templates of another.
 #if defined(__x86_64__)
 bool CanMatchByAvx2();
 BestOfPair FindBestAvx2(std::span<const uint8_t> first, std::span<const uint8_t> second);

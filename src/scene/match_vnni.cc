@@ -137,9 +137,7 @@ __attribute__((TETREC_VNNI)) BestOfPair FindBestVnni(std::span<const uint8_t> fi
     for (const Lanes& lanes : of_row) result.of_first.push_back(Reduce(lanes));
   }
   result.of_second = Unpack(of_column);
-  // The rows that fill up the last tiles are all 0 and never win.
-  result.of_first.resize(RowsOf(first));
-  result.of_second.resize(RowsOf(second));
+  CutToSize(result, first, second);
   return result;
 }
 

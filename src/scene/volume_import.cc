@@ -245,6 +245,9 @@ void RunVolumeImport(const VolumeImportOptions& options, Stage& stage) {
     LogInfo("fields of the header that nothing here depends on: {}",
             fmt::join(imported.file.unused_fields, ", "));
   }
+  const Camera& camera = scene.cameras[0];
+  LogInfo("pictures of {} x {} pixels", camera.width, camera.height);
+  stage.Note("resolution", {camera.width, camera.height});
   stage.Count("samples", {volume.size.x, volume.size.y, volume.size.z});
   stage.Count("train_views", scene.ViewsOf(Split::kTrain).size());
   stage.Count("validation_views", scene.ViewsOf(Split::kValidation).size());
