@@ -146,8 +146,7 @@ void WriteText(const fs::path& path, const std::string& text) {
   WriteBytes(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
-nlohmann::json ReadJson(const fs::path& path) {
-  const std::string text = ReadText(path);
+nlohmann::json ParseJson(std::string_view text, const std::string& name) {
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& error) {
@@ -157,9 +156,11 @@ nlohmann::json ReadJson(const fs::path& path) {
     if (const size_t bracket = what.find("] "); bracket != std::string::npos)
       what.erase(0, bracket + 2);
     for (char& c : what) c = c == '\n' || c == '\r' ? ' ' : c;
-    throw DataError(fmt::format("{}: is no valid JSON: {}", path.string(), what));
+    throw DataError(fmt::format("{}: is no valid JSON: {}", name, what));
   }
 }
+
+nlohmann::json ReadJson(const fs::path& path) { return ParseJson(ReadText(path), path.string()); }
 
 void WriteJson(const fs::path& path, const nlohmann::json& value) {
   // File names may hold bytes that are not UTF-8.

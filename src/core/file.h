@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tetrec {
@@ -22,7 +23,8 @@ std::string ReadText(const std::filesystem::path& path, uint64_t max_bytes = uin
 void WriteBytes(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 void WriteText(const std::filesystem::path& path, const std::string& text);
 
-// Throws DataError with path and position of a syntax error.
+// Throws DataError with the name and the position of a syntax error.
+nlohmann::json ParseJson(std::string_view text, const std::string& name);
 nlohmann::json ReadJson(const std::filesystem::path& path);
 void WriteJson(const std::filesystem::path& path, const nlohmann::json& value);
 

@@ -15,6 +15,12 @@ struct Camera {
   glm::dvec2 ImageFromCam(const glm::dvec3& point_in_cam) const {
     return {fx * point_in_cam.x / point_in_cam.z + cx, fy * point_in_cam.y / point_in_cam.z + cy};
   }
+  // Whether a point of the camera frame lies before the camera and inside the picture.
+  bool Shows(const glm::dvec3& point_in_cam) const {
+    if (!(point_in_cam.z > 0)) return false;
+    const glm::dvec2 pixel = ImageFromCam(point_in_cam);
+    return pixel.x >= 0 && pixel.y >= 0 && pixel.x < width && pixel.y < height;
+  }
   // Direction with z = 1 (not unit length) through a pixel position.
   glm::dvec3 CamFromImage(const glm::dvec2& pixel) const {
     return {(pixel.x - cx) / fx, (pixel.y - cy) / fy, 1.0};

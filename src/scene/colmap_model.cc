@@ -129,31 +129,6 @@ std::map<Id, Record> ReadRecords(std::span<const uint8_t> bytes, const std::stri
   return records;
 }
 
-void CheckReferences(const ColmapModel& model, const std::string& folder) {
-  for (const auto& [id, image] : model.images) {
-    if (!model.cameras.contains(image.camera)) {
-      throw DataError(fmt::format("{}: image {} has camera {}, which does not exist", folder,
-                                  image.name, image.camera));
-    }
-    for (const ColmapObservation& observation : image.observations) {
-      if (observation.point != kNoColmapPoint && !model.points.contains(observation.point)) {
-        throw DataError(fmt::format("{}: image {} sees point {}, which does not exist", folder,
-                                    image.name, observation.point));
-      }
-    }
-  }
-  for (const auto& [id, point] : model.points) {
-    for (const ColmapTrackItem& item : point.track) {
-      const auto image = model.images.find(item.image);
-      if (image == model.images.end() || item.observation >= image->second.observations.size()) {
-        throw DataError(
-            fmt::format("{}: point {} is seen as observation {} of image {}, which does not exist",
-                        folder, id, item.observation, item.image));
-      }
-    }
-  }
-}
-
 }  // namespace
 
 std::map<uint32_t, ColmapCamera> ParseColmapCameras(std::span<const uint8_t> bytes,
@@ -169,6 +144,31 @@ std::map<uint32_t, ColmapImage> ParseColmapImages(std::span<const uint8_t> bytes
 std::map<uint64_t, ColmapPoint> ParseColmapPoints(std::span<const uint8_t> bytes,
                                                   const std::string& name) {
   return ReadRecords<uint64_t>(bytes, name, kMinPointBytes, "points", &ReadPoint);
+}
+
+void CheckColmapModel(const ColmapModel& model, const std::string& name) {
+  for (const auto& [id, image] : model.images) {
+    if (!model.cameras.contains(image.camera)) {
+      throw DataError(fmt::format("{}: image {} has camera {}, which does not exist", name,
+                                  image.name, image.camera));
+    }
+    for (const ColmapObservation& observation : image.observations) {
+      if (observation.point != kNoColmapPoint && !model.points.contains(observation.point)) {
+        throw DataError(fmt::format("{}: image {} sees point {}, which does not exist", name,
+                                    image.name, observation.point));
+      }
+    }
+  }
+  for (const auto& [id, point] : model.points) {
+    for (const ColmapTrackItem& item : point.track) {
+      const auto image = model.images.find(item.image);
+      if (image == model.images.end() || item.observation >= image->second.observations.size()) {
+        throw DataError(
+            fmt::format("{}: point {} is seen as observation {} of image {}, which does not exist",
+                        name, id, item.observation, item.image));
+      }
+    }
+  }
 }
 
 ColmapModel ReadColmapModel(const fs::path& folder) {
@@ -198,7 +198,7 @@ ColmapModel ReadColmapModel(const fs::path& folder) {
   parse(kParts[0], model.cameras, ParseColmapCameras, ParseColmapCamerasText);
   parse(kParts[1], model.images, ParseColmapImages, ParseColmapImagesText);
   parse(kParts[2], model.points, ParseColmapPoints, ParseColmapPointsText);
-  CheckReferences(model, folder.string());
+  CheckColmapModel(model, folder.string());
   return model;
 }
 

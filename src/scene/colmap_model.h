@@ -77,9 +77,12 @@ std::map<uint32_t, ColmapImage> ParseColmapImages(std::span<const uint8_t> bytes
 std::map<uint64_t, ColmapPoint> ParseColmapPoints(std::span<const uint8_t> bytes,
                                                   const std::string& name);
 
-// All three, binary where they are there, else text, and whether they fit each other: images refer
-// to cameras, tracks and observations to each other. Other files (of newer versions, project.ini)
-// do not matter. Throws DataError.
+// Whether the parts fit each other: images refer to cameras, tracks and observations to each other.
+// Throws DataError("<name>: ...").
+void CheckColmapModel(const ColmapModel& model, const std::string& name);
+
+// All three, binary where they are there, else text, and checked. Other files (of newer versions,
+// project.ini) do not matter. Throws DataError.
 ColmapModel ReadColmapModel(const std::filesystem::path& folder);
 
 // Means over the points; 0 where there are none.

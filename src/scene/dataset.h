@@ -30,7 +30,7 @@ struct PosedPicture {
 struct Dataset {
   std::vector<PosedPicture> pictures;
   bool has_split = false;                  // else the importer chooses
-  std::vector<ScenePoint> points;          // in the input's coordinates
+  std::vector<ScenePoint> points;          // in the input's coordinates; track length 0: unknown
   std::optional<Bounds3> box_in_input;     // that the data set says to hold what matters
   std::vector<std::string> missing_files;  // files that are not there but often are
   std::vector<std::string> remarks;        // what else the user should know

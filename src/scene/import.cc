@@ -251,6 +251,20 @@ void ChooseSplit(Dataset& set, const ImportOptions& options) {
   }
 }
 
+// Of points that came without their tracks: the training views whose picture they lie in, which is
+// as many as can see them.
+void CountTracks(Scene& scene) {
+  const std::vector<int> training = scene.ViewsOf(Split::kTrain);
+  for (ScenePoint& point : scene.points) {
+    if (point.track_length > 0) continue;
+    for (const int i : training) {
+      const View& view = scene.views[size_t(i)];
+      const Camera& camera = scene.cameras[size_t(view.camera)];
+      point.track_length += camera.Shows(view.cam_from_world * point.position) ? 1 : 0;
+    }
+  }
+}
+
 // The data set as a scene, still in the input's frame.
 Scene SceneInInput(const Dataset& set, const std::vector<StoredPicture>& stored) {
   Scene scene;
@@ -266,6 +280,7 @@ Scene SceneInInput(const Dataset& set, const std::vector<StoredPicture>& stored)
     view.split = picture.split;
     scene.views.push_back(std::move(view));
   }
+  CountTracks(scene);
   return scene;
 }
 

@@ -1,10 +1,10 @@
 // The scene folder on disk: scene.json (schema 1) and points.ply.
 #include "core/error.h"
 #include "core/file.h"
-#include "core/ply.h"
 #include "geometry/rotation.h"
 #include "scene/checked_json.h"
 #include "scene/scene.h"
+#include "scene/scene_points.h"
 
 #include <fmt/format.h>
 
@@ -108,72 +108,6 @@ Similarity3 ReadSimilarity(const CheckedJson& json) {
           json.Field("translation").Vector3()};
 }
 
-PlyFile PointsToPly(const std::vector<ScenePoint>& points) {
-  PlyElement vertex{"vertex", points.size(), {}};
-  const auto add = [&](const char* name, PlyType type, auto&& value_of) {
-    PlyProperty property;
-    property.name = name;
-    property.type = type;
-    property.values.reserve(points.size());
-    for (const ScenePoint& point : points) property.values.push_back(double(value_of(point)));
-    vertex.properties.push_back(std::move(property));
-  };
-  add("x", PlyType::kDouble, [](const ScenePoint& p) { return p.position.x; });
-  add("y", PlyType::kDouble, [](const ScenePoint& p) { return p.position.y; });
-  add("z", PlyType::kDouble, [](const ScenePoint& p) { return p.position.z; });
-  add("red", PlyType::kUint8, [](const ScenePoint& p) { return p.color_srgb[0]; });
-  add("green", PlyType::kUint8, [](const ScenePoint& p) { return p.color_srgb[1]; });
-  add("blue", PlyType::kUint8, [](const ScenePoint& p) { return p.color_srgb[2]; });
-  add("reprojection_error", PlyType::kFloat,
-      [](const ScenePoint& p) { return p.reprojection_error_px; });
-  add("track_length", PlyType::kUint32, [](const ScenePoint& p) { return p.track_length; });
-  return {{}, {std::move(vertex)}};
-}
-
-// Values of one property, checked to lie in [min, max].
-const std::vector<double>& Column(const PlyElement& vertex, const char* name, double min,
-                                  double max, const std::filesystem::path& path) {
-  const PlyProperty* property = vertex.Find(name);
-  if (property == nullptr || property->is_list) {
-    throw DataError(fmt::format("{}: vertex property '{}' is missing", path.string(), name));
-  }
-  for (size_t i = 0; i < property->values.size(); ++i) {
-    const double value = property->values[i];
-    if (!(value >= min && value <= max)) {
-      throw DataError(fmt::format("{}: {} of vertex {} is {}; expected {} to {}", path.string(),
-                                  name, i, value, min, max));
-    }
-  }
-  return property->values;
-}
-
-std::vector<ScenePoint> ReadPoints(const std::filesystem::path& path, uint64_t expected_count) {
-  const PlyFile ply = ReadPly(path);
-  const PlyElement* vertex = ply.Find("vertex");
-  if (vertex == nullptr) throw DataError(fmt::format("{}: has no vertices", path.string()));
-  if (vertex->count != expected_count) {
-    throw DataError(fmt::format("{}: has {} points where scene.json counts {}", path.string(),
-                                vertex->count, expected_count));
-  }
-  constexpr double kFar = 1e9;
-  const auto& x = Column(*vertex, "x", -kFar, kFar, path);
-  const auto& y = Column(*vertex, "y", -kFar, kFar, path);
-  const auto& z = Column(*vertex, "z", -kFar, kFar, path);
-  const auto& red = Column(*vertex, "red", 0, 255, path);
-  const auto& green = Column(*vertex, "green", 0, 255, path);
-  const auto& blue = Column(*vertex, "blue", 0, 255, path);
-  const auto& error = Column(*vertex, "reprojection_error", 0, kFar, path);
-  const auto& track = Column(*vertex, "track_length", 0, kFar, path);
-  std::vector<ScenePoint> points(vertex->count);
-  for (size_t i = 0; i < points.size(); ++i) {
-    points[i] = {{x[i], y[i], z[i]},
-                 {uint8_t(red[i]), uint8_t(green[i]), uint8_t(blue[i])},
-                 float(error[i]),
-                 uint32_t(track[i])};
-  }
-  return points;
-}
-
 // All but the points; looks at no other file.
 Scene SceneFromJson(const CheckedJson& json) {
   json.Field("schema").IntegerIn(kSchema, kSchema);
@@ -251,7 +185,12 @@ Scene ReadScene(const std::filesystem::path& folder) {
     }
   }
   const uint64_t point_count = uint64_t(json.Field("point_count").IntegerIn(0, int64_t{1} << 40));
-  if (point_count > 0) scene.points = ReadPoints(folder / kPointsFile, point_count);
+  if (point_count == 0) return scene;
+  scene.points = ReadScenePoints(folder / kPointsFile);
+  if (scene.points.size() != point_count) {
+    throw DataError(fmt::format("{}: has {} points where scene.json counts {}",
+                                (folder / kPointsFile).string(), scene.points.size(), point_count));
+  }
   return scene;
 }
 
@@ -275,7 +214,7 @@ void WriteScene(const std::filesystem::path& folder, const Scene& scene) {
   SceneFromJson(CheckedJson(file, folder / "scene.json"));  // nothing that could not be read again
   std::filesystem::create_directories(folder);
   if (!scene.points.empty()) {
-    WritePly(folder / kPointsFile, PointsToPly(scene.points));
+    WriteScenePoints(folder / kPointsFile, scene.points);
   } else {
     std::filesystem::remove(folder / kPointsFile);
   }

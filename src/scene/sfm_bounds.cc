@@ -42,16 +42,10 @@ glm::dvec3 AxisInWorld(const View& view, int axis) {
   return glm::transpose(view.cam_from_world.rotation)[axis];
 }
 
-bool IsInPicture(const Camera& camera, const glm::dvec3& point_in_cam) {
-  if (!(point_in_cam.z > 0)) return false;
-  const glm::dvec2 pixel = camera.ImageFromCam(point_in_cam);
-  return pixel.x >= 0 && pixel.y >= 0 && pixel.x <= camera.width && pixel.y <= camera.height;
-}
-
 double ShareOfViews(const Scene& scene, const glm::dvec3& point) {
   size_t seen = 0;
   for (const View& view : scene.views) {
-    seen += IsInPicture(scene.cameras[size_t(view.camera)], view.cam_from_world * point);
+    seen += scene.cameras[size_t(view.camera)].Shows(view.cam_from_world * point);
   }
   return double(seen) / double(scene.views.size());
 }
@@ -60,7 +54,7 @@ double MedianDepth(const Scene& scene, const View& view) {
   std::vector<double> depths;
   for (const ScenePoint& point : scene.points) {
     const glm::dvec3 in_cam = view.cam_from_world * point.position;
-    if (IsInPicture(scene.cameras[size_t(view.camera)], in_cam)) depths.push_back(in_cam.z);
+    if (scene.cameras[size_t(view.camera)].Shows(in_cam)) depths.push_back(in_cam.z);
   }
   return depths.empty() ? 0 : Quantile(std::move(depths), 0.5);
 }

@@ -176,12 +176,7 @@ Image RenderView(const SyntheticOptions& options, const Texture& texture, const 
 
 bool Sees(const Camera& camera, const Rigid3& cam_from_world, SyntheticKind kind,
           const glm::dvec3& point) {
-  const glm::dvec3 in_cam = cam_from_world * point;
-  if (in_cam.z <= 0) return false;
-  const glm::dvec2 pixel = camera.ImageFromCam(in_cam);
-  if (pixel.x < 0 || pixel.y < 0 || pixel.x >= camera.width || pixel.y >= camera.height) {
-    return false;
-  }
+  if (!camera.Shows(cam_from_world * point)) return false;
   const glm::dvec3 origin = cam_from_world.Inverse().translation;
   const double distance = glm::length(point - origin);
   const std::optional<double> hit = FirstHit(kind, origin, (point - origin) / distance);

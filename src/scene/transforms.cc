@@ -6,6 +6,7 @@
 #include "core/log.h"
 #include "geometry/rotation.h"
 #include "scene/checked_json.h"
+#include "scene/scene_points.h"
 
 #include <fmt/format.h>
 
@@ -392,6 +393,18 @@ std::optional<Bounds3> ReadBox(const CheckedJson& json) {
   return Bounds3{center - half, center + half};
 }
 
+// Sets with and without the file go around.
+void ReadPoints(const CheckedJson& json, const std::filesystem::path& folder, Dataset& set) {
+  constexpr const char* kField = "ply_file_path";
+  if (!json.Has(kField)) return;
+  const std::filesystem::path relative = PathInside(json.Field(kField), folder);
+  if (IsFile(folder / relative)) {
+    set.points = ReadColoredPoints(folder / relative);
+  } else {
+    set.missing_files.push_back(relative.string());
+  }
+}
+
 }  // namespace
 
 Dataset ReadNerfSynthetic(const std::filesystem::path& folder) {
@@ -443,9 +456,7 @@ Dataset ReadTransforms(const std::filesystem::path& folder) {
     throw DataError(fmt::format("{}: frames has no training view; expected some", path.string()));
   }
   set.box_in_input = ReadBox(json);
-  if (json.Has("ply_file_path")) {
-    LogInfo("{}: the points of {} are not used", path.string(), json.Field("ply_file_path").Text());
-  }
+  ReadPoints(json, folder, set);
   return set;
 }
 

@@ -532,10 +532,13 @@ VolumeFile ReadRawVolume(const fs::path& path, const VolumeLayout& layout) {
   return {DecodeVolume(layout, bytes, path.string()), layout.type, path, {}};
 }
 
+VolumeFile ParseVolume(std::vector<uint8_t> file, const fs::path& path) {
+  const ParsedHeader header = ParseHeader(path, file);
+  return ReadSamples(path, std::move(file), header);
+}
+
 VolumeFile ReadVolume(const fs::path& path) {
-  std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
-  const ParsedHeader header = ParseHeader(path, bytes);
-  return ReadSamples(path, std::move(bytes), header);
+  return ParseVolume(ReadBytes(path, kMaxFileBytes), path);
 }
 
 std::vector<fs::path> FilesNamedByVolume(const fs::path& path) {

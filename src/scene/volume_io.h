@@ -31,6 +31,8 @@ bool NeedsLayout(const std::filesystem::path& path);
 VolumeFile ReadRawVolume(const std::filesystem::path& path, const VolumeLayout& layout);
 // NRRD or MetaImage, by the extension.
 VolumeFile ReadVolume(const std::filesystem::path& path);
+// As ReadVolume; `file` holds the bytes of `path`. Reads the data file beside it, if that is told.
+VolumeFile ParseVolume(std::vector<uint8_t> file, const std::filesystem::path& path);
 // All throw DataError naming the file and the field or line. Memory is taken for no more samples
 // than the file's size allows.
 

@@ -34,20 +34,18 @@ std::array<Bytes, 3> ValidModel() {
   return files;
 }
 
-constexpr const char* kNames[] = {"cameras.bin", "images.bin", "points3D.bin"};
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const fuzz::Folder folder;
   static const std::array<Bytes, 3> valid = ValidModel();
   if (size == 0) return 0;
-  const size_t which = data[0] % 3;
-  for (size_t i = 0; i < 3; ++i) {
-    folder.Write(kNames[i], i == which ? std::span(data + 1, size - 1) : std::span(valid[i]));
-  }
+  std::array<std::span<const uint8_t>, 3> files = {valid[0], valid[1], valid[2]};
+  files[data[0] % 3] = {data + 1, size - 1};
   return fuzz::Refusing([&] {
-    const tetrec::ColmapModel model = tetrec::ReadColmapModel(folder.path());
+    const tetrec::ColmapModel model{tetrec::ParseColmapCameras(files[0], "cameras.bin"),
+                                    tetrec::ParseColmapImages(files[1], "images.bin"),
+                                    tetrec::ParseColmapPoints(files[2], "points3D.bin")};
+    tetrec::CheckColmapModel(model, "fuzzed");
     tetrec::MeanReprojectionError_px(model);
     tetrec::MeanTrackLength(model);
   });

@@ -14,20 +14,17 @@ constexpr std::array<std::string_view, 3> kValid = {
     "1 PINHOLE 40 30 50 50 20 15\n",
     "1 1 0 0 0 0.1 0 4 1 p1\n20 15 1\n2 1 0 0 0 0.2 0 4 1 p2\n20 15 1\n",
     "1 0 0 3 1 2 3 0.5 1 0 2 0\n"};
-constexpr const char* kNames[] = {"cameras.txt", "images.txt", "points3D.txt"};
-
-std::span<const uint8_t> BytesOf(std::string_view text) {
-  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
-}
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const fuzz::Folder folder;
   if (size == 0) return 0;
-  const size_t which = data[0] % 3;
-  for (size_t i = 0; i < 3; ++i) {
-    folder.Write(kNames[i], i == which ? std::span(data + 1, size - 1) : BytesOf(kValid[i]));
-  }
-  return fuzz::Refusing([&] { tetrec::ReadColmapModel(folder.path()); });
+  std::array<std::string_view, 3> files = kValid;
+  files[data[0] % 3] = {reinterpret_cast<const char*>(data) + 1, size - 1};
+  return fuzz::Refusing([&] {
+    const tetrec::ColmapModel model{tetrec::ParseColmapCamerasText(files[0], "cameras.txt"),
+                                    tetrec::ParseColmapImagesText(files[1], "images.txt"),
+                                    tetrec::ParseColmapPointsText(files[2], "points3D.txt")};
+    tetrec::CheckColmapModel(model, "fuzzed");
+  });
 }

@@ -1,17 +1,18 @@
 // Fuzz target: transfer functions, ours and ParaView's, and their form for rays.
 #include "scene/transfer_function.h"
 
+#include "core/file.h"
 #include "fuzz/fuzz_target.h"
 #include "scene/shaded_transfer.h"
 
 #include <cstdlib>
+#include <string_view>
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const fuzz::Folder folder;
-  folder.Write("tf.json", {data, size});
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
   return fuzz::Refusing([&] {
     const tetrec::ShadedTransfer shaded(
-        tetrec::ReadTransferFunction(folder.path() / "tf.json", {0, 255}));
+        tetrec::ParseTransferFunction(tetrec::ParseJson(text, "fuzzed"), "fuzzed", {0, 255}));
     for (int i = 0; i <= 16; ++i) {
       const float sample = float(i) / 16;
       const int piece = shaded.PieceOf(sample);

@@ -2,6 +2,7 @@
 import csv
 import json
 import math
+import os
 import pathlib
 import shutil
 import struct
@@ -10,7 +11,10 @@ import unittest
 from stage_case import StageCase
 from tiny_dataset import DISTANCE, FOV_RAD, RADIUS, SIZE, write_tiny_dataset
 
-DEMO_PHOTOS = pathlib.Path(__file__).resolve().parents[2] / "datasets_spec" / "demo" / "photos"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+DEMO_PHOTOS = ROOT / "datasets_spec" / "demo" / "photos"
+# Real data, where it is.
+DATASETS = pathlib.Path(os.environ.get("TETREC_DATASETS", ROOT / ".." / "shared" / "datasets"))
 # Width of a pixel at the ball's centre.
 PIXEL = 2 * DISTANCE * math.tan(FOV_RAD / 2) / SIZE
 
@@ -26,6 +30,15 @@ def read_ply(path):
     start = counts["vertex"] * vertex.size
     triangles = [face.unpack_from(body, start + i * face.size)[1:] for i in range(counts["face"])]
     return positions, triangles
+
+
+def read_scene_points(path):
+    """Positions and reprojection errors [px] of a scene's points.ply."""
+    header, body = path.read_bytes().split(b"end_header\n", 1)
+    point = struct.Struct("<3d3BfI")
+    assert b"property double z\nproperty uchar red" in header and len(body) % point.size == 0, header
+    rows = list(point.iter_unpack(body))
+    return [row[:3] for row in rows], [row[6] for row in rows]
 
 
 class EndToEndTest(StageCase):
@@ -72,6 +85,28 @@ class EndToEndTest(StageCase):
         self.assert_done(self.run_stage("chart", run, "-o", self.folder / "chart"))
         self.assertTrue((self.folder / "chart" / "chart.svg").exists())
         self.assertTrue((self.folder / "chart" / "chart.png").exists())
+
+    def test_points_are_triangulated_on_lego(self):
+        lego = DATASETS / "lego"
+        if not lego.exists():
+            self.skipTest(f"no data set at {lego} (TETREC_DATASETS)")
+        out = self.folder / "scene"
+        self.assert_done(self.run_stage("import", lego, "-o", out, "--triangulate"))
+        scene = json.loads((out / "scene.json").read_text())
+        self.assertEqual(scene["cameras"][0]["width"], 400)
+        positions, errors_px = read_scene_points(out / "points.ply")
+        self.assertEqual(len(positions), scene["point_count"])
+        self.assertGreaterEqual(len(positions), 3000)
+        self.assertLess(sum(errors_px) / len(errors_px), 1)
+        place = scene["input_from_world"]
+        box = scene["subject_bounds"]
+        # The model's own extent, in the input's coordinates, a few hundredths wider.
+        model = ((-0.68, 0.68), (-1.19, 1.19), (-0.53, 1.08))
+        for position in positions:
+            for axis in range(3):
+                self.assertTrue(box["min"][axis] <= position[axis] <= box["max"][axis], position)
+                in_input = place["scale"] * position[axis] + place["translation"][axis]
+                self.assertTrue(model[axis][0] <= in_input <= model[axis][1], (axis, in_input))
 
     def test_cells_go_through_every_stage(self):
         run = self.folder / "run"

@@ -1,4 +1,5 @@
 """Kill and Ctrl-C in the middle: the same command goes on and ends as if nothing had happened."""
+import json
 import pathlib
 import shutil
 import signal
@@ -41,6 +42,15 @@ class InterruptTest(StageCase):
     def test_a_killed_import_ends_with_the_same_bytes(self):
         write_tiny_dataset(self.folder / "ball")
         self.check_kills(self.folder / "scene", "import", self.folder / "ball")
+
+    def test_a_killed_import_of_a_volume_ends_with_the_same_bytes(self):
+        raw, function = self.folder / "ball.raw", self.folder / "tf.json"
+        raw.write_bytes(bytes(16 * ((x - 8)**2 + (y - 8)**2 < 40) * z for z in range(16) for y in range(16)
+                              for x in range(16)))
+        function.write_text(json.dumps({"opacity": [[0, 0], [1, 1]], "colour": [[0, 1, 0, 0]]}))
+        self.check_kills(self.folder / "scene", "import", raw, "--dimensions", "16x16x16",
+                         "--sample-type", "uint8", "--transfer-function", function, "--cameras", 32,
+                         "--size", 96)
 
     def test_killed_tetrahedra_end_with_the_same_bytes(self):
         self.check_kills(self.folder / "tetrahedra", "tetrahedralize", self.tiny_scene())

@@ -4,6 +4,7 @@
 #include "core/file.h"
 #include "expect_error.h"
 #include "scene/image.h"
+#include "scene/scene_points.h"
 #include "scene/synthetic.h"
 #include "scratch_folder.h"
 
@@ -306,6 +307,41 @@ TEST(Import, TakesTheBoxThatIsGiven) {
   EXPECT_EQ(place().translation, glm::dvec3(0.5, 1.5, 4));
   const Bounds3 bounds = import().subject_bounds;
   EXPECT_LT(glm::length(bounds.max - glm::dvec3(0.25, 0.25, 1)), 1e-12);
+}
+
+TEST(Import, CountsTheViewsThatMaySeeNerfstudiosPoints) {
+  const ScratchFolder folder;
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom);
+  Json json = WriteTransforms(folder, synthetic);
+  std::vector<ScenePoint> points = synthetic.scene.points;
+  for (ScenePoint& point : points) {
+    point.position = kInputFromSynthetic * point.position;
+    point.track_length = 0;
+  }
+  WriteScenePoints(folder / "points.ply", points);
+  json["ply_file_path"] = "points.ply";
+  folder.Write("transforms.json", json.dump());
+  const Scene scene = ImportDataset(folder.path(), folder / "scene", AtSize(40)).scene;
+  ASSERT_EQ(scene.points.size(), points.size());
+  const std::vector<int> training = scene.ViewsOf(Split::kTrain);
+  size_t in_some_pictures = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const glm::dvec3 in_world = scene.input_from_world.Inverse() * points[i].position;
+    EXPECT_LT(glm::length(scene.points[i].position - in_world), 1e-9);
+    uint32_t expected = 0;
+    for (const int v : training) {
+      const View& view = scene.views[size_t(v)];
+      const Camera& camera = scene.cameras[size_t(view.camera)];
+      const glm::dvec3 in_cam = view.cam_from_world * in_world;
+      const glm::dvec2 pixel = camera.ImageFromCam(in_cam);
+      const bool inside = in_cam.z > 0 && std::abs(pixel.x / camera.width - 0.5) < 0.5 &&
+                          std::abs(pixel.y / camera.height - 0.5) < 0.5;
+      expected += inside ? 1 : 0;
+    }
+    EXPECT_EQ(scene.points[i].track_length, expected);
+    in_some_pictures += expected > 0 && expected < training.size();
+  }
+  EXPECT_GT(in_some_pictures, 0u);
 }
 
 // The JPEG with an EXIF orientation: a quarter turn.

@@ -310,6 +310,45 @@ TEST(Transforms, NameMasksAndIgnoreDepthsAndUnknownKeys) {
   EXPECT_EQ(set.pictures[0].cam_from_input.translation, set.pictures[1].cam_from_input.translation);
 }
 
+constexpr const char* kTwoPoints =
+    "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+    "property float z\nproperty uint8 red\nproperty uint8 green\nproperty uint8 blue\nend_header\n"
+    "1 2 3 10 20 30\n-1 0.5 0 255 0 1\n";
+
+TEST(Transforms, TakeNerfstudiosPoints) {
+  const ScratchFolder folder;
+  const Json json = With(OneFile(), {{"ply_file_path", "./sparse_pc.ply"}});
+  const Dataset without = ReadOneFile(folder, json);
+  EXPECT_TRUE(without.points.empty());
+  EXPECT_EQ(without.missing_files, std::vector<std::string>{"sparse_pc.ply"});
+
+  folder.Write("sparse_pc.ply", kTwoPoints);
+  const Dataset set = ReadOneFile(folder, json);
+  EXPECT_TRUE(set.missing_files.empty());
+  ASSERT_EQ(set.points.size(), 2u);
+  EXPECT_EQ(set.points[0].position, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(set.points[1].color_srgb, (std::array<uint8_t, 3>{255, 0, 1}));
+  EXPECT_EQ(set.points[1].track_length, 0u);
+
+  const auto refuse = [&](const std::string& ply, const std::string& message) {
+    folder.Write("sparse_pc.ply", ply);
+    ExpectError<DataError>([&] { ReadOneFile(folder, json); }, {"sparse_pc.ply", message});
+  };
+  const auto edited = [](const std::string& from, const std::string& to) {
+    std::string ply = kTwoPoints;
+    return ply.replace(ply.find(from), from.size(), to);
+  };
+  refuse(edited("uint8 red", "uint8 grey"), "vertex property 'red' is missing");
+  refuse(edited("1 2 3 10", "1 nan 3 10"), "y of vertex 0 is nan; expected");
+  refuse(edited("element vertex", "element corner"), "has no vertices");
+  refuse(edited("element vertex 2", "element vertex 2000000000"), "sparse_pc.ply");
+  ExpectError<DataError>(
+      [&] {
+        ReadOneFile(folder, With(OneFile(), {{"ply_file_path", "../points.ply"}}));
+      },
+      {"ply_file_path is \"../points.ply\"; expected a path inside"});
+}
+
 TEST(Transforms, TakeNerfstudiosSplit) {
   const ScratchFolder folder;
   const auto splits = [&](const Json& lists) {
