@@ -11,7 +11,7 @@
 #include <map>
 #include <vector>
 
-using tetrec::Background, tetrec::DatasetFormat;
+using tetrec::Background, tetrec::DatasetFormat, tetrec::MaskUse;
 
 namespace {
 
@@ -54,8 +54,8 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
     throw tetrec::UsageError(fmt::format("{}: is for {}", option->get_name(), what));
   };
   if (is_volume) {
-    for (const char* name :
-         {"--format", "--images", "--downscale", "--test-list", "--bounds", "--triangulate"}) {
+    for (const char* name : {"--format", "--images", "--downscale", "--masks", "--test-list",
+                             "--bounds", "--triangulate"}) {
       refuse(app.get_option(name), "pictures, not for volumes");
     }
     if (app.get_option("--transfer-function")->count() == 0) {
@@ -74,7 +74,7 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  tetrec::StageCommand command("import", 3,
+  tetrec::StageCommand command("import", 4,
                                "Imports a data set with known cameras, or a volume, into a scene "
                                "folder.");
   tetrec::ImportOptions options;
@@ -115,6 +115,16 @@ int main(int argc, char** argv) {
                  "before it), scene (photos), auto (white behind alpha, else scene)")
       ->check(CLI::IsMember(backgrounds))
       ->capture_default_str();
+  const std::map<std::string, MaskUse> mask_uses = {{Name(MaskUse::kIgnore), MaskUse::kIgnore},
+                                                    {Name(MaskUse::kSubject), MaskUse::kSubject},
+                                                    {Name(MaskUse::kNone), MaskUse::kNone}};
+  std::string masks = Name(options.masks);
+  app.add_option("--masks", masks,
+                 "what is black in the data set's masks: ignore (something that is not to be "
+                 "modelled, people for example: those pixels count for nothing), subject (empty "
+                 "space around the subject: masks become alpha), none (masks are not used)")
+      ->check(CLI::IsMember(mask_uses))
+      ->capture_default_str();
   CLI::Option* holdout =
       app.add_option("--holdout", options.holdout,
                      "every N-th view by name is held out for judging, the others train; 0: none. "
@@ -142,6 +152,7 @@ int main(int argc, char** argv) {
       },
       [&] {
         options.format = formats.at(format);
+        options.masks = mask_uses.at(masks);
         options.background = backgrounds.at(background);
         if (!bounds.empty()) {
           options.subject_in_input = {{bounds[0], bounds[1], bounds[2]},

@@ -28,7 +28,9 @@ void main() {
         }
       }
       vec2 xy = pictures[first + ray];
-      gradient[channel] = push.gradient_scale * (sum.x + 2.0 * xy.x * sum.y + xy.y * sum.z);
+      if (xy.y >= 0.0) {
+        gradient[channel] = push.gradient_scale * (sum.x + 2.0 * xy.x * sum.y + xy.y * sum.z);
+      }
     }
     ray_gradients[ray] += vec4(gradient, dot(gradient, push.background.rgb));
   }

@@ -7,6 +7,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"
 #include "shared/loss.glsl.h"
+#include "shared/ssim.glsl.h"
 #include "views.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -37,6 +38,7 @@ void main() {
 #ifdef TETREC_PICTURES
       vec3 shown = color.rgb + transmittance * push.background.rgb;
       vec3 wanted = target.rgb + (1.0 - target.a) * push.background.rgb;
+      if (!IsJudged(target.r, target.a)) shown = wanted = vec3(kNotJudged);
       pictures[index] = vec2(shown.r, wanted.r);
       pictures[push.ray_count + index] = vec2(shown.g, wanted.g);
       pictures[2u * push.ray_count + index] = vec2(shown.b, wanted.b);

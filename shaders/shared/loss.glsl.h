@@ -13,10 +13,14 @@
 
 TETREC_BEGIN
 
+// A target brighter than its alpha is no premultiplied colour: it marks a pixel that is not judged.
+TETREC_FN bool IsJudged(Real target, Real target_alpha) { return target <= target_alpha; }
+
 // The picture is color + transmittance background; the target, premultiplied by its alpha, stands
-// before the same background.
+// before the same background. 0 for a pixel that is not judged.
 TETREC_FN Real ResidualOf(Real color, Real transmittance, Real target, Real target_alpha,
                           Real background) {
+  if (!IsJudged(target, target_alpha)) return Real(0.0);
   return color - target + (transmittance - (Real(1.0) - target_alpha)) * background;
 }
 

@@ -15,6 +15,10 @@
 
 TETREC_BEGIN
 
+// Stands in both pictures for a pixel that is not judged: as good as black, and below 0, which no
+// judged pixel is.
+#define kNotJudged (-1e-6)
+
 #define kSsimReach 5  // pixels of the window to either side of its centre
 
 // Of x, y, x^2, y^2 and x y in a window.

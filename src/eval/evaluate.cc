@@ -47,11 +47,22 @@ ViewScore ScoreView(const RenderedView& view) {
   }
   ViewScore score;
   score.name = view.name;
-  score.mse = MeanSquaredError(render, truth);
+  if (view.seen) {
+    const Image seen = ReadImage(*view.seen);
+    const auto mse = MaskedMeanSquaredError(render, truth, seen);
+    if (!mse) {
+      throw DataError(fmt::format("{}: is black: nothing of the view {} is to be judged",
+                                  view.seen->string(), view.name));
+    }
+    score.mse = *mse;
+    score.ssim = MaskedSsim(render, truth, seen).value();
+  } else {
+    score.mse = MeanSquaredError(render, truth);
+    score.ssim = Ssim(render, truth);
+  }
   score.psnr = PsnrFromMse(score.mse);
-  score.ssim = Ssim(render, truth);
   if (view.mask) {
-    const auto mse = ForegroundMeanSquaredError(render, truth, ReadImage(*view.mask));
+    const auto mse = MaskedMeanSquaredError(render, truth, ReadImage(*view.mask));
     if (mse) score.foreground_psnr = PsnrFromMse(*mse);
   }
   return score;

@@ -50,12 +50,12 @@ cv::Mat WindowMean(const cv::Mat& values) {
   return mean;
 }
 
-double SsimOfChannel(const cv::Mat& x, const cv::Mat& y) {
+cv::Mat SsimOfChannel(const cv::Mat& x, const cv::Mat& y) {
   constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
   const cv::Mat mean_x = WindowMean(x), mean_y = WindowMean(y);
   const cv::Mat mean_xx = WindowMean(x.mul(x)), mean_yy = WindowMean(y.mul(y)),
                 mean_xy = WindowMean(x.mul(y));
-  double sum = 0;
+  cv::Mat ssim(x.rows, x.cols, CV_64F);
   for (int row = 0; row < x.rows; ++row) {
     for (int col = 0; col < x.cols; ++col) {
       const double mx = mean_x.at<double>(row, col), my = mean_y.at<double>(row, col);
@@ -63,12 +63,14 @@ double SsimOfChannel(const cv::Mat& x, const cv::Mat& y) {
       const double var_y = mean_yy.at<double>(row, col) - my * my;
       const double covariance = mean_xy.at<double>(row, col) - mx * my;
       // SSIM = (2 mx my + C1)(2 cov + C2) / ((mx^2 + my^2 + C1)(var_x + var_y + C2))
-      sum += (2 * mx * my + kC1) * (2 * covariance + kC2) /
-             ((mx * mx + my * my + kC1) * (var_x + var_y + kC2));
+      ssim.at<double>(row, col) = (2 * mx * my + kC1) * (2 * covariance + kC2) /
+                                  ((mx * mx + my * my + kC1) * (var_x + var_y + kC2));
     }
   }
-  return sum / double(x.total());
+  return ssim;
 }
+
+bool IsMasked(const Image& mask, int x, int y) { return mask.At(x, y)[0] < 128; }
 
 std::array<std::array<uint8_t, 3>, 256> InfernoTable() {
   cv::Mat ramp(1, 256, CV_8U), colors;
@@ -95,14 +97,14 @@ double MeanSquaredError(const Image& render, const Image& truth) {
   return AsMean(sum, uint64_t(render.width) * render.height);
 }
 
-std::optional<double> ForegroundMeanSquaredError(const Image& render, const Image& truth,
-                                                 const Image& mask) {
+std::optional<double> MaskedMeanSquaredError(const Image& render, const Image& truth,
+                                             const Image& mask) {
   CheckSameSize(render, truth, "ground truth");
   CheckSameSize(render, mask, "mask");
   uint64_t sum = 0, count = 0;
   for (int y = 0; y < render.height; ++y) {
     for (int x = 0; x < render.width; ++x) {
-      if (mask.At(x, y)[0] < 128) continue;
+      if (IsMasked(mask, x, y)) continue;
       sum += SquaredDifference(render.At(x, y), truth.At(x, y));
       ++count;
     }
@@ -118,8 +120,46 @@ double PsnrFromMse(double mse) {
 double Ssim(const Image& render, const Image& truth) {
   CheckSameSize(render, truth, "ground truth");
   double sum = 0;
-  for (int c = 0; c < 3; ++c) sum += SsimOfChannel(Channel(render, c), Channel(truth, c));
+  for (int c = 0; c < 3; ++c) {
+    const cv::Mat ssim = SsimOfChannel(Channel(render, c), Channel(truth, c));
+    double of_channel = 0;
+    for (auto value = ssim.begin<double>(); value != ssim.end<double>(); ++value) {
+      of_channel += *value;
+    }
+    sum += of_channel / double(ssim.total());
+  }
   return sum / 3;
+}
+
+std::optional<double> MaskedSsim(const Image& render, const Image& truth, const Image& mask) {
+  CheckSameSize(render, truth, "ground truth");
+  const Image painted = PaintedOver(render, truth, mask);
+  double sum = 0;
+  size_t count = 0;
+  for (int c = 0; c < 3; ++c) {
+    const cv::Mat ssim = SsimOfChannel(Channel(painted, c), Channel(truth, c));
+    for (int y = 0; y < render.height; ++y) {
+      for (int x = 0; x < render.width; ++x) {
+        if (IsMasked(mask, x, y)) continue;
+        sum += ssim.at<double>(y, x);
+        ++count;
+      }
+    }
+  }
+  if (count == 0) return std::nullopt;
+  return sum / double(count);
+}
+
+Image PaintedOver(const Image& image, const Image& other, const Image& mask) {
+  CheckSameSize(image, other, "ground truth");
+  CheckSameSize(image, mask, "mask");
+  Image painted = image;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (IsMasked(mask, x, y)) std::copy_n(other.At(x, y), 3, painted.At(x, y));
+    }
+  }
+  return painted;
 }
 
 Image ErrorMap(const Image& render, const Image& truth) {

@@ -43,9 +43,12 @@ RenderedViews ReadRenderedViews(const std::filesystem::path& folder) {
     }
     view.render = PathInside(folder, item.Field("render"));
     view.truth = PathInside(folder, item.Field("ground_truth"));
-    if (file["views"][i].contains("mask") && !file["views"][i]["mask"].is_null()) {
-      view.mask = PathInside(folder, item.Field("mask"));
-    }
+    const auto optional_path = [&](const char* field) -> std::optional<std::filesystem::path> {
+      if (!item.Has(field) || file["views"][i][field].is_null()) return std::nullopt;
+      return PathInside(folder, item.Field(field));
+    };
+    view.mask = optional_path("mask");
+    view.seen = optional_path("seen");
     rendered.views.push_back(std::move(view));
   }
   return rendered;

@@ -12,6 +12,7 @@ struct RenderedView {
   std::string name;                           // "test/r_0"
   std::filesystem::path render, truth;        // pictures of the same size, over the same background
   std::optional<std::filesystem::path> mask;  // grey; at least 128 on the subject
+  std::optional<std::filesystem::path> seen;  // grey; at least 128 where the truth is known
 };
 
 struct RenderedViews {

@@ -179,6 +179,7 @@ std::string Trio(const ReportContent& content, size_t index, const std::string& 
   const RenderedView& view = content.rendered.views[index];
   const ViewScore& score = content.scores[index];
   const Image truth = ReadImage(view.truth), render = ReadImage(view.render);
+  const Image judged = view.seen ? PaintedOver(render, truth, ReadImage(*view.seen)) : render;
   const auto figure = [&](const Image& image, const std::string& what) {
     return fmt::format(
         "<figure>{}<figcaption>{}</figcaption></figure>",
@@ -187,7 +188,7 @@ std::string Trio(const ReportContent& content, size_t index, const std::string& 
   };
   return fmt::format("<h3>{}: {} · {} · SSIM {:.3f}</h3><div class=\"trio\">{}{}{}</div>", rank,
                      E(view.name), Decibel(score.psnr), score.ssim, figure(truth, "ground truth"),
-                     figure(render, "render"), figure(ErrorMap(render, truth), "error ×4"));
+                     figure(render, "render"), figure(ErrorMap(judged, truth), "error ×4"));
 }
 
 std::string Comparison(const ReportContent& content) {

@@ -447,19 +447,26 @@ void OptimizeOptions::Check() const {
 double WatchPsnr(Renderer& renderer, const fs::path& scene_folder, const Scene& scene,
                  std::span<const int> views) {
   double sum = 0;
+  size_t judged_views = 0;
   for (int view : views) {
-    const Image truth =
-        OverBackground(ReadImage(scene_folder / scene.views[view].image), scene.background);
+    const Image stored = ReadImage(scene_folder / scene.views[view].image);
+    const bool is_masked = scene.has_masks && stored.channels == 4;
+    const Image truth = OverBackground(stored, scene.background);
     const Image picture =
         ToPicture(renderer.Render(MakeRenderView(scene, view), 2), scene.background);
     double squares = 0;
+    size_t judged = 0;
     for (size_t i = 0; i < truth.pixels.size(); ++i) {
+      if (is_masked && stored.pixels[i / 3 * 4 + 3] < kSeenAlpha) continue;
       const double d = (double(truth.pixels[i]) - picture.pixels[i]) / 255.0;
       squares += d * d;
+      ++judged;
     }
-    sum += -10 * std::log10(std::max(squares / double(truth.pixels.size()), 1e-10));
+    if (judged == 0) continue;
+    sum += -10 * std::log10(std::max(squares / double(judged), 1e-10));
+    ++judged_views;
   }
-  return sum / double(views.size());
+  return judged_views == 0 ? 0 : sum / double(judged_views);
 }
 
 void RunOptimize(const OptimizeOptions& options, Stage& stage) {

@@ -14,6 +14,17 @@
 namespace tetrec {
 namespace {
 
+// Of pictures with masks (Scene::has_masks).
+TargetImage LeaveOutUnseen(const Image& image) {
+  TargetImage target{image.width, image.height, {}};
+  for (size_t i = 0; i < image.pixels.size(); i += 4) {
+    const uint8_t* p = &image.pixels[i];
+    const uint32_t seen = 255u << 24 | uint32_t(p[2]) << 16 | uint32_t(p[1]) << 8 | p[0];
+    target.rgba8.push_back(p[3] >= kSeenAlpha ? seen : kNotJudgedTarget);
+  }
+  return target;
+}
+
 TargetImage Premultiply(const Image& image) {
   TargetImage target{image.width, image.height, {}};
   target.rgba8.resize(size_t(image.width) * image.height);
@@ -73,7 +84,8 @@ TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Sce
                                     image.height));
       }
       set.views[i] = MakeRenderView(scene, views[i]);
-      set.targets[i] = Premultiply(image);
+      set.targets[i] =
+          scene.has_masks && image.channels == 4 ? LeaveOutUnseen(image) : Premultiply(image);
     }
   });
   // A little beside the subject too, where floaters would hide.
@@ -89,6 +101,10 @@ TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Sce
         set.blocks.push_back({v, uint32_t(x), uint32_t(y)});
       }
     }
+  }
+  if (scene.has_masks && set.subject_blocks.empty()) {
+    throw DataError(fmt::format("{}: the masks leave no pixel of any training view to learn from",
+                                scene_folder.string()));
   }
   return set;
 }

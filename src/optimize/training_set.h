@@ -17,8 +17,9 @@ struct TrainingSet {
   uint64_t pixels = 0;
 };
 
-// Reads and premultiplies the pictures of a split on all cores. Throws DataError (no view, picture
-// of another size than its camera, smaller than a block).
+// Reads and premultiplies the pictures of a split on all cores; pixels that masks leave out are
+// kNotJudgedTarget. Throws DataError (no view, picture of another size than its camera, smaller
+// than a block, masks that leave nothing).
 TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Scene& scene,
                             const std::vector<int>& views);
 

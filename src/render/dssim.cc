@@ -45,6 +45,7 @@ Dssim EvaluateDssim(std::span<const glm::dvec3> shown, std::span<const glm::dvec
         const SsimAdjoint<double> ssim = SsimWithDerivatives(mean);
         result.value += 0.5 * share * (1.0 - ssim.value);
         ForEachInWindow(x, y, width, [&](size_t pixel, double weight) {
+          if (wanted[pixel][channel] < 0) return;
           result.gradient[pixel][channel] -= 0.5 * share * weight *
                                              (ssim.by_x + 2.0 * shown[pixel][channel] * ssim.by_xx +
                                               wanted[pixel][channel] * ssim.by_xy);

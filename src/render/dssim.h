@@ -13,7 +13,8 @@ struct Dssim {
   std::vector<glm::dvec3> gradient;  // (height x width) dvalue/dshown
 };
 
-// Both pictures are (height x width), at least 11 x 11; see LossOptions.
+// Both pictures are (height x width), at least 11 x 11; see LossOptions. Pixels that are not judged
+// are kNotJudged (shared/ssim.glsl.h) in both; their gradient is 0.
 Dssim EvaluateDssim(std::span<const glm::dvec3> shown, std::span<const glm::dvec3> wanted,
                     int width, int height);
 

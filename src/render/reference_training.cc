@@ -9,6 +9,7 @@
 #include "shared/adam.glsl.h"
 #include "shared/loss.glsl.h"
 #include "shared/random.glsl.h"
+#include "shared/ssim.glsl.h"
 
 #include <fmt/format.h>
 
@@ -273,6 +274,9 @@ class ReferenceRenderer final : public TrainingRenderer {
         const glm::dvec4 color(colors[ray]), target(TargetOf(batch, ray));
         shown[place(ray)] = glm::dvec3(color) + std::exp(-color.a) * background;
         wanted[place(ray)] = glm::dvec3(target) + (1.0 - target.a) * background;
+        if (!IsJudged(target.r, target.a)) {
+          shown[place(ray)] = wanted[place(ray)] = glm::dvec3(kNotJudged);
+        }
       }
       const Dssim dssim = EvaluateDssim(shown, wanted, width, height);
       result.loss += share * dssim.value;

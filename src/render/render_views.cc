@@ -43,6 +43,13 @@ Image MaskOf(const Image& rgba) {
   return mask;
 }
 
+bool ShowsAnythingSeen(const Image& rgba) {
+  for (size_t i = 3; i < rgba.pixels.size(); i += 4) {
+    if (rgba.pixels[i] >= kSeenAlpha) return true;
+  }
+  return false;
+}
+
 // Pictures tell of lost rays, whatever renders them.
 RendererOptions CheckingRays(RendererOptions options) {
   options.count_steps |= !ChecksRays(options);
@@ -68,7 +75,9 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   stage.Device(renderer->DescribeDevice());
   renderer->SetField(field);
   for (const char* folder : {"renders", "gt"}) fs::create_directories(stage.Output(folder));
-  if (scene.has_alpha) fs::create_directories(stage.Output("masks"));
+  // What is on the subject, or what is to be judged.
+  const std::string mask_folder = scene.has_masks ? "seen" : "masks";
+  if (scene.has_alpha || scene.has_masks) fs::create_directories(stage.Output(mask_folder));
 
   const Timer timer;
   double render_seconds = 0;
@@ -83,16 +92,21 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
     render_seconds += render_timer.seconds();
     const std::string file = FlatName(view.name) + ".png";
     const Image truth = ReadImage(scene_folder / view.image);
+    const bool has_mask = truth.channels == 4;
+    if (scene.has_masks && has_mask && !ShowsAnythingSeen(truth)) {
+      LogWarning("{}: its mask leaves nothing to judge; it is left out", view.name);
+      continue;
+    }
     WriteImage(stage.folder() / "renders" / file, ToPicture(rendered, background));
     WriteImage(stage.folder() / "gt" / file, OverBackground(truth, background));
-    const bool has_mask = truth.channels == 4;
-    if (has_mask) WriteImage(stage.folder() / "masks" / file, MaskOf(truth));
+    if (has_mask) WriteImage(stage.folder() / mask_folder / file, MaskOf(truth));
     list.push_back(
         {{"name", view.name},
          {"split", Name(view.split)},
          {"render", "renders/" + file},
          {"ground_truth", "gt/" + file},
-         {"mask", has_mask ? nlohmann::json("masks/" + file) : nlohmann::json(nullptr)}});
+         {scene.has_masks ? "seen" : "mask",
+          has_mask ? nlohmann::json(mask_folder + "/" + file) : nlohmann::json(nullptr)}});
     progress.Update(double(i + 1), view.name);
   }
   const Camera& camera = scene.cameras[scene.views[views[0]].camera];

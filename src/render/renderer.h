@@ -90,8 +90,11 @@ enum class GradientParts { kColorDensity, kColorDensityPosition };
 // A pixel of a picture in [0, 1], colour premultiplied by alpha.
 struct TargetImage {
   int width = 0, height = 0;
-  std::vector<uint32_t> rgba8;  // r in the lowest byte
+  std::vector<uint32_t> rgba8;  // r in the lowest byte; or kNotJudgedTarget
 };
+// White of alpha 0, which no premultiplied colour is: no residual, no gradient
+// (shared/loss.glsl.h).
+inline constexpr uint32_t kNotJudgedTarget = 0x00FFFFFF;
 
 // 4 x 2 rays through neighbouring pixels of view `view`, the first at (x, y).
 struct RayBlock {

@@ -52,16 +52,11 @@ void FindMasks(const fs::path& masks, Dataset& set) {
     picture.mask = FindMask(masks, picture.name);
     if (picture.mask.empty()) without.push_back(picture.name);
   }
-  if (without.empty()) return;
   if (without.size() == set.pictures.size()) {
     set.remarks.push_back(
         fmt::format("{}: holds no mask of any picture and is passed over; expected names as {}.png",
                     masks.string(), without[0]));
-    return;
   }
-  throw DataError(fmt::format(
-      "{}: {} of {} pictures have no mask: {}; give each one, white where all is seen, or none",
-      masks.string(), without.size(), set.pictures.size(), ShortList(without)));
 }
 
 void CheckAllThere(const std::vector<PosedPicture>& pictures, const fs::path& images) {

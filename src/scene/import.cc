@@ -6,6 +6,7 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "core/short_list.h"
 #include "geometry/rotation.h"
 #include "scene/carve.h"
 #include "scene/colmap_undistort.h"
@@ -26,10 +27,28 @@ namespace {
 constexpr uint64_t kMaxListBytes = uint64_t{1} << 26;
 constexpr double kFarthest = 1e9;
 
+// Drops masks that are not wanted; else all pictures must have one, or none.
+void ChooseMasks(std::vector<PosedPicture>& pictures, MaskUse use) {
+  std::vector<std::string> without;
+  for (PosedPicture& picture : pictures) {
+    if (use == MaskUse::kNone) picture.mask.clear();
+    if (picture.mask.empty()) without.push_back(picture.name);
+  }
+  if (without.empty() || without.size() == pictures.size()) return;
+  throw DataError(fmt::format(
+      "{} of {} pictures have no mask: {}; give each one, white where all is seen, or use none of "
+      "them by --masks none",
+      without.size(), pictures.size(), ShortList(without)));
+}
+
 // What is kept of a picture once it is written.
 struct StoredPicture {
   Camera camera;
-  bool has_alpha = false, resized = false, turned = false, lens_scaled = false;
+  bool has_alpha = false;      // of opacity
+  bool has_mask = false;       // alpha that leaves pixels out
+  uint64_t hidden_pixels = 0;  // by either, at least in part
+  uint64_t masked_pixels = 0;
+  bool resized = false, turned = false, lens_scaled = false;
   bool cut_to_plane = false;
   uint64_t clipped_pixels = 0;
   std::vector<uint8_t> alpha;  // training pictures only
@@ -86,7 +105,21 @@ ColmapCamera LensOf(const PosedPicture& picture, const Image& image, bool is_sca
   return is_scaled ? ScaledLens(picture.lens, image.width, image.height) : picture.lens;
 }
 
-Image ReadAndApplyMask(const PosedPicture& picture, const Image& image) {
+bool IsOpaque(const Image& image) {
+  if (image.channels != 4) return true;
+  for (size_t i = 3; i < image.pixels.size(); i += 4) {
+    if (image.pixels[i] != 255) return false;
+  }
+  return true;
+}
+
+Image ReadAndApplyMask(const PosedPicture& picture, const Image& image, MaskUse use) {
+  if (use == MaskUse::kIgnore && !IsOpaque(image)) {
+    throw DataError(fmt::format(
+        "{} has alpha and the mask {}; say what the mask means: --masks subject (what is black "
+        "there is empty too) or --masks none",
+        picture.file.string(), picture.mask.string()));
+  }
   const Image mask = ReadImage(picture.mask);
   if (SizeOf(mask) != SizeOf(image) && !IsScaledCopy(SizeOf(mask), SizeOf(image))) {
     throw DataError(fmt::format("{}: mask of {} x {} pixels for {} of {} x {}; expected one shape",
@@ -110,12 +143,20 @@ Camera Scaled(const ColmapCamera& pinhole, const glm::ivec2& size) {
   return {size.x, size.y, p[0] * x, p[1] * y, p[2] * x, p[3] * y};
 }
 
+void CountHidden(const std::vector<uint8_t>& alpha, StoredPicture& stored) {
+  for (const uint8_t value : alpha) {
+    stored.hidden_pixels += value != 255;
+    stored.masked_pixels += value < kSeenAlpha;
+  }
+}
+
 // Brings a picture to a pinhole camera and to size, stores it under images/NAME.png.
 StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::path& folder,
                            const ImportOptions& options) {
   StoredPicture stored;
   Image image = ReadPicture(picture, stored);
-  if (!picture.mask.empty()) image = ReadAndApplyMask(picture, image);
+  const bool is_masked = !picture.mask.empty();
+  if (is_masked) image = ReadAndApplyMask(picture, image, options.masks);
   const ColmapCamera lens = LensOf(picture, image, stored.lens_scaled);
   const int longer_side = LongerSide(image, options);
   if (lens.model == kColmapPinhole) {
@@ -132,7 +173,9 @@ StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::p
   const std::filesystem::path path = folder / ImageOf(picture);
   std::filesystem::create_directories(path.parent_path());
   WriteImage(path, image);
-  stored.has_alpha = image.channels == 4;
+  stored.has_mask = is_masked && options.masks == MaskUse::kIgnore;
+  stored.has_alpha = image.channels == 4 && !stored.has_mask;
+  if (image.channels == 4) CountHidden(AlphaOf(image), stored);
   if (stored.has_alpha && picture.split == Split::kTrain) stored.alpha = AlphaOf(image);
   return stored;
 }
@@ -156,15 +199,38 @@ std::vector<StoredPicture> StorePictures(const std::vector<PosedPicture>& pictur
   return stored;
 }
 
+// Alpha that hides nothing in any picture, as of screenshots, is none: drops it. Returns of how
+// many pictures.
+size_t DropIdleAlpha(const std::vector<PosedPicture>& pictures, const std::filesystem::path& folder,
+                     std::vector<StoredPicture>& stored) {
+  const bool hides = std::any_of(stored.begin(), stored.end(), [](const StoredPicture& picture) {
+    return picture.hidden_pixels > 0;
+  });
+  if (hides) return 0;
+  std::atomic<size_t> dropped = 0;
+  ParallelFor(stored.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      if (!stored[i].has_alpha && !stored[i].has_mask) continue;
+      const std::filesystem::path path = folder / ImageOf(pictures[i]);
+      WriteImage(path, CompositeOver(ReadImage(path), 0, 0, 0));
+      stored[i].has_alpha = stored[i].has_mask = false;
+      stored[i].alpha.clear();
+      ++dropped;
+    }
+  });
+  return dropped;
+}
+
 void CheckAlike(const std::vector<PosedPicture>& pictures,
                 const std::vector<StoredPicture>& stored) {
   for (size_t i = 1; i < stored.size(); ++i) {
-    if (stored[i].has_alpha == stored[0].has_alpha) continue;
+    if (stored[i].has_alpha == stored[0].has_alpha && stored[i].has_mask == stored[0].has_mask)
+      continue;
     throw DataError(fmt::format(
         "{} has {} alpha channel or mask, {} has {}; all pictures of a data set must be "
         "alike",
-        pictures[i].file.string(), stored[i].has_alpha ? "an" : "no", pictures[0].file.string(),
-        stored[0].has_alpha ? "one" : "none"));
+        pictures[i].file.string(), stored[i].has_alpha || stored[i].has_mask ? "an" : "no",
+        pictures[0].file.string(), stored[0].has_alpha || stored[0].has_mask ? "one" : "none"));
   }
 }
 
@@ -269,6 +335,7 @@ void CountTracks(Scene& scene) {
 Scene SceneInInput(const Dataset& set, const std::vector<StoredPicture>& stored) {
   Scene scene;
   scene.has_alpha = stored[0].has_alpha;
+  scene.has_masks = stored[0].has_mask;
   scene.points = set.points;
   for (size_t i = 0; i < set.pictures.size(); ++i) {
     const PosedPicture& picture = set.pictures[i];
@@ -346,6 +413,24 @@ Triangulation Triangulate(const std::filesystem::path& folder, const Scene& scen
   return TriangulatePoints(folder, scene, alphas, place);
 }
 
+// Points of the data set that some training view sees through.
+size_t DropTransparentPoints(const std::vector<StoredPicture>& stored, Scene& scene) {
+  ViewAlphas alphas;
+  for (const StoredPicture& picture : stored) alphas.push_back(picture.alpha);
+  return std::erase_if(scene.points, [&](const ScenePoint& point) {
+    return IsSeenThrough(scene, alphas, point.position);
+  });
+}
+
+double MaskedShare(const std::vector<StoredPicture>& stored) {
+  double masked = 0, pixels = 0;
+  for (const StoredPicture& picture : stored) {
+    masked += double(picture.masked_pixels);
+    pixels += double(picture.camera.width) * picture.camera.height;
+  }
+  return masked / pixels;
+}
+
 Background BackgroundOf(const Scene& scene, const ImportOptions& options) {
   if (scene.has_alpha && options.background == Background::kScene) {
     throw DataError(
@@ -355,6 +440,18 @@ Background BackgroundOf(const Scene& scene, const ImportOptions& options) {
 }
 
 }  // namespace
+
+const char* Name(MaskUse use) {
+  switch (use) {
+    case MaskUse::kIgnore:
+      return "ignore";
+    case MaskUse::kSubject:
+      return "subject";
+    case MaskUse::kNone:
+      return "none";
+  }
+  return "?";
+}
 
 void ImportOptions::Check() const {
   if (max_size < 0 || max_size > 65536) {
@@ -395,11 +492,14 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
   if (set.pictures.empty()) {
     throw DataError(fmt::format("{}: the data set has no pictures", dataset.string()));
   }
+  ChooseMasks(set.pictures, options.masks);
   ChooseSplit(set, options);
   std::vector<StoredPicture> stored = StorePictures(set.pictures, folder, options);
-  CheckAlike(set.pictures, stored);
 
   ImportedScene imported;
+  imported.opaque = DropIdleAlpha(set.pictures, folder, stored);
+  CheckAlike(set.pictures, stored);
+  if (stored[0].has_mask) imported.masked_share = MaskedShare(stored);
   imported.missing_files = set.missing_files;
   imported.remarks = set.remarks;
   for (const StoredPicture& picture : stored) {
@@ -415,6 +515,8 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
   if (options.triangulate) {
     imported.triangulation = Triangulate(folder, scene, stored, place);
     scene.points = imported.triangulation->points;
+  } else if (scene.has_alpha) {
+    imported.points_transparent = DropTransparentPoints(stored, scene);
   }
   if (options.subject_in_input) {
     MoveToBounds(scene, *options.subject_in_input);
@@ -423,7 +525,7 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
   } else {
     MoveToBounds(scene, SubjectBoundsInInput(set, stored));
   }
-  if (options.triangulate && scene.has_alpha) {
+  if (scene.has_alpha) {
     imported.points_out_of_bounds = std::erase_if(scene.points, [&](const ScenePoint& point) {
       return !scene.subject_bounds.Contains(point.position);
     });
@@ -465,6 +567,14 @@ void RunImport(const ImportOptions& options, Stage& stage) {
     LogWarning("{} pictures show more than 60 degrees to a side and are cut there",
                imported.cut_to_plane);
   }
+  if (imported.opaque > 0) {
+    LogInfo("{} pictures have alpha or masks that hide nothing in any of them: dropped",
+            imported.opaque);
+  }
+  if (scene.has_masks) {
+    LogInfo("masks leave out {:.1f} % of all pixels (--masks subject: what they hide is empty)",
+            100 * imported.masked_share);
+  }
   const Camera& camera = scene.cameras[0];
   LogInfo("{} training, {} validation, {} test views; {} x {} pixels; {} resized",
           scene.ViewsOf(Split::kTrain).size(), scene.ViewsOf(Split::kValidation).size(),
@@ -473,18 +583,25 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   stage.Count("validation_views", scene.ViewsOf(Split::kValidation).size());
   stage.Count("test_views", scene.ViewsOf(Split::kTest).size());
   if (const auto& triangulation = imported.triangulation) {
-    LogInfo("{} triangulated points are outside of the subject's bounds and dropped",
-            imported.points_out_of_bounds);
     stage.Count("points_triangulated", triangulation->found);
     stage.Count("points_dropped_weak", triangulation->weak);
     stage.Count("points_dropped_transparent", triangulation->transparent);
-    stage.Count("points_dropped_out_of_bounds", imported.points_out_of_bounds);
+  } else if (imported.points_transparent > 0) {
+    LogInfo("{} points lie where some training view sees through: dropped",
+            imported.points_transparent);
+    stage.Count("points_dropped_transparent", imported.points_transparent);
   }
+  if (imported.points_out_of_bounds > 0) {
+    LogInfo("{} points are outside of the subject's bounds: dropped",
+            imported.points_out_of_bounds);
+  }
+  stage.Count("points_dropped_out_of_bounds", imported.points_out_of_bounds);
   stage.Count("points", scene.points.size());
   stage.Count("cameras", scene.cameras.size());
   stage.Count("pictures_resized", imported.resized);
   stage.Count("pictures_turned", imported.turned);
   stage.Count("pixels_clipped", imported.clipped_pixels);
+  stage.Count("pictures_opaque", imported.opaque);
   stage.Count("lenses_scaled", imported.lenses_scaled);
   stage.Count("pictures_cut_to_plane", imported.cut_to_plane);
   stage.Note("missing_files", imported.missing_files);

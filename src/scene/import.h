@@ -14,6 +14,12 @@
 
 namespace tetrec {
 
+// What masks mean. kIgnore: what is black there is something that is not to be modelled (people
+// walking by): those pixels count for nothing. kSubject: what is black there is empty, the rest is
+// the subject, as if the pictures had alpha. kNone: nothing.
+enum class MaskUse { kIgnore, kSubject, kNone };
+const char* Name(MaskUse use);
+
 struct ImportOptions {
   DatasetFormat format = DatasetFormat::kAuto;
   std::string images;               // folder of a COLMAP model's pictures; empty: images
@@ -22,6 +28,7 @@ struct ImportOptions {
   // Behind pictures with alpha white or black; without it: what the pictures stand before. Unset:
   // white, or the scene's own where there is no alpha.
   std::optional<Background> background;
+  MaskUse masks = MaskUse::kIgnore;
   bool triangulate = false;  // points from the pictures and their cameras, by COLMAP
   // Every n-th view by name is a test view, the others train; 0: none. Unset: the data set's own
   // split, or every 8th.
@@ -38,19 +45,24 @@ struct ImportedScene {
   size_t lenses_scaled = 0;                    // pictures smaller or larger than their camera
   size_t cut_to_plane = 0;                     // pictures of fisheyes, see UndistortedCamera
   uint64_t clipped_pixels = 0;                 // of EXR pictures, too bright for display
+  size_t opaque = 0;                           // pictures with alpha or masks that hide nothing
+  double masked_share = 0;                     // of all pixels; of masks that leave pixels out
   std::vector<std::string> missing_files;      // as Dataset's
   std::vector<std::string> remarks;            // as Dataset's
   std::optional<Triangulation> triangulation;  // its points are the scene's
-  size_t points_out_of_bounds = 0;             // triangulated ones that were dropped
+  // Dropped where pictures have alpha.
+  size_t points_transparent = 0;  // the data set's, where some training view sees through
+  size_t points_out_of_bounds = 0;
 };
 
 // Reads the data set, brings its pictures to a pinhole camera and to size (in parallel), finds the
 // subject's bounds, moves the world so that the subject's longest side is 2 and its centre 0, and
-// writes the scene folder. Bounds come from carving the training masks where there is alpha, else
-// from the points, else from the data set's own box if that holds no training camera, else from
-// what all training cameras see. Pixels are as stored; where only the picture turned by its EXIF
-// orientation has the size that its camera tells, it is turned. With `options.triangulate` COLMAP
-// works at `place`. Throws DataError, and EnvironmentError of COLMAP's.
+// writes the scene folder. Alpha that is 255 in all pictures is dropped. Bounds come from carving
+// the training masks where there is alpha, else from the points, else from the data set's own box
+// if that holds no training camera, else from what all training cameras see. Pixels are as stored;
+// where only the picture turned by its EXIF orientation has the size that its camera tells, it is
+// turned. With `options.triangulate` COLMAP works at `place`. Throws DataError, and
+// EnvironmentError of COLMAP's.
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
                             const std::filesystem::path& folder, const ImportOptions& options,
                             const ColmapPlace& place = {});

@@ -4,7 +4,8 @@
 // On disk: images/NAME.png (8-bit RGB, or RGBA with straight alpha), points.ply (x y z as double,
 // red green blue, reprojection_error, track_length; absent without points) and scene.json, matrices
 // by rows:
-//   {"schema": 1, "background": "white|black|scene", "has_alpha": bool, "point_count": N,
+//   {"schema": 1, "background": "white|black|scene", "has_alpha": bool, "has_masks": bool,
+//    "point_count": N,
 //    "subject_bounds": {"min": [x, y, z], "max": [x, y, z]},
 //    "input_from_world": {"scale", "rotation": 3 x 3, "translation": [x, y, z]},
 //    "cameras": [{"width", "height", "fx", "fy", "cx", "cy"}],
@@ -53,7 +54,10 @@ struct Scene {
   std::vector<ScenePoint> points;
   Bounds3 subject_bounds;  // the subject, told from the background
   Background background = Background::kScene;
-  bool has_alpha = false;
+  bool has_alpha = false;  // of all pictures: opacity of what they show
+  // Of all pictures alpha tells instead which pixels count, from kSeenAlpha on; the others show
+  // something that is not to be modelled nor judged. Never with has_alpha.
+  bool has_masks = false;
   // The input's own coordinates (COLMAP model, transforms.json) from ours; exported meshes go back
   // through it. Our world is scaled so that the subject's longest side is 2 and its centre is 0.
   Similarity3 input_from_world;
@@ -62,6 +66,8 @@ struct Scene {
   // Held-out views: test where there are any, else validation.
   std::vector<int> HeldOutViews() const;
 };
+
+inline constexpr uint8_t kSeenAlpha = 128;
 
 // Throws DataError naming the file and the field.
 Scene ReadScene(const std::filesystem::path& folder);

@@ -114,6 +114,11 @@ Scene SceneFromJson(const CheckedJson& json) {
   Scene scene;
   scene.background = OneOf(kBackgrounds, json.Field("background"));
   scene.has_alpha = json.Field("has_alpha").Flag();
+  // Scenes of earlier versions have none.
+  scene.has_masks = json.Has("has_masks") && json.Field("has_masks").Flag();
+  if (scene.has_alpha && scene.has_masks) {
+    json.Field("has_masks").Fail("is true beside has_alpha; alpha means one of both");
+  }
   scene.subject_bounds = ReadBounds(json.Field("subject_bounds"));
   scene.input_from_world = ReadSimilarity(json.Field("input_from_world"));
   const CheckedJson cameras = json.Field("cameras");
@@ -202,6 +207,7 @@ void WriteScene(const std::filesystem::path& folder, const Scene& scene) {
       {"schema", kSchema},
       {"background", Name(scene.background)},
       {"has_alpha", scene.has_alpha},
+      {"has_masks", scene.has_masks},
       {"subject_bounds",
        {{"min", ToJson(scene.subject_bounds.min)}, {"max", ToJson(scene.subject_bounds.max)}}},
       {"input_from_world",

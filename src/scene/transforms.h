@@ -12,10 +12,10 @@
 //   cx cy                          principal point [px]; without it the middle
 //   k1 k2 k3 p1 p2                 lens distortion as OpenCV (k1 to k4 of fisheyes)
 //   camera_model, is_fisheye       OPENCV_FISHEYE or one of the perspective models
-// A frame may name a mask (mask_path: black is not to be seen); its depth picture is not used. The
-// file may name sparse points (ply_file_path). The input's coordinates are those of
-// transform_matrix and of the points: what nerfstudio's applied_transform and applied_scale or
-// instant-ngp's scale and offset would do to them is not done or undone.
+// A frame may name a mask (mask_path); its depth picture is not used. The file may name sparse
+// points (ply_file_path). The input's coordinates are those of transform_matrix and of the points:
+// what nerfstudio's applied_transform and applied_scale or instant-ngp's scale and offset would do
+// to them is not done or undone.
 #pragma once
 
 #include "scene/dataset.h"

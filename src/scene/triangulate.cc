@@ -135,17 +135,6 @@ bool SeesThrough(const Camera& camera, const Rigid3& cam_from_world,
   return above[0] == 0 && above[1] == 0 && below[0] == 0 && below[1] == 0;
 }
 
-bool IsSeenThrough(const Scene& scene, const ViewAlphas& alphas, const glm::dvec3& point) {
-  for (size_t i = 0; i < scene.views.size(); ++i) {
-    const View& view = scene.views[i];
-    if (view.split == Split::kTrain &&
-        SeesThrough(scene.cameras[size_t(view.camera)], view.cam_from_world, alphas[i], point)) {
-      return true;
-    }
-  }
-  return false;
-}
-
 Triangulation Filtered(const ColmapModel& model, const Scene& scene, const ViewAlphas& alphas) {
   Triangulation result;
   result.found = model.points.size();
@@ -163,6 +152,17 @@ Triangulation Filtered(const ColmapModel& model, const Scene& scene, const ViewA
 }
 
 }  // namespace
+
+bool IsSeenThrough(const Scene& scene, const ViewAlphas& alphas, const glm::dvec3& point) {
+  for (size_t i = 0; i < scene.views.size(); ++i) {
+    const View& view = scene.views[i];
+    if (view.split == Split::kTrain &&
+        SeesThrough(scene.cameras[size_t(view.camera)], view.cam_from_world, alphas[i], point)) {
+      return true;
+    }
+  }
+  return false;
+}
 
 Triangulation TriangulatePoints(const fs::path& folder, const Scene& scene,
                                 const ViewAlphas& alphas, const ColmapPlace& place) {

@@ -20,6 +20,10 @@ struct ColmapPlace {
 // What is seen of the subject in one view: alpha of its picture, row by row; empty: all of it.
 using ViewAlphas = std::vector<std::vector<uint8_t>>;
 
+// Whether some training view of `scene` sees through the place: alpha 0 at all four pixels around
+// it.
+bool IsSeenThrough(const Scene& scene, const ViewAlphas& alphas, const glm::dvec3& point);
+
 struct Triangulation {
   std::vector<ScenePoint> points;  // in the scene's coordinates, in COLMAP's order
   size_t found = 0;                // by COLMAP; the rest of these numbers are dropped ones

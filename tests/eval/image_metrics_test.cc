@@ -113,9 +113,32 @@ TEST(ImageMetrics, ForegroundErrorSeesOnlyTheMask) {
       mask.At(2, y)[c] = 127;
     }
   }
-  EXPECT_DOUBLE_EQ(ForegroundMeanSquaredError(render, truth, mask).value(),
+  EXPECT_DOUBLE_EQ(MaskedMeanSquaredError(render, truth, mask).value(),
                    0.5 * 100 / (255.0 * 255.0));
-  EXPECT_FALSE(ForegroundMeanSquaredError(render, truth, Constant(4, 2, 0)).has_value());
+  EXPECT_FALSE(MaskedMeanSquaredError(render, truth, Constant(4, 2, 0)).has_value());
+}
+
+TEST(ImageMetrics, MaskedSsimKnowsNothingOfWhatIsHidden) {
+  Image truth = Constant(40, 30, 100), render = truth, mask = Constant(40, 30, 255);
+  for (int y = 0; y < 30; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        truth.At(x, y)[c] = uint8_t(3 * x + 40 * c + y * y % 50);
+        render.At(x, y)[c] = uint8_t(truth.At(x, y)[c] + (x * y + c) % 30);
+        if (x >= 25) mask.At(x, y)[c] = 127;
+      }
+    }
+  }
+  EXPECT_NEAR(MaskedSsim(render, truth, Constant(40, 30, 128)).value(), Ssim(render, truth), 1e-12);
+  const double with_all = MaskedSsim(render, truth, mask).value();
+  EXPECT_LT(with_all, 0.99);
+  for (int y = 0; y < 30; ++y) {
+    for (int x = 25; x < 40; ++x) render.At(x, y)[0] = uint8_t(17 * x * y);
+  }
+  EXPECT_EQ(MaskedSsim(render, truth, mask).value(), with_all);
+  EXPECT_FALSE(MaskedSsim(render, truth, Constant(40, 30, 0)).has_value());
+  ExpectError<DataError>([&] { MaskedSsim(render, truth, Constant(30, 40, 0)); },
+                         {"40x30", "30x40"});
 }
 
 TEST(ImageMetrics, PicturesOfDifferentSizesAreRefused) {

@@ -137,6 +137,29 @@ TEST_F(TrainingSetTest, TakesPicturesWithoutAlphaAsOpaque) {
   EXPECT_EQ(set.subject_blocks.size(), set.blocks.size());
 }
 
+TEST_F(TrainingSetTest, LeavesOutWhatMasksHide) {
+  Write(TinyScene(16, 8));
+  scene_.has_alpha = false;
+  scene_.has_masks = true;
+  const std::vector<int> training = scene_.ViewsOf(Split::kTrain);
+  Image hidden = MakeImage(16, 8, 4);
+  for (size_t i = 0; i < hidden.pixels.size(); i += 4) hidden.pixels[i] = 200;
+  for (const int view : training) Replace(view, hidden);
+  ExpectError<DataError>([&] { Load(); }, {"the masks leave no pixel of any training view"});
+
+  Image image = hidden;
+  for (int x = 12; x < 16; ++x) image.At(x, 7)[3] = uint8_t(kSeenAlpha - 14 + x);
+  Replace(training[0], image);
+  const TrainingSet set = Load();
+  for (int i = 0; i < 16 * 8; ++i) {
+    const bool seen = i % 16 >= 14 && i / 16 == 7;
+    EXPECT_EQ(set.targets[0].rgba8[size_t(i)], seen ? 200u | 255u << 24 : kNotJudgedTarget);
+  }
+  ASSERT_FALSE(set.subject_blocks.empty());
+  for (const uint32_t block : set.subject_blocks) EXPECT_EQ(set.blocks[block].view, 0u);
+  EXPECT_LT(set.subject_blocks.size(), 16u * 8 / 8);
+}
+
 TEST_F(TrainingSetTest, RefusesAPictureOfAnotherSizeThanItsCamera) {
   Write(TinyScene());
   const int view = scene_.ViewsOf(Split::kTrain)[2];

@@ -9,7 +9,8 @@ import struct
 import unittest
 
 from stage_case import StageCase
-from tiny_dataset import DISTANCE, FOV_RAD, RADIUS, SIZE, write_tiny_dataset
+from tiny_dataset import (DISTANCE, FOV_RAD, RADIUS, SIZE, write_tiny_dataset,
+                          write_tiny_photos)
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DEMO_PHOTOS = ROOT / "datasets_spec" / "demo" / "photos"
@@ -107,6 +108,32 @@ class EndToEndTest(StageCase):
                 self.assertTrue(box["min"][axis] <= position[axis] <= box["max"][axis], position)
                 in_input = place["scale"] * position[axis] + place["translation"][axis]
                 self.assertTrue(model[axis][0] <= in_input <= model[axis][1], (axis, in_input))
+
+    def test_what_masks_hide_is_neither_learned_nor_judged(self):
+        photos = self.folder / "photos"
+        write_tiny_photos(photos)
+        psnr = {}
+        for masks in ("ignore", "none"):
+            run = self.folder / masks
+            self.assert_done(self.run_stage("import", photos, "-o", run / "1_scene", "--masks", masks,
+                                            "--bounds", "-1,-1,-1,1,1,1"))
+            scene = json.loads((run / "1_scene" / "scene.json").read_text())
+            self.assertEqual((scene["has_alpha"], scene["has_masks"]), (False, masks == "ignore"))
+            self.assert_done(self.run_stage("tetrahedralize", run / "1_scene", "-o", run / "2_tetrahedra",
+                                            "--start", "grid", "--resolution", 12))
+            self.assert_done(self.run_stage("optimize", run / "2_tetrahedra", "-o", run / "3_field",
+                                            "--time-limit", 0, "--iterations", 300,
+                                            "--background", "scene"))
+            self.assert_done(self.run_stage("render", run / "3_field", "-o", run / "4_views"))
+            self.assert_done(self.run_stage("evaluate", run / "4_views", "-o", run / "6_report"))
+            psnr[masks] = json.loads((run / "6_report" / "metrics.json").read_text())["psnr"]
+            views = json.loads((run / "4_views" / "views.json").read_text())["views"]
+            for view in views:
+                self.assertEqual("seen" in view, masks == "ignore")
+                if masks == "ignore":
+                    self.assertTrue((run / "4_views" / view["seen"]).exists())
+        self.assertGreater(psnr["ignore"], 29)
+        self.assertLess(psnr["none"], 15)
 
     def test_cells_go_through_every_stage(self):
         run = self.folder / "run"

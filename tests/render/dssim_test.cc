@@ -78,6 +78,23 @@ TEST(Dssim, EqualPicturesHaveNoneAndNoGradient) {
   for (const glm::dvec3& g : dssim.gradient) EXPECT_LT(glm::length(g), 1e-15);
 }
 
+TEST(Dssim, WhatIsNotJudgedHasNoPart) {
+  constexpr int kWidth = 14, kHeight = 12;
+  Pixels shown = RandomPixels(kWidth, kHeight, 1, 0.5, 0.3),
+         wanted = RandomPixels(kWidth, kHeight, 2, 0.5, 0.3);
+  const Dssim all = EvaluateDssim(shown, wanted, kWidth, kHeight);
+  const size_t hidden = 5 * kWidth + 6;
+  shown[hidden] = wanted[hidden] = glm::dvec3(kNotJudged);
+  const Dssim rest = EvaluateDssim(shown, wanted, kWidth, kHeight);
+  EXPECT_EQ(rest.gradient[hidden], glm::dvec3(0.0));
+  EXPECT_GT(glm::length(all.gradient[hidden]), 0);
+  EXPECT_GT(glm::length(rest.gradient[hidden + 1]), 0);
+  for (size_t i = 0; i < shown.size(); ++i) {
+    if (i != hidden) shown[i] = wanted[i];
+  }
+  EXPECT_NEAR(EvaluateDssim(shown, wanted, kWidth, kHeight).value, 0, 1e-15);
+}
+
 // Differences of fourth order: rounding 1e-16 / step, truncation step^4 / C2^2.
 TEST(Dssim, GradientAgreesWithDifferences) {
   constexpr int kWidth = 14, kHeight = 13;
@@ -123,7 +140,9 @@ std::vector<TargetImage> RandomTargets(size_t count) {
       const uint32_t alpha = uint32_t(random() % 256);
       uint32_t rgba = alpha << 24;
       for (int c = 0; c < 3; ++c) rgba |= uint32_t(random() % (alpha + 1)) << (8 * c);
-      target.rgba8.push_back(rgba);
+      // A corner and some pixels elsewhere are not judged.
+      const bool in_corner = i % kWidth < 4 && i / kWidth < 5;
+      target.rgba8.push_back(in_corner || random() % 16 == 0 ? kNotJudgedTarget : rgba);
     }
   }
   return targets;
@@ -154,6 +173,7 @@ Expected ExpectedOf(const RadianceField& field, const std::vector<RenderView>& v
         shown.push_back(image.color_srgb[pixel] +
                         std::exp(-image.optical_depth[pixel]) * background);
         wanted.push_back(rgb / 255.0 + (1.0 - (rgba >> 24) / 255.0) * background);
+        if (rgba == kNotJudgedTarget) shown.back() = wanted.back() = glm::dvec3(kNotJudged);
       }
     }
     const Dssim dssim = EvaluateDssim(shown, wanted, width, height);

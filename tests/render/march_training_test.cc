@@ -65,6 +65,32 @@ void ForEachResidual(TrainingRenderer& renderer, const std::vector<RenderView>& 
   }
 }
 
+TEST_F(RendererTest, WhatIsNotJudgedHasNoLoss) {
+  TrainingRenderer& renderer = MakeRenderer();
+  const std::vector<RenderView> views = FourViews();
+  renderer.SetField(RandomField(40, 51, 6.0f));
+  std::vector<TargetImage> targets = TargetsOf(renderer, views);
+  const std::vector<RayBlock> blocks = BlocksOf(views);
+  for (const LossKind loss : {LossKind::kL2, LossKind::kL1}) {
+    const auto result_with = [&](uint32_t rgba8) {
+      for (TargetImage& target : targets) {
+        std::fill(target.rgba8.begin(), target.rgba8.end(), rgba8);
+      }
+      renderer.SetTargets(views, targets);
+      StepResult result;
+      // A step tells of the last but one.
+      for (int i = 0; i < 3; ++i) {
+        result =
+            renderer.Step({.blocks = blocks, .loss = loss, .background_srgb = glm::vec3(0.5f)});
+      }
+      return result;
+    };
+    EXPECT_GT(result_with(0).loss, 0);
+    EXPECT_EQ(result_with(kNotJudgedTarget).loss, 0);
+    EXPECT_EQ(result_with(kNotJudgedTarget).squared_error, 0);
+  }
+}
+
 TEST_F(RendererTest, StepsLowerTheLoss) {
   for (LossKind loss : {LossKind::kL2, LossKind::kL1}) {
     TrainingRenderer& renderer = MakeRenderer();

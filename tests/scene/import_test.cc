@@ -270,20 +270,73 @@ TEST(Import, MakesAlphaOfMasks) {
     json["frames"][i]["mask_path"] = name;
   }
   folder.Write("transforms.json", json.dump());
-  const Scene scene = ImportDataset(folder.path(), folder / "scene", AtSize(40)).scene;
+  ImportOptions options = AtSize(40);
+  const auto import = [&] { return ImportDataset(folder.path(), folder / "scene", options); };
+  const auto picture = [&](const Scene& scene) {
+    return ReadImage(folder / "scene" / scene.views[5].image);
+  };
+  options.masks = MaskUse::kSubject;
+  const Scene scene = import().scene;
   EXPECT_TRUE(scene.has_alpha);
-  EXPECT_EQ(ReadImage(folder / "scene" / scene.views[5].image).pixels,
-            ResizeByArea(synthetic.images[5], 40, 30).pixels);
+  EXPECT_FALSE(scene.has_masks);
+  EXPECT_EQ(scene.background, Background::kWhite);
+  EXPECT_EQ(picture(scene).pixels, ResizeByArea(synthetic.images[5], 40, 30).pixels);
+
+  options.masks = MaskUse::kIgnore;
+  const ImportedScene ignoring = import();
+  EXPECT_FALSE(ignoring.scene.has_alpha);
+  EXPECT_TRUE(ignoring.scene.has_masks);
+  EXPECT_GT(ignoring.masked_share, 0.1);
+  EXPECT_LT(ignoring.masked_share, 0.9);
+  EXPECT_EQ(ignoring.scene.background, Background::kScene);
+  EXPECT_EQ(picture(ignoring.scene).pixels, picture(scene).pixels);
+  EXPECT_TRUE(ReadScene(folder / "scene").has_masks);
+
+  options.masks = MaskUse::kNone;
+  const Scene without = import().scene;
+  EXPECT_FALSE(without.has_alpha || without.has_masks);
+  EXPECT_EQ(picture(without).channels, 3);
 
   json["frames"][4].erase("mask_path");
   folder.Write("transforms.json", json.dump());
-  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", AtSize(40)); },
-                         {"images/04.png", "no alpha channel or mask"});
+  EXPECT_FALSE(import().scene.has_masks);
+  options.masks = MaskUse::kIgnore;
+  ExpectError<DataError>(import, {"1 of 29 pictures have no mask: images/04; give each one"});
+  // Alpha and a mask that leaves pixels out: which of them is meant?
   json["frames"][4]["mask_path"] = "masks/04.png";
   folder.Write("transforms.json", json.dump());
+  WriteImage(folder / "images/04.png", synthetic.images[4]);
+  ExpectError<DataError>(import, {"images/04.png has alpha and the mask", "--masks subject"});
+  options.masks = MaskUse::kSubject;
   WriteImage(folder / "masks/04.png", MakeImage(80, 58, 3));
-  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", AtSize(40)); },
-                         {"masks/04.png: mask of 80 x 58", "images/04.png of 80 x 60"});
+  ExpectError<DataError>(import, {"masks/04.png: mask of 80 x 58", "images/04.png of 80 x 60"});
+}
+
+TEST(Import, AlphaThatHidesNothingIsNone) {
+  const ScratchFolder folder;
+  SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom);
+  for (size_t i = 0; i < synthetic.images.size(); i += 2) {
+    const Image& rgb = synthetic.images[i];
+    Image rgba = MakeImage(rgb.width, rgb.height, 4);
+    for (size_t p = 0; p < rgb.pixels.size() / 3; ++p) {
+      std::copy_n(&rgb.pixels[3 * p], 3, &rgba.pixels[4 * p]);
+      rgba.pixels[4 * p + 3] = 255;
+    }
+    synthetic.images[i] = rgba;
+  }
+  WriteTransforms(folder, synthetic);
+  const auto import = [&] { return ImportDataset(folder.path(), folder / "scene", AtSize(80)); };
+  const ImportedScene imported = import();
+  EXPECT_EQ(imported.opaque, (synthetic.images.size() + 1) / 2);
+  EXPECT_FALSE(imported.scene.has_alpha);
+  EXPECT_EQ(imported.scene.background, Background::kScene);
+  for (const View& view : imported.scene.views) {
+    EXPECT_EQ(ReadImage(folder / "scene" / view.image).channels, 3);
+  }
+  // One pixel that can be seen through makes it alpha, which all others must have then.
+  synthetic.images[4].pixels[3] = 0;
+  WriteTransforms(folder, synthetic);
+  ExpectError<DataError>(import, {"images/01.png has no alpha channel or mask"});
 }
 
 TEST(Import, TakesTheBoxThatIsGiven) {
@@ -313,10 +366,10 @@ TEST(Import, CountsTheViewsThatMaySeeNerfstudiosPoints) {
   const ScratchFolder folder;
   const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom);
   Json json = WriteTransforms(folder, synthetic);
-  std::vector<ScenePoint> points = synthetic.scene.points;
-  for (ScenePoint& point : points) {
-    point.position = kInputFromSynthetic * point.position;
-    point.track_length = 0;
+  std::vector<ScenePoint> points;
+  for (int i = 0; i < 64; ++i) {
+    const glm::dvec3 corner(i % 4, i / 4 % 4, i / 16);
+    points.push_back({kInputFromSynthetic * (0.6 * (corner - 1.5)), {1, 2, 3}, 0, 0});
   }
   WriteScenePoints(folder / "points.ply", points);
   json["ply_file_path"] = "points.ply";

@@ -99,6 +99,8 @@ TEST(SceneFile, RefusesEveryBrokenFieldByName) {
       {"schema", [](Json& j) { j.erase("schema"); }},
       {"background", [](Json& j) { j["background"] = "green"; }},
       {"has_alpha", [](Json& j) { j["has_alpha"] = 1; }},
+      {"has_masks", [](Json& j) { j["has_masks"] = "no"; }},
+      {"has_masks is true beside has_alpha", [](Json& j) { j["has_masks"] = true; }},
       {"subject_bounds", [](Json& j) { j["subject_bounds"]["min"][1] = 0.5; }},
       {"subject_bounds.max", [](Json& j) { j["subject_bounds"]["max"].push_back(1); }},
       {"input_from_world.scale", [](Json& j) { j["input_from_world"]["scale"] = 0; }},
