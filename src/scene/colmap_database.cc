@@ -2,6 +2,7 @@
 #include "scene/colmap_database.h"
 
 #include "core/error.h"
+#include "scene/colmap_version.h"
 
 #include <fmt/format.h>
 #include <sqlite3.h>
@@ -17,22 +18,31 @@ namespace {
 constexpr uint64_t kMaxImageId = 2147483647;  // pair id = kMaxImageId * lower + higher
 constexpr int kBusyWait_ms = 10000;
 
-[[noreturn]] void Fail(const std::filesystem::path& path, sqlite3* database) {
+constexpr const char* kMakeAnew = "; run it again with --force to make the database anew";
+
+// Other tables than expected are damage where the tested version wrote them; another version would
+// write them so again.
+[[noreturn]] void FailByTables(const std::string& message, const std::string& colmap) {
+  if (IsTestedColmap(colmap)) throw DataError(message + kMakeAnew);
+  throw EnvironmentError(fmt::format("{}; {}", message, ColmapVersions(colmap)));
+}
+
+[[noreturn]] void Fail(const DatabaseFile& file, sqlite3* database) {
   const int code = sqlite3_errcode(database) & 0xFF;
-  const std::string message = fmt::format("{}: {}", path.string(), sqlite3_errmsg(database));
+  const std::string message = fmt::format("{}: {}", file.path.string(), sqlite3_errmsg(database));
   if (code == SQLITE_FULL) throw EnvironmentError(message + "; free some space and run it again");
-  if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR) {
-    throw DataError(message + "; run it again with --force to make the database anew");
-  }
+  if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) throw DataError(message + kMakeAnew);
+  // No such table or column, or a column that must not be left out.
+  if (code == SQLITE_ERROR || code == SQLITE_CONSTRAINT) FailByTables(message, file.colmap);
   throw EnvironmentError(message);
 }
 
 class Statement {
  public:
-  Statement(const std::filesystem::path& path, sqlite3* database, const char* sql)
-      : path_(path), database_(database) {
+  Statement(const DatabaseFile& file, sqlite3* database, const char* sql)
+      : file_(file), database_(database) {
     if (sqlite3_prepare_v2(database, sql, -1, &statement_, nullptr) != SQLITE_OK)
-      Fail(path, database);
+      Fail(file, database);
   }
   ~Statement() { sqlite3_finalize(statement_); }
   Statement(const Statement&) = delete;
@@ -41,7 +51,7 @@ class Statement {
   // True while there is a row.
   bool Step() {
     const int code = sqlite3_step(statement_);
-    if (code != SQLITE_ROW && code != SQLITE_DONE) Fail(path_, database_);
+    if (code != SQLITE_ROW && code != SQLITE_DONE) Fail(file_, database_);
     return code == SQLITE_ROW;
   }
   void Reset() { sqlite3_reset(statement_); }
@@ -68,31 +78,31 @@ class Statement {
 
  private:
   void Check(int code) {
-    if (code != SQLITE_OK) Fail(path_, database_);
+    if (code != SQLITE_OK) Fail(file_, database_);
   }
-  const std::filesystem::path& path_;
+  const DatabaseFile& file_;
   sqlite3* database_;
   sqlite3_stmt* statement_ = nullptr;
 };
 
 }  // namespace
 
-ColmapDatabase::ColmapDatabase(const std::filesystem::path& path)
-    : path_(path), database_(nullptr, &sqlite3_close) {
+ColmapDatabase::ColmapDatabase(const std::filesystem::path& path, const std::string& colmap_version)
+    : file_{path, colmap_version}, database_(nullptr, &sqlite3_close) {
   sqlite3* database = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READWRITE, nullptr);
   database_.reset(database);
-  if (code != SQLITE_OK) Fail(path_, database_.get());
+  if (code != SQLITE_OK) Fail(file_, database_.get());
   sqlite3_busy_timeout(database_.get(), kBusyWait_ms);
 }
 
-void ColmapDatabase::Execute(const char* sql) {
-  if (sqlite3_exec(database_.get(), sql, nullptr, nullptr, nullptr) != SQLITE_OK)
-    Fail(path_, database_.get());
+void ColmapDatabase::Execute(const std::string& sql) {
+  if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK)
+    Fail(file_, database_.get());
 }
 
 std::vector<DatabaseImage> ColmapDatabase::Images() const {
-  Statement select(path_, database_.get(),
+  Statement select(file_, database_.get(),
                    "SELECT image_id, name, coalesce(descriptors.rows, 0) FROM images "
                    "LEFT JOIN descriptors USING (image_id) ORDER BY image_id");
   std::vector<DatabaseImage> images;
@@ -102,7 +112,7 @@ std::vector<DatabaseImage> ColmapDatabase::Images() const {
 }
 
 Descriptors ColmapDatabase::ReadDescriptors(uint32_t image_id) const {
-  Statement select(path_, database_.get(),
+  Statement select(file_, database_.get(),
                    "SELECT rows, cols, data FROM descriptors WHERE image_id = ?");
   select.Bind(1, image_id);
   if (!select.Step()) return {};
@@ -113,14 +123,14 @@ Descriptors ColmapDatabase::ReadDescriptors(uint32_t image_id) const {
       descriptors.size() % kDescriptorBytes != 0) {
     throw DataError(fmt::format(
         "{}: descriptors of image {} have {} bytes for {} rows; run it again with --force",
-        path_.string(), image_id, descriptors.size(), rows));
+        file_.path.string(), image_id, descriptors.size(), rows));
   }
   return descriptors;
 }
 
 // A keypoint is x, y and nothing, or a scale and an angle, or an affine shape a11 a12 a21 a22.
 std::vector<float> ColmapDatabase::ReadScales(uint32_t image_id) const {
-  Statement select(path_, database_.get(),
+  Statement select(file_, database_.get(),
                    "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");
   select.Bind(1, image_id);
   if (!select.Step()) return {};
@@ -130,7 +140,7 @@ std::vector<float> ColmapDatabase::ReadScales(uint32_t image_id) const {
   if (!known || rows < 0 || uint64_t(rows) != bytes.size() / (sizeof(float) * size_t(columns))) {
     throw DataError(fmt::format(
         "{}: keypoints of image {} have {} bytes for {} x {}; run it again with --force",
-        path_.string(), image_id, bytes.size(), rows, columns));
+        file_.path.string(), image_id, bytes.size(), rows, columns));
   }
   std::vector<float> scales;
   for (int64_t row = 0; row < rows; ++row) {
@@ -160,7 +170,7 @@ Descriptors ColmapDatabase::ReadCoarsestDescriptors(uint32_t image_id, size_t co
 
 std::set<ImagePair> ColmapDatabase::PairsOf(const char* table) const {
   const std::string sql = fmt::format("SELECT pair_id FROM {}", table);
-  Statement select(path_, database_.get(), sql.c_str());
+  Statement select(file_, database_.get(), sql.c_str());
   std::set<ImagePair> pairs;
   while (select.Step()) {
     const auto id = uint64_t(select.Integer(0));
@@ -173,31 +183,77 @@ std::set<ImagePair> ColmapDatabase::MatchedPairs() const { return PairsOf("match
 std::set<ImagePair> ColmapDatabase::VerifiedPairs() const { return PairsOf("two_view_geometries"); }
 
 uint64_t ColmapDatabase::MatchCount() const {
-  Statement select(path_, database_.get(), "SELECT coalesce(sum(rows), 0) FROM matches");
+  Statement select(file_, database_.get(), "SELECT coalesce(sum(rows), 0) FROM matches");
   return select.Step() ? uint64_t(select.Integer(0)) : 0;
+}
+
+std::vector<std::string> ColmapDatabase::Columns(const char* schema, const char* table) const {
+  const std::string sql = fmt::format("PRAGMA {}.table_info({})", schema, table);
+  Statement select(file_, database_.get(), sql.c_str());
+  std::vector<std::string> columns;
+  while (select.Step()) columns.push_back(select.Text(1));
+  return columns;
+}
+
+// SQL that copies a table from the attached database, with its ids shifted.
+std::string ColmapDatabase::CopySql(const char* table, const std::vector<std::string>& needed,
+                                    const std::filesystem::path& other) const {
+  const std::vector<std::string> ours = Columns("main", table), theirs = Columns("other", table);
+  const auto has = [](const std::vector<std::string>& columns, const std::string& column) {
+    return std::find(columns.begin(), columns.end(), column) != columns.end();
+  };
+  for (const std::string& column : needed) {
+    if (has(ours, column) && has(theirs, column)) continue;
+    const std::filesystem::path& lacking = has(ours, column) ? other : file_.path;
+    FailByTables(fmt::format("{}: no column {} in the table {}", lacking.string(), column, table),
+                 file_.colmap);
+  }
+  std::string names, values;
+  for (const std::string& column : ours) {
+    if (!has(theirs, column)) continue;
+    const char* comma = names.empty() ? "" : ", ";
+    const char* shift = column == "image_id"    ? " + shift.image"
+                        : column == "camera_id" ? " + shift.camera"
+                                                : "";
+    names += fmt::format("{}\"{}\"", comma, column);
+    values += fmt::format("{}\"{}\"{}", comma, column, shift);
+  }
+  return fmt::format("INSERT INTO main.{0} ({1}) SELECT {2} FROM other.{0}, shift;", table, names,
+                     values);
+}
+
+// Frames and rigs refer to pictures and cameras by the ids that change here. COLMAP would read the
+// wrong ones, or none, and say nothing.
+void ColmapDatabase::RefuseFrames(const char* schema, const std::filesystem::path& path) const {
+  if (Columns(schema, "frames").empty()) return;
+  const std::string sql = fmt::format("SELECT count(*) FROM {}.frames", schema);
+  Statement select(file_, database_.get(), sql.c_str());
+  if (!select.Step() || select.Integer(0) == 0) return;
+  FailByTables(fmt::format("{}: {} frames, which Tetrec does not number anew", path.string(),
+                           select.Integer(0)),
+               file_.colmap);
 }
 
 void ColmapDatabase::Append(const std::filesystem::path& other) {
   {
     const std::string name = other.string();
-    Statement attach(path_, database_.get(), "ATTACH ? AS other");
+    Statement attach(file_, database_.get(), "ATTACH ? AS other");
     attach.BindText(1, name);
     attach.Step();
   }
+  RefuseFrames("other", other);
+  // Complete before anything is written.
+  const std::string copies =
+      CopySql("cameras", {"camera_id", "model", "width", "height", "params"}, other) +
+      CopySql("images", {"image_id", "name", "camera_id"}, other) +
+      CopySql("keypoints", {"image_id", "rows", "cols", "data"}, other) +
+      CopySql("descriptors", {"image_id", "rows", "cols", "data"}, other);
   Execute(
       "BEGIN IMMEDIATE;"
       "CREATE TEMP TABLE shift AS SELECT "
       "  (SELECT coalesce(max(image_id), 0) FROM main.images) AS image,"
-      "  (SELECT coalesce(max(camera_id), 0) FROM main.cameras) AS camera;"
-      "INSERT INTO main.cameras SELECT camera_id + shift.camera, model, width, height, params, "
-      "  prior_focal_length FROM other.cameras, shift;"
-      "INSERT INTO main.images SELECT image_id + shift.image, name, camera_id + shift.camera, "
-      "  prior_qw, prior_qx, prior_qy, prior_qz, prior_tx, prior_ty, prior_tz "
-      "  FROM other.images, shift;"
-      "INSERT INTO main.keypoints SELECT image_id + shift.image, rows, cols, data "
-      "  FROM other.keypoints, shift;"
-      "INSERT INTO main.descriptors SELECT image_id + shift.image, rows, cols, data "
-      "  FROM other.descriptors, shift;"
+      "  (SELECT coalesce(max(camera_id), 0) FROM main.cameras) AS camera;" +
+      copies +
       "DROP TABLE shift;"
       "COMMIT;"
       "DETACH other;");
@@ -205,6 +261,7 @@ void ColmapDatabase::Append(const std::filesystem::path& other) {
 
 void ColmapDatabase::NumberByName(bool camera_per_folder) {
   TETREC_CHECK(MatchedPairs().empty() && VerifiedPairs().empty(), "pictures are matched already");
+  RefuseFrames("main", file_.path);
   if (camera_per_folder) {
     Execute(
         "CREATE TEMP TABLE folder_camera AS SELECT rtrim(name, replace(name, '/', '')) AS folder, "
@@ -241,7 +298,7 @@ void ColmapDatabase::WriteMatches(
   static_assert(sizeof(FeatureMatch) == 2 * sizeof(uint32_t));
   Execute("BEGIN IMMEDIATE");
   try {
-    Statement insert(path_, database_.get(),
+    Statement insert(file_, database_.get(),
                      "INSERT INTO matches (pair_id, rows, cols, data) VALUES (?, ?, 2, ?)");
     for (const auto& [pair, matches] : pairs) {
       TETREC_CHECK(pair.first < pair.second && pair.second < kMaxImageId, "wrong image pair");

@@ -24,12 +24,19 @@ struct DatabaseImage {
 
 using ImagePair = std::pair<uint32_t, uint32_t>;  // image ids, the lower first
 
-// Every call throws EnvironmentError (disk full, not writable) or DataError (not what COLMAP
-// writes).
+// A database and the version of COLMAP that wrote it, for messages.
+struct DatabaseFile {
+  std::filesystem::path path;
+  std::string colmap;
+};
+
+// Every call throws EnvironmentError (disk full, not writable, the tables of another version of
+// COLMAP) or DataError (not what COLMAP writes).
 class ColmapDatabase {
  public:
   // Opens an existing database.
-  explicit ColmapDatabase(const std::filesystem::path& path);
+  explicit ColmapDatabase(const std::filesystem::path& path,
+                          const std::string& colmap_version = "unknown");
 
   std::vector<DatabaseImage> Images() const;  // by id
   Descriptors ReadDescriptors(uint32_t image_id) const;
@@ -39,7 +46,8 @@ class ColmapDatabase {
   std::set<ImagePair> VerifiedPairs() const;  // with two-view geometries
   uint64_t MatchCount() const;                // raw matches of all pairs
 
-  // Adds the pictures, cameras and features of another database under new ids.
+  // Adds the pictures, cameras and features of another database under new ids, in the columns that
+  // both have: versions after the tested one dropped some.
   void Append(const std::filesystem::path& other);
 
   // Gives pictures and cameras ids in the order of the pictures' names, since the mapper's result
@@ -52,11 +60,15 @@ class ColmapDatabase {
   void WriteMatches(const std::vector<std::pair<ImagePair, std::vector<FeatureMatch>>>& pairs);
 
  private:
-  void Execute(const char* sql);
+  void Execute(const std::string& sql);
+  std::vector<std::string> Columns(const char* schema, const char* table) const;
+  std::string CopySql(const char* table, const std::vector<std::string>& needed,
+                      const std::filesystem::path& other) const;
+  void RefuseFrames(const char* schema, const std::filesystem::path& path) const;
   std::vector<float> ReadScales(uint32_t image_id) const;
   std::set<ImagePair> PairsOf(const char* table) const;
 
-  std::filesystem::path path_;
+  DatabaseFile file_;
   std::unique_ptr<sqlite3, int (*)(sqlite3*)> database_;
 };
 

@@ -9,6 +9,7 @@
 #include "core/progress.h"
 #include "core/stage.h"
 #include "scene/colmap_database.h"
+#include "scene/colmap_version.h"
 
 #include <fmt/format.h>
 
@@ -36,19 +37,24 @@ constexpr size_t kCoarsePartners = 20;    // pairs that each picture may choose
 constexpr size_t kMinCoarseMatches = 4;
 constexpr int kSiftMaxImageSize_px = 1600;  // larger photos are reduced for the search of features
 
-// What COLMAP says when it fails; all but the last with exit code 0.
+// What COLMAP says when it fails; the first three with exit code 0.
 struct KnownFailure {
   const char* text;
-  bool environment;
   const char* message;
+  bool of_version = false;  // as another version of COLMAP would
 };
 constexpr KnownFailure kKnownFailures[] = {
-    {"database or disk is full", true, "the disk is full; free some space and run it again"},
-    {"disk I/O error", true, "the disk cannot be written; look at the space left and its health"},
-    {"attempt to write a readonly database", true, "its database cannot be written"},
-    {"unrecognised option", true,
-     "it does not know one of our options; COLMAP 3.8 is the tested version"},
+    {"database or disk is full", "the disk is full; free some space and run it again"},
+    {"disk I/O error", "the disk cannot be written; look at the space left and its health"},
+    {"attempt to write a readonly database", "its database cannot be written"},
+    {"Failed to parse options", "it does not take our options", true},
+    {"` not recognized. To list", "it does not know this command", true},
 };
+
+// For failures of unknown cause: which version was found, where it is another than the tested one.
+std::string VersionNote(const ColmapProgram& colmap) {
+  return IsTestedColmap(colmap.version) ? "" : "; " + ColmapVersions(colmap.version);
+}
 
 // Runs one step; throws where its output or exit code tells a failure.
 ChildResult RunStep(const ColmapProgram& colmap, const std::string& step,
@@ -56,7 +62,7 @@ ChildResult RunStep(const ColmapProgram& colmap, const std::string& step,
                     const std::function<void(const std::string&)>& on_line = {},
                     const fs::path& folder = {}) {
   arguments.insert(arguments.begin(), step);
-  std::string complaint;
+  std::string complaint, known_line;
   const KnownFailure* known = nullptr;
   ChildOptions options;
   options.log = colmap.log;
@@ -67,7 +73,9 @@ ChildResult RunStep(const ColmapProgram& colmap, const std::string& step,
   options.fixed_addresses = true;
   options.on_line = [&](const std::string& line) {
     for (const KnownFailure& failure : kKnownFailures) {
-      if (known == nullptr && line.find(failure.text) != std::string::npos) known = &failure;
+      if (known != nullptr || line.find(failure.text) == std::string::npos) continue;
+      known = &failure;
+      known_line = line;
     }
     const bool complains =
         line.find("ERROR") != std::string::npos || line.find("Check failed") != std::string::npos;
@@ -76,13 +84,17 @@ ChildResult RunStep(const ColmapProgram& colmap, const std::string& step,
   };
   ChildResult result = RunChild(colmap.path, arguments, options);
   const std::string name = "colmap " + step;
+  if (known != nullptr && known->of_version) {
+    throw EnvironmentError(fmt::format("{}: {} ({}); {}", name, known->message, known_line,
+                                       ColmapVersions(colmap.version)));
+  }
   if (known != nullptr) throw EnvironmentError(fmt::format("{}: {}", name, known->message));
   if (result.exit_code > 128) {
     const int signal = result.exit_code - 128;
     const char* advice = signal == 9 ? ", perhaps for want of memory" : "";
-    throw EnvironmentError(
-        fmt::format("{} was ended by signal {}{}{}; its output is in {}", name, signal, advice,
-                    complaint.empty() ? "" : " (" + complaint + ")", colmap.log.string()));
+    throw EnvironmentError(fmt::format(
+        "{} was ended by signal {}{}{}; its output is in {}{}", name, signal, advice,
+        complaint.empty() ? "" : " (" + complaint + ")", colmap.log.string(), VersionNote(colmap)));
   }
   return result;
 }
@@ -187,13 +199,13 @@ void VerifyPairs(const ColmapProgram& colmap, const fs::path& database, const fs
            "--SiftMatching.use_gpu", "0",
            // Its random numbers depend on which thread gets which pair.
            "--SiftMatching.num_threads", "1"});
-  const std::set<ImagePair> verified = ColmapDatabase(database).VerifiedPairs();
+  const std::set<ImagePair> verified = ColmapDatabase(database, colmap.version).VerifiedPairs();
   const bool complete = std::all_of(pairs.begin(), pairs.end(),
                                     [&](const ImagePair& p) { return verified.contains(p); });
   if (!complete) {
     throw EnvironmentError(
-        fmt::format("colmap matches_importer did not verify all pairs; its output is in {}",
-                    colmap.log.string()));
+        fmt::format("colmap matches_importer did not verify all pairs; its output is in {}{}",
+                    colmap.log.string(), VersionNote(colmap)));
   }
 }
 
@@ -218,8 +230,9 @@ void ExtractPart(const ColmapProgram& colmap, const std::vector<std::string>& na
       },
       database.parent_path());
   if (!fs::exists(database)) {
-    throw EnvironmentError(fmt::format(
-        "colmap feature_extractor wrote no database; its output is in {}", colmap.log.string()));
+    throw EnvironmentError(
+        fmt::format("colmap feature_extractor wrote no database; its output is in {}{}",
+                    colmap.log.string(), VersionNote(colmap)));
   }
 }
 
@@ -241,8 +254,8 @@ ColmapProgram FindColmap(const fs::path& log) {
       colmap.version = match[1];
   };
   RunChild(colmap.path, {"help"}, options);
-  if (!colmap.version.starts_with("3.")) {
-    LogWarning("COLMAP {} was not tested with Tetrec; 3.8 was", colmap.version);
+  if (!IsTestedColmap(colmap.version)) {
+    LogWarning("COLMAP {} was not tested with Tetrec; {} was", colmap.version, kTestedColmap);
   }
   return colmap;
 }
@@ -282,7 +295,8 @@ void ExtractFeatures(const ColmapProgram& colmap, const fs::path& photos,
   std::set<std::string> found;
   {
     ColmapDatabase merged(
-        half);  // closed before it gets its name: only then is all of it in the file
+        half,
+        colmap.version);  // closed before it gets its name: only then is all of it in the file
     for (size_t part = 1; part < part_count; ++part) merged.Append(part_files[part]);
     merged.NumberByName(!options.camera_per_image);
     for (const DatabaseImage& image : merged.Images()) found.insert(image.name);
@@ -306,7 +320,7 @@ MatchCounts MatchFeatures(const ColmapProgram& colmap, const fs::path& database_
   std::vector<ImagePair> pairs;
   std::set<ImagePair> matched, verified;  // by an earlier run
   {
-    const ColmapDatabase database(database_path);
+    const ColmapDatabase database(database_path, colmap.version);
     const std::vector<DatabaseImage> images = database.Images();
     pairs = ChoosePairs(database, images, choice);
     matched = database.MatchedPairs();
@@ -333,7 +347,7 @@ MatchCounts MatchFeatures(const ColmapProgram& colmap, const fs::path& database_
     }
     const PairMatches matches = MatchBlock(descriptors, unmatched);
     if (verification.valid()) verification.get();
-    if (!unmatched.empty()) ColmapDatabase(database_path).WriteMatches(matches);
+    if (!unmatched.empty()) ColmapDatabase(database_path, colmap.version).WriteMatches(matches);
     if (!unverified.empty()) {
       verification = std::async(std::launch::async, VerifyPairs, std::cref(colmap), database_path,
                                 scratch, std::move(unverified), std::move(lines));
@@ -341,7 +355,7 @@ MatchCounts MatchFeatures(const ColmapProgram& colmap, const fs::path& database_
     progress.Update(double(start + block.size()));
   }
   if (verification.valid()) verification.get();
-  counts.matches = ColmapDatabase(database_path).MatchCount();
+  counts.matches = ColmapDatabase(database_path, colmap.version).MatchCount();
   return counts;
 }
 
@@ -388,8 +402,9 @@ bool TriangulateModel(const ColmapProgram& colmap, const fs::path& photos, const
     throw;
   }
   if (!fs::exists(found / "points3D.bin")) {
-    throw EnvironmentError(fmt::format(
-        "colmap point_triangulator wrote no model; its output is in {}", colmap.log.string()));
+    throw EnvironmentError(
+        fmt::format("colmap point_triangulator wrote no model; its output is in {}{}",
+                    colmap.log.string(), VersionNote(colmap)));
   }
   return true;
 }

@@ -14,7 +14,9 @@ struct ColmapProgram {
   std::filesystem::path log;  // receives its output
 };
 
-// Throws EnvironmentError where there is no colmap in PATH.
+// Throws EnvironmentError where there is no colmap in PATH; warns where it is not the tested
+// version (colmap_version.h). Failures of the steps below that another version may be the cause of
+// name both.
 ColmapProgram FindColmap(const std::filesystem::path& log);
 
 struct ExtractOptions {

@@ -9,6 +9,7 @@
 #include "core/stage.h"
 #include "scene/colmap_model.h"
 #include "scene/colmap_run.h"
+#include "scene/colmap_version.h"
 #include "scene/image.h"
 
 #include <fmt/format.h>
@@ -100,7 +101,8 @@ void WriteKnownCameras(const Scene& scene, const Photos& photos, const fs::path&
 }
 
 // What COLMAP wrote must be in the frame of the cameras that it was given.
-void CheckUnmoved(const ColmapModel& model, const Scene& scene, const Photos& photos) {
+void CheckUnmoved(const ColmapModel& model, const Scene& scene, const Photos& photos,
+                  const ColmapProgram& colmap) {
   constexpr double kTolerance = 1e-9;  // text of full precision, quaternions normalised again
   for (const auto& [id, image] : model.images) {
     TETREC_CHECK(id >= 1 && id <= photos.views.size() && photos.names[id - 1] == image.name,
@@ -113,9 +115,8 @@ void CheckUnmoved(const ColmapModel& model, const Scene& scene, const Photos& ph
     }
     if (moved <= kTolerance * (1 + glm::length(known.translation))) continue;
     throw EnvironmentError(
-        fmt::format("colmap point_triangulator moved the known camera of {} by {:.2g}; COLMAP 3.8 "
-                    "is the tested version",
-                    image.name, moved));
+        fmt::format("colmap point_triangulator moved the known camera of {} by {:.2g}; {}",
+                    image.name, moved, ColmapVersions(colmap.version)));
   }
 }
 
@@ -189,7 +190,7 @@ Triangulation TriangulatePoints(const fs::path& folder, const Scene& scene,
   Triangulation result;
   if (TriangulateModel(colmap, photos.folder, database, known, found)) {
     const ColmapModel model = ReadColmapModel(found);
-    CheckUnmoved(model, scene, photos);
+    CheckUnmoved(model, scene, photos, colmap);
     result = Filtered(model, scene, alphas);
   }
   LogInfo("{} points triangulated, {} dropped as weak and {} where a view sees through: {} kept",

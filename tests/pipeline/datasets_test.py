@@ -24,6 +24,22 @@ FETCH = ROOT / "scripts" / "fetch_dataset"
 SPECS = ROOT / "datasets_spec"
 COUNTS = {"train": 3, "val": 1, "test": 2}
 WIDTH, HEIGHT = 4, 3
+# Runs a program that dies before the step given first, of those that change what is in place.
+DYING = """
+import os, pathlib, runpy, shutil, sys
+left = int(sys.argv[1])
+def dying(step):
+    def run(*arguments, **options):
+        global left
+        if left == 0:
+            os._exit(99)
+        left -= 1
+        return step(*arguments, **options)
+    return run
+pathlib.Path.rename, shutil.rmtree = dying(pathlib.Path.rename), dying(shutil.rmtree)
+sys.argv = sys.argv[2:]
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
 
 
 def write_cube(folder):
@@ -82,8 +98,9 @@ class DatasetsTest(unittest.TestCase):
                  "pictures": [{"folder": folder, "counts": [count], "size_px": None}]}
         path.write_text(json.dumps(spec))
 
-    def fetch(self, *arguments, specs=None, **options):
-        command = [sys.executable, FETCH, "--specs", specs or self.folder / "specs", "--to", self.to,
+    def fetch(self, *arguments, specs=None, dies_before=None, **options):
+        dying = [] if dies_before is None else ["-c", DYING, dies_before]
+        command = [sys.executable, *dying, FETCH, "--specs", specs or self.folder / "specs", "--to", self.to,
                    "--retry-wait", "0", *arguments]
         environment = {k: v for k, v in os.environ.items() if not k.lower().endswith("_proxy")}
         return subprocess.run([str(word) for word in command], capture_output=True, text=True,
@@ -176,6 +193,81 @@ class DatasetsTest(unittest.TestCase):
         (self.to / ".cube.new" / "half.png").touch()
         self.assert_in_place(self.fetch("cube", "--from", self.cube))
         self.assertFalse((self.to / "cube" / "half.png").exists())
+
+    # Damaged in place.
+
+    def put_damaged_cube(self):
+        """The cube in place without one of its pictures, and what the folder then holds."""
+        self.describe()
+        self.assert_in_place(self.fetch("cube", "--from", self.cube))
+        (self.to / "cube" / "test" / "r_1.png").unlink()
+        return state(self.to / "cube")
+
+    def assert_refused_in_place(self, result, *parts):
+        self.assertEqual(result.returncode, 3, result.stdout + result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        for part in parts:
+            self.assertIn(part, result.stderr)
+
+    def test_the_advice_for_damaged_data_in_place_works(self):
+        self.put_damaged_cube()
+        for arguments in ([], ["--from", self.cube], ["--check"], ["--allow-partial"]):
+            self.assert_refused_in_place(self.fetch("cube", *arguments), "r_1.png is missing",
+                                         f"run with --again, which replaces {self.to}/cube")
+        self.assert_in_place(self.fetch("cube", "--from", self.cube, "--again"))
+        self.assertEqual(self.fetch("cube").returncode, 0)
+
+    def test_again_also_replaces_what_only_differs_and_takes_an_empty_place(self):
+        self.describe()
+        self.assert_in_place(self.fetch("cube", "--from", self.cube, "--again"))
+        write_png(self.to / "cube" / "train" / "r_0.png", 2, 1, bytes(8))
+        self.assert_refused_in_place(self.fetch("cube"), "2 x 1 pixels", "--allow-partial", "--again")
+        self.assert_in_place(self.fetch("cube", "--from", self.cube, "--again"))
+
+    def test_what_is_in_place_stays_until_the_new_is_whole_and_checked(self):
+        before = self.put_damaged_cube()
+        (self.cube / "val" / "r_0.png").unlink()
+        failing = {"val/r_0.png": ["--from", self.cube], "--from shapes.zip": [],
+                   "neither a folder nor": ["--from", self.write(self.archive[:-30])]}
+        for part, arguments in failing.items():
+            result = self.fetch("cube", "--again", *arguments)
+            self.assertIn(result.returncode, (3, 4))
+            self.assertIn(part, result.stderr)
+            self.assertEqual(state(self.to / "cube"), before)
+            self.assert_nothing_half_done()
+
+    def test_a_replacement_killed_anywhere_loses_nothing(self):
+        self.put_damaged_cube()
+        damaged = self.folder / "damaged"
+        shutil.copytree(self.to / "cube", damaged)
+        outcomes = []
+        for step in range(20):
+            shutil.rmtree(self.to)
+            shutil.copytree(damaged, self.to / "cube")
+            killed = self.fetch("cube", "--from", self.cube, "--again", dies_before=step)
+            if killed.returncode == 0:
+                break
+            self.assertEqual(killed.returncode, 99, killed.stderr)
+            result = self.fetch("cube")
+            outcomes.append(result.returncode)
+            if result.returncode == 0:  # the new is there already
+                self.assert_in_place(result)
+            else:
+                self.assert_refused_in_place(result, "r_1.png is missing", "--again")
+            self.assertFalse((self.to / ".cube.old").exists())
+            self.assert_in_place(self.fetch("cube", "--from", self.cube, "--again"))
+        self.assert_in_place(killed)
+        # Until the new is in place the old comes back: at the sweep and at both renames. Then only
+        # removing is left, of the old and of leftovers.
+        self.assertEqual(outcomes, [3, 3, 3, 0, 0])
+
+    def test_a_link_in_place_is_replaced_and_not_what_it_leads_to(self):
+        before = self.put_damaged_cube()
+        (self.to / "cube").rename(self.folder / "elsewhere")
+        (self.to / "cube").symlink_to(self.folder / "elsewhere")
+        self.assert_in_place(self.fetch("cube", "--from", self.cube, "--again"))
+        self.assertFalse((self.to / "cube").is_symlink())
+        self.assertEqual(state(self.folder / "elsewhere"), before)
 
     def test_two_runs_in_one_folder_do_not_meet(self):
         self.describe()
@@ -276,6 +368,40 @@ class DatasetsTest(unittest.TestCase):
                 result = self.fetch("ball", "--from", source, "--allow-partial", *check)
                 self.assert_refused(result, 3, "another data set, cube")
         self.assertFalse((self.to / "ball").exists())
+
+    def keep_archive(self, content):
+        """Puts an archive where an earlier download would have left it."""
+        (self.to / "archives").mkdir(parents=True)
+        (self.to / "archives" / "shapes.zip").write_bytes(content)
+
+    def test_a_kept_archive_that_differs_can_be_allowed(self):
+        self.describe(sha256="0" * 64)
+        self.keep_archive(self.archive)
+        self.assert_refused(self.fetch("cube"), 3, "sha256", "--allow-partial")
+        result = self.fetch("cube", "--allow-partial")
+        self.assert_in_place(result)
+        self.assertEqual(result.stdout.count("differs: shapes.zip has sha256"), 1, result.stdout)
+
+    def test_the_advice_for_a_kept_archive_that_is_damaged_works(self):
+        server = self.serve({"/shapes.zip": self.archive})
+        advice = f"to get it again, remove {self.to}/archives/shapes.zip"
+        for sha256 in (None, hashlib.sha256(self.archive).hexdigest()):
+            self.describe(urls=[f"{server.url}/shapes.zip"], sha256=sha256)
+            shutil.rmtree(self.to, ignore_errors=True)
+            self.keep_archive(self.archive[:-30])
+            self.assert_refused(self.fetch("cube"), 3, advice)
+            self.assertEqual(server.requests, [])
+            (self.to / "archives" / "shapes.zip").unlink()
+            self.assert_in_place(self.fetch("cube"))
+            server.requests.clear()
+
+    def test_again_unpacks_a_kept_archive_anew(self):
+        server = self.serve({"/shapes.zip": self.archive})
+        self.describe(urls=[f"{server.url}/shapes.zip"], sha256=hashlib.sha256(self.archive).hexdigest())
+        self.assert_in_place(self.fetch("cube"))
+        (self.to / "cube" / "transforms_val.json").unlink()
+        self.assert_in_place(self.fetch("cube", "--again"))
+        self.assertEqual(server.requests, [("/shapes.zip", None)])
 
     # Hostile archives.
 
@@ -457,7 +583,8 @@ class DatasetsTest(unittest.TestCase):
         self.describe()
         for arguments, part in ((["ball"], "known are cube"), ([], "--list"), (["--list", "cube"], "no name"),
                                 (["cube", "--from", "/no/such"], "/no/such"), (["cube", "--check"], "--from"),
-                                (["cube", "--from", self.folder], "give another folder")):
+                                (["cube", "--from", self.folder], "give another folder"),
+                                (["cube", "--check", "--again"], "one of them")):
             self.assert_refused(self.fetch(*arguments), 2, part)
         self.assertEqual(self.fetch("--no-such").returncode, 2)
         (self.folder / "specs" / "cube.json").write_text('{"name": "cube"}')

@@ -120,9 +120,39 @@ TEST(Matching, AmbiguousAndUnlikeDescriptorsAreNotMatched) {
   EXPECT_EQ(MatchDescriptors(one, one).size(), 1u);    // alone: no second best
 }
 
+void RunSql(const std::filesystem::path& path, const std::string& sql) {
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);
+  char* error = nullptr;
+  EXPECT_EQ(sqlite3_exec(db, sql.c_str(), nullptr, nullptr, &error), SQLITE_OK) << error;
+  sqlite3_free(error);
+  sqlite3_close(db);
+}
+
+// The first number that a query gives.
+int NumberOf(const std::filesystem::path& path, const std::string& sql) {
+  sqlite3* db = nullptr;
+  sqlite3_open(path.c_str(), &db);
+  int number = -1;
+  sqlite3_exec(
+      db, sql.c_str(),
+      [](void* n, int, char** v, char**) {
+        *static_cast<int*>(n) = v[0] == nullptr ? -1 : std::stoi(v[0]);
+        return 0;
+      },
+      &number, nullptr);
+  sqlite3_close(db);
+  return number;
+}
+
+constexpr const char* kPriors =
+    "prior_qw REAL, prior_qx REAL, prior_qy REAL, prior_qz REAL, prior_tx REAL, prior_ty REAL, "
+    "prior_tz REAL, ";
+
 // A database in COLMAP's schema (its documentation, "Database Format"), pictures numbered out of
-// order.
-void MakeDatabase(const std::filesystem::path& path, const std::vector<std::string>& names) {
+// order. Later versions dropped the columns `priors`.
+void MakeDatabase(const std::filesystem::path& path, const std::vector<std::string>& names,
+                  const std::string& priors = kPriors) {
   sqlite3* db = nullptr;
   ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);
   const auto run = [&](const std::string& sql) {
@@ -135,9 +165,9 @@ void MakeDatabase(const std::filesystem::path& path, const std::vector<std::stri
       "NULL);"
       "CREATE TABLE images (image_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, name TEXT NOT "
       "NULL UNIQUE, camera_id "
-      "INTEGER NOT NULL, prior_qw REAL, prior_qx REAL, prior_qy REAL, prior_qz REAL, prior_tx "
-      "REAL, prior_ty REAL, "
-      "prior_tz REAL, CONSTRAINT image_id_check CHECK(image_id >= 0 and image_id < 2147483647), "
+      "INTEGER NOT NULL, " +
+      priors +
+      "CONSTRAINT image_id_check CHECK(image_id >= 0 and image_id < 2147483647), "
       "FOREIGN "
       "KEY(camera_id) REFERENCES cameras(camera_id));"
       "CREATE TABLE keypoints (image_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL, cols "
@@ -197,18 +227,100 @@ TEST(ColmapDatabase, AppendedPartsAreOneDatabaseWhateverTheParts) {
       EXPECT_EQ(database.ReadDescriptors(i + 1)[0], uint8_t('a' + i));
     }
   }
-  sqlite3* db = nullptr;  // one camera for the folder is left
-  sqlite3_open((folder / "a.db").c_str(), &db);
-  int cameras = 0;
-  sqlite3_exec(
-      db, "SELECT count(*) FROM cameras",
-      [](void* n, int, char** v, char**) {
-        *static_cast<int*>(n) = std::stoi(v[0]);
-        return 0;
+  EXPECT_EQ(NumberOf(folder / "a.db", "SELECT count(*) FROM cameras"), 1);  // of the folder
+}
+
+TEST(ColmapDatabase, ColumnsThatBothDatabasesHaveAreAppended) {
+  const ScratchFolder folder;
+  // As later versions have them, and with what only one of two has.
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"", ""},
+      {"", kPriors},
+      {kPriors, ""},
+      {"shape REAL, prior_qw REAL, ", "prior_qw REAL, mask TEXT, "}};
+  for (const auto& [ours, theirs] : cases) {
+    const std::filesystem::path a = folder / "a.db", b = folder / "b.db";
+    std::filesystem::remove(a);
+    std::filesystem::remove(b);
+    MakeDatabase(a, {"0/a", "0/c"}, ours);
+    MakeDatabase(b, {"0/b", "0/d"}, theirs);
+    const bool both =
+        ours.find("prior_qw") != std::string::npos && theirs.find("prior_qw") != std::string::npos;
+    if (both) RunSql(b, "UPDATE images SET prior_qw = 7 WHERE name = '0/d'");
+    {
+      ColmapDatabase database(a, "3.11.1");
+      database.Append(b);
+      database.NumberByName(false);
+      const std::vector<DatabaseImage> images = database.Images();
+      ASSERT_EQ(images.size(), 4u);
+      for (uint32_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(images[i].name, std::string("0/") + char('a' + i));
+        EXPECT_EQ(database.ReadDescriptors(i + 1)[0], uint8_t('a' + i));
+      }
+    }
+    // Cameras have their number in their database as prior: 0/c and 0/d keep the second of each.
+    const char* priors =
+        "SELECT sum(prior_focal_length * (image_id IN (3, 4))) FROM images JOIN "
+        "cameras USING (camera_id)";
+    EXPECT_EQ(NumberOf(a, priors), 4);
+    EXPECT_EQ(both ? NumberOf(a, "SELECT prior_qw FROM images WHERE name = '0/d'") : 7, 7);
+  }
+}
+
+TEST(ColmapDatabase, TablesOfAnotherVersionAreEnvironmentErrorsThatNameIt) {
+  const ScratchFolder folder;
+  const std::filesystem::path a = folder / "a.db", b = folder / "b.db";
+  const std::string versions = "COLMAP 5.1 was found, 3.8 is the tested version";
+  const auto refuse = [&](const std::string& change_of_a, const std::string& change_of_b,
+                          const auto& call, const std::string& what) {
+    std::filesystem::remove(a);
+    std::filesystem::remove(b);
+    MakeDatabase(a, {"a"});
+    MakeDatabase(b, {"b"});
+    RunSql(a, change_of_a);
+    RunSql(b, change_of_b);
+    ColmapDatabase database(a, "5.1");
+    ExpectError<EnvironmentError>([&] { call(database); }, {what, versions});
+  };
+  const auto append = [&](ColmapDatabase& database) { database.Append(b); };
+  const auto number = [](ColmapDatabase& database) { database.NumberByName(true); };
+  const std::string rename = "ALTER TABLE images RENAME COLUMN camera_id TO camera";
+  refuse("", rename, append, "b.db: no column camera_id in the table images");
+  refuse(rename, "", append, "a.db: no column camera_id in the table images");
+  refuse("", "DROP TABLE keypoints", append, "b.db: no column image_id in the table keypoints");
+  refuse("CREATE TRIGGER t BEFORE INSERT ON images BEGIN SELECT RAISE(ABORT, 'rig'); END", "",
+         append, "a.db: rig");
+  refuse(rename, "", number, "a.db: no such column: camera_id");
+  refuse(
+      "DROP TABLE matches", "", [](ColmapDatabase& database) { database.MatchedPairs(); },
+      "a.db: no such table: matches");
+  refuse(
+      "ALTER TABLE matches ADD COLUMN kind INTEGER CHECK (kind IS NOT NULL)", "",
+      [](ColmapDatabase& database) {
+        database.WriteMatches({{{1, 2}, {}}});
       },
-      &cameras, nullptr);
-  sqlite3_close(db);
-  EXPECT_EQ(cameras, 1);
+      "constraint");
+  // Empty tables of frames are COLMAP's own way to say that there are none.
+  const std::string frames = "CREATE TABLE frames (frame_id, rig_id);";
+  refuse(frames, frames + "INSERT INTO frames VALUES (1, 1)", append, "b.db: 1 frames");
+  refuse(frames + "INSERT INTO frames VALUES (1, 1), (2, 1)", frames, number, "a.db: 2 frames");
+  std::filesystem::remove(a);
+  MakeDatabase(a, {"a"});
+  RunSql(a, frames);
+  EXPECT_NO_THROW(ColmapDatabase(a).NumberByName(true));
+}
+
+TEST(ColmapDatabase, OtherTablesThanTheTestedVersionsAreDamage) {
+  const ScratchFolder folder;
+  MakeDatabase(folder / "a.db", {"a"});
+  RunSql(folder / "a.db", "DROP TABLE images");
+  ExpectError<DataError>([&] { ColmapDatabase(folder / "a.db", "3.8").Images(); },
+                         {"no such table: images", "--force"});
+  MakeDatabase(folder / "b.db", {"b"});
+  ExpectError<DataError>([&] { ColmapDatabase(folder / "b.db", "3.8").Append(folder / "a.db"); },
+                         {"a.db: no column image_id in the table images", "--force"});
+  ExpectError<EnvironmentError>([&] { ColmapDatabase(folder / "a.db").Images(); },
+                                {"no such table: images", "COLMAP unknown was found"});
 }
 
 TEST(ColmapDatabase, MatchesAreWrittenUnderColmapsPairIds) {

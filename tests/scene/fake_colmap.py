@@ -3,6 +3,9 @@
 none: the mapper finds nothing and exits with 0.    junk: two pictures and 61 points.
 half: every second picture is registered.           good: all of them, on a ring around a ball of points.
 full: the disk is full while features are written.  killed: the extractor dies by SIGKILL.
+newer: good, as COLMAP 3.11, whose tables lack poses. rigs: as COLMAP 3.12, which puts pictures into frames.
+renamed COMMAND: as COLMAP 4.0, with other options.  unknown COMMAND: as COLMAP 4.0, without the command.
+idle COMMAND: as COLMAP 4.0, which does nothing and says nothing.
 """
 import math
 import os
@@ -13,19 +16,24 @@ import sys
 
 TABLES = """
 CREATE TABLE IF NOT EXISTS cameras (camera_id INTEGER PRIMARY KEY, model, width, height, params, prior_focal_length);
-CREATE TABLE IF NOT EXISTS images (image_id INTEGER PRIMARY KEY, name TEXT UNIQUE, camera_id, prior_qw, prior_qx,
-  prior_qy, prior_qz, prior_tx, prior_ty, prior_tz);
+CREATE TABLE IF NOT EXISTS images (image_id INTEGER PRIMARY KEY, name TEXT UNIQUE, camera_id PRIORS);
 CREATE TABLE IF NOT EXISTS keypoints (image_id INTEGER PRIMARY KEY, rows, cols, data);
 CREATE TABLE IF NOT EXISTS descriptors (image_id INTEGER PRIMARY KEY, rows, cols, data);
 CREATE TABLE IF NOT EXISTS matches (pair_id INTEGER PRIMARY KEY, rows, cols, data);
 CREATE TABLE IF NOT EXISTS two_view_geometries (pair_id INTEGER PRIMARY KEY, rows, cols, data, config);
 """
+PRIORS = ", prior_qw, prior_qx, prior_qy, prior_qz, prior_tx, prior_ty, prior_tz"
+VERSIONS = {"newer": "3.11.1", "rigs": "3.12.0", "renamed": "4.0.1", "unknown": "4.0.1", "idle": "4.0.1"}
+MODE = os.environ["FAKE_COLMAP"]
+VERSION = VERSIONS.get(MODE.split()[0], "3.8")
 WIDTH, HEIGHT, FOCAL = 64, 48, 80.0
 
 
 def open_database(path):
     database = sqlite3.connect(path)
-    database.executescript(TABLES)
+    database.executescript(TABLES.replace("PRIORS", PRIORS if VERSION == "3.8" else ""))
+    if MODE == "rigs":
+        database.execute("CREATE TABLE IF NOT EXISTS frames (frame_id INTEGER PRIMARY KEY, rig_id)")
     return database
 
 
@@ -40,6 +48,8 @@ def extract(options):
             cursor = database.execute("INSERT INTO images (name, camera_id) VALUES (?, 1)", (name,))
             database.execute("INSERT INTO keypoints VALUES (?, 0, 6, X'')", (cursor.lastrowid,))
             database.execute("INSERT INTO descriptors VALUES (?, 0, 128, X'')", (cursor.lastrowid,))
+            if MODE == "rigs":
+                database.execute("INSERT INTO frames VALUES (?, 1)", (cursor.lastrowid,))
 
 
 def verify(options):
@@ -97,14 +107,14 @@ def write_model(folder, names, point_count):
                 f.write(struct.pack("<II", k + 1, point))
 
 
-def map_scene(options, mode):
+def map_scene(options):
     names = [row[0] for row in open_database(options["database_path"]).execute("SELECT name FROM images ORDER BY image_id")]
     folder = os.path.join(options["output_path"], "0")
-    if mode == "none":
+    if MODE == "none":
         print("WARNING: No images with matches found in the database.")
-    elif mode == "junk":
+    elif MODE == "junk":
         write_model(folder, names[:2], 61)
-    elif mode == "half":
+    elif MODE == "half":
         write_model(folder, names[::2], 300)
     else:
         write_model(os.path.join(options["output_path"], "0"), names[:2], 61)  # the first is not the largest
@@ -112,23 +122,29 @@ def map_scene(options, mode):
 
 
 def main():
-    mode, command = os.environ["FAKE_COLMAP"], sys.argv[1]
+    command = sys.argv[1]
     options = {sys.argv[i][2:]: sys.argv[i + 1] for i in range(2, len(sys.argv) - 1, 2)}
     with open(os.environ["FAKE_COLMAP_CALLS"], "a") as calls:
         calls.write(command + "\n")
     if command == "help":
-        print("COLMAP 3.8 -- Structure-from-Motion and Multi-View Stereo")
+        print(f"COLMAP {VERSION} -- Structure-from-Motion and Multi-View Stereo")
+    elif MODE == "renamed " + command:
+        sys.exit(f"E0101 option_manager.cc:9] Failed to parse options - unrecognised option '{sys.argv[-2]}'.")
+    elif MODE == "unknown " + command:
+        sys.exit(f"E0101 colmap.cc:9] Command `{command}` not recognized. To list the available commands, run `colmap help`.")
+    elif MODE == "idle " + command:
+        pass
     elif command == "feature_extractor":
         extract(options)
-        if mode == "full":
+        if MODE == "full":
             print("SQLite error [database.cc, line 500]: database or disk is full")
-        if mode == "killed":
+        if MODE == "killed":
             sys.stdout.flush()
             os.kill(os.getpid(), signal.SIGKILL)
     elif command == "matches_importer":
         verify(options)
     elif command == "mapper":
-        map_scene(options, mode)
+        map_scene(options)
 
 
 main()

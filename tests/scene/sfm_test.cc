@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -207,6 +208,50 @@ TEST_F(SfmTest, AMissingColmapAFullDiskAndAKilledColmapAreEnvironmentErrors) {
   outcome = Run("killed", {}, {"--force"});
   EXPECT_EQ(outcome.exit_code, 4);
   EXPECT_THAT(outcome.err, HasSubstr("signal 9"));
+}
+
+TEST_F(SfmTest, AnotherVersionOfColmapIsUsedWithOneWarning) {
+  WritePhotos(12);
+  const auto warnings = [&] {
+    const nlohmann::json manifest =
+        nlohmann::json::parse(ReadText(fs::path(scene_) / "manifest.json"));
+    size_t count = 0;
+    for (const std::string warning : manifest["warnings"])
+      count += warning.find("COLMAP 3.11.1 was not tested with Tetrec; 3.8 was") == 0;
+    return count;
+  };
+  Outcome outcome = Run("newer");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(warnings(), 1u);
+  EXPECT_EQ(ReadScene(scene_).views.size(), 12u);
+  outcome = Run("good", {}, {"--force"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(warnings(), 0u);
+  EXPECT_THAT(outcome.err, Not(HasSubstr("not tested")));
+}
+
+TEST_F(SfmTest, WhatAnotherVersionOfColmapDoesNotTakeNamesBothVersions) {
+  WritePhotos(3);
+  const auto expect = [&](const std::string& mode, const std::string& version,
+                          const std::string& what) {
+    const Outcome outcome = Run(mode, {}, {"--force"});
+    EXPECT_EQ(outcome.exit_code, 4) << mode;
+    EXPECT_THAT(outcome.err, HasSubstr(what)) << mode;
+    EXPECT_THAT(outcome.err, HasSubstr("COLMAP " + version +
+                                       " was found, 3.8 is the tested version: install that one"))
+        << mode;
+    EXPECT_THAT(outcome.err, Not(HasSubstr("again with --force"))) << mode;
+  };
+  for (const std::string command : {"feature_extractor", "matches_importer", "mapper"}) {
+    expect("renamed " + command, "4.0.1",
+           "colmap " + command +
+               ": it does not take our options (E0101 option_manager.cc:9] "
+               "Failed to parse options - unrecognised option '--");
+    expect("unknown " + command, "4.0.1", "colmap " + command + ": it does not know this command");
+  }
+  expect("idle feature_extractor", "4.0.1", "feature_extractor wrote no database");
+  expect("idle matches_importer", "4.0.1", "matches_importer did not verify all pairs");
+  expect("rigs", "3.12.0", "frames, which Tetrec does not number anew");
 }
 
 TEST_F(SfmTest, OptionsOutOfRangeAreUsageErrors) {
