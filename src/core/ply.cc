@@ -190,6 +190,7 @@ class BinarySource {
   }
   static uint64_t MinBytes(PlyType type) { return Info(type).bytes; }
   void ExpectEnd() const { reader_.ExpectEnd(); }
+  const std::string& name() const { return reader_.name(); }
 
  private:
   ByteReader reader_;
@@ -235,6 +236,7 @@ class AsciiSource {
                                   text_.size() - at_));
     }
   }
+  const std::string& name() const { return name_; }
 
  private:
   static constexpr std::string_view kSpace = " \t\r\n";
@@ -248,8 +250,10 @@ class AsciiSource {
 template <class Source>
 void ReadList(Source& source, PlyProperty& property) {
   const double length = source.Value(property.count_type, property.name.c_str());
-  if (length < 0)
-    throw DataError(fmt::format("a list of {} has the length {}", property.name, length));
+  if (length < 0) {
+    throw DataError(
+        fmt::format("{}: a list of {} has the length {}", source.name(), property.name, length));
+  }
   source.CheckCount(uint64_t(length), Source::MinBytes(property.type), property.name.c_str());
   property.list_sizes.push_back(uint32_t(length));
   for (uint32_t i = 0; i < uint32_t(length); ++i) {
@@ -264,8 +268,10 @@ void ReadElements(Source&& source, PlyFile& file) {
     uint64_t min_bytes = 0;
     for (const PlyProperty& p : element.properties)
       min_bytes += Source::MinBytes(p.is_list ? p.count_type : p.type);
-    if (min_bytes == 0)
-      throw DataError(fmt::format("the element {} has no properties", element.name));
+    if (min_bytes == 0) {
+      throw DataError(
+          fmt::format("{}: the element {} has no properties", source.name(), element.name));
+    }
     source.CheckCount(element.count, min_bytes, element.name.c_str());
     for (PlyProperty& p : element.properties)
       (p.is_list ? void(p.list_sizes.reserve(element.count)) : p.values.reserve(element.count));

@@ -76,10 +76,10 @@ double AngleDegrees(const glm::dmat3& a, const glm::dmat3& b) {
 // Three rows [R | t].
 Rigid3 ReadPose(const CheckedJson& rows) {
   Rigid3 pose;
-  if (rows.Size() != 3) rows.Fail("has not 3 rows");
+  if (rows.Size() != 3) rows.Fail(fmt::format("has {} rows; expected 3", rows.Size()));
   for (size_t r = 0; r < 3; ++r) {
     const CheckedJson row = rows.Item(r);
-    if (row.Size() != 4) row.Fail("has not 4 numbers");
+    if (row.Size() != 4) row.Fail(fmt::format("has {} numbers; expected 4", row.Size()));
     for (size_t c = 0; c < 3; ++c) pose.rotation[int(c)][int(r)] = row.Item(c).Number();
     pose.translation[int(r)] = row.Item(3).Number();
   }

@@ -8,6 +8,14 @@
 #include <cmath>
 
 namespace tetrec {
+namespace {
+
+template <class Number>
+std::string Range(Number min, Number max) {
+  return min == max ? fmt::format("{}", min) : fmt::format("{} to {}", min, max);
+}
+
+}  // namespace
 
 CheckedJson::CheckedJson(const nlohmann::json& value, const std::filesystem::path& file)
     : value_(value), file_(file.string()) {}
@@ -60,7 +68,7 @@ double CheckedJson::Number() const {
 double CheckedJson::NumberIn(double min, double max) const {
   const double number = Number();
   if (number < min || number > max) {
-    Fail(fmt::format("is {}; expected {} to {}", Excerpt(), min, max));
+    Fail(fmt::format("is {}; expected {}", Excerpt(), Range(min, max)));
   }
   return number;
 }
@@ -70,7 +78,7 @@ int64_t CheckedJson::IntegerIn(int64_t min, int64_t max) const {
   const bool too_big = value_.is_number_unsigned() && value_.get<uint64_t>() > uint64_t(INT64_MAX);
   const int64_t number = too_big ? INT64_MAX : value_.get<int64_t>();
   if (too_big || number < min || number > max) {
-    Fail(fmt::format("is {}; expected {} to {}", Excerpt(), min, max));
+    Fail(fmt::format("is {}; expected {}", Excerpt(), Range(min, max)));
   }
   return number;
 }

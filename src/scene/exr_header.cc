@@ -37,11 +37,19 @@ std::string ReadName(ByteReader& reader) {
   return text;
 }
 
-// Channels to an empty name, which must be the value's end.
+// Channels to an empty name, which must be the value's end. One of them must be of a picture: not
+// depth alone, nor layers, whose names have a point.
 void CheckChannels(std::span<const uint8_t> value, const std::string& name) {
   ByteReader reader(value, name + ": EXR channels");
-  while (!ReadName(reader).empty()) reader.Read<std::array<uint8_t, 16>>("a channel");
+  bool is_picture = false;
+  for (std::string channel; !(channel = ReadName(reader)).empty();) {
+    reader.Read<std::array<uint8_t, 16>>("a channel");
+    is_picture |= channel == "R" || channel == "G" || channel == "B" || channel == "Y";
+  }
   reader.ExpectEnd();
+  if (is_picture) return;
+  throw DataError(fmt::format(
+      "{}: EXR without a channel R, G, B or Y; store the picture under these names", name));
 }
 
 // A preview's 4 bytes a pixel; text in pieces of told sizes.
@@ -49,14 +57,14 @@ void CheckPreview(std::span<const uint8_t> value, const std::string& name) {
   ByteReader reader(value, name + ": EXR preview");
   const uint64_t width = reader.Read<uint32_t>("its width"),
                  height = reader.Read<uint32_t>("height");
-  reader.ReadArray<uint32_t>(width * height, "its pixels");
+  reader.ReadArray<uint32_t>(width * height, "pixels");
   reader.ExpectEnd();
 }
 
 void CheckTexts(std::span<const uint8_t> value, const std::string& name) {
   ByteReader reader(value, name + ": EXR texts");
   while (reader.remaining() > 0) {
-    reader.ReadArray<char>(reader.Read<uint32_t>("a text's size"), "a text");
+    reader.ReadArray<char>(reader.Read<uint32_t>("a text's size"), "bytes of a text");
   }
 }
 
@@ -95,8 +103,8 @@ glm::u64vec2 CheckExrHeader(std::span<const uint8_t> bytes, const std::string& n
   std::optional<Window> data, display;
   for (std::string attribute; !(attribute = ReadName(reader)).empty();) {
     const std::string type = ReadName(reader);
-    const auto value =
-        reader.ReadArray<uint8_t>(reader.Read<uint32_t>("an EXR attribute's size"), "its value");
+    const auto value = reader.ReadArray<uint8_t>(reader.Read<uint32_t>("an EXR attribute's size"),
+                                                 "bytes of an EXR attribute");
     CheckValue(attribute, type, value, name);
     if (attribute == "dataWindow") data = WindowOf(value, name);
     if (attribute == "displayWindow") display = WindowOf(value, name);

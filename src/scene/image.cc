@@ -16,13 +16,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 
 namespace tetrec {
 namespace {
 
 constexpr uint64_t kMaxSide = uint64_t{1} << 16;
 constexpr uint64_t kMaxPixels = uint64_t{1} << 28;
-constexpr uint64_t kMaxFileBytes = uint64_t{1} << 31;
+constexpr uint64_t kMaxFileBytes = std::numeric_limits<int>::max();  // as OpenCV counts
 
 uint32_t BigEndian16(const uint8_t* p) { return uint32_t(p[0]) << 8 | p[1]; }
 uint32_t BigEndian32(const uint8_t* p) { return BigEndian16(p) << 16 | BigEndian16(p + 2); }
@@ -145,9 +146,11 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const std::string& name, ExifRota
     const cv::Mat encoded(1, int(bytes.size()), CV_8U, const_cast<uint8_t*>(bytes.data()));
     return cv::imdecode(encoded, flags);
   } catch (const cv::Exception& error) {
+    // Not the picture's fault, of which nothing is told: no memory, or no room for the temporary
+    // file by which OpenCV reads EXR.
     std::string reason = error.err;
     std::replace(reason.begin(), reason.end(), '\n', ' ');
-    throw DataError(fmt::format("{}: cannot be decoded: {}", name, reason));
+    throw EnvironmentError(fmt::format("{}: cannot be decoded: {}", name, reason));
   }
 }
 
@@ -190,22 +193,22 @@ uint8_t ToByteOrClip(double value, bool& is_clipped) {
   return std::isnan(value) ? 0 : uint8_t(std::lround(255 * std::clamp(value, 0.0, 1.0)));
 }
 
-// Of 1, 3 or 4 floats a pixel: blue, green, red, alpha; linear light, premultiplied.
+// Of 1 to 4 floats a pixel: grey or blue, green, red; then alpha; linear light, premultiplied.
 Image DisplayFromExr(const cv::Mat& linear, uint64_t& clipped_pixels) {
   const int channels = linear.channels();
-  const bool has_alpha = channels == 4;
+  const bool is_grey = channels < 3, has_alpha = channels % 2 == 0;
   Image image = MakeImage(linear.cols, linear.rows, has_alpha ? 4 : 3);
   for (int y = 0; y < image.height; ++y) {
     const float* source = linear.ptr<float>(y);
     for (int x = 0; x < image.width; ++x, source += channels) {
       bool is_clipped = false;
       uint8_t* pixel = image.At(x, y);
-      const double alpha = has_alpha ? double(source[3]) : 1.0;
+      const double alpha = has_alpha ? double(source[channels - 1]) : 1.0;
       if (has_alpha) pixel[3] = ToByteOrClip(alpha, is_clipped);
       if (!has_alpha || pixel[3] > 0) {
         const double divisor = std::clamp(alpha, 0.0, 1.0);
         for (int c = 0; c < 3; ++c) {
-          const double value = source[channels == 1 ? 0 : 2 - c] / divisor;
+          const double value = source[is_grey ? 0 : 2 - c] / divisor;
           pixel[c] = ToByteOrClip(SrgbFromLinear(value), is_clipped);
         }
       }
@@ -257,12 +260,10 @@ Image MakeImage(int width, int height, int channels) {
 
 Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name, ExifRotation rotation,
                   uint64_t* clipped_pixels) {
+  TETREC_CHECK(bytes.size() <= kMaxFileBytes, name);
   const bool is_png = StartsWith(bytes, kPngSignature), is_exr = StartsWith(bytes, kExrSignature);
   const bool is_jpeg = StartsWith(bytes, kJpegSignature);
   if (bytes.empty()) throw DataError(fmt::format("{}: empty file, expected a picture", name));
-  if (bytes.size() > kMaxFileBytes) {
-    throw DataError(fmt::format("{}: {} bytes are too many for a picture", name, bytes.size()));
-  }
   if (!is_png && !is_jpeg && !is_exr) {
     throw DataError(
         fmt::format("{}: not a picture that can be read; expected PNG, JPEG or EXR", name));

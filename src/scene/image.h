@@ -28,11 +28,11 @@ enum class ExifRotation { kIgnore, kApply };
 // Reads PNG, JPEG and EXR, told by their first bytes, as 8-bit RGB or RGBA: 16 bits rounded;
 // EXR from linear light with premultiplied alpha to display sRGB, what is not in 0 to 1 clipped and
 // counted in `clipped_pixels`. As stored by default, since poses refer to the stored pixels. Throws
-// DataError (missing, truncated, no picture, more than 65,536 pixels a side or 2^28 in all, other
-// floating-point samples).
+// DataError (missing, truncated, no picture, more than 65,536 pixels a side or 2^28 in all, an EXR
+// that is no plain picture) and EnvironmentError (no memory, no room for temporary files).
 Image ReadImage(const std::filesystem::path& path, ExifRotation rotation = ExifRotation::kIgnore,
                 uint64_t* clipped_pixels = nullptr);
-// The same from memory; `name` is for messages.
+// The same from memory, at most INT_MAX bytes; `name` is for messages.
 Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name,
                   ExifRotation rotation = ExifRotation::kIgnore,
                   uint64_t* clipped_pixels = nullptr);

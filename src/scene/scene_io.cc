@@ -122,6 +122,7 @@ Scene SceneFromJson(const CheckedJson& json) {
   scene.subject_bounds = ReadBounds(json.Field("subject_bounds"));
   scene.input_from_world = ReadSimilarity(json.Field("input_from_world"));
   const CheckedJson cameras = json.Field("cameras");
+  if (cameras.Size() == 0) cameras.Fail("is empty; expected at least one camera");
   for (size_t i = 0; i < cameras.Size(); ++i) scene.cameras.push_back(ReadCamera(cameras.Item(i)));
 
   const CheckedJson views = json.Field("views");

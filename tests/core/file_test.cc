@@ -3,13 +3,11 @@
 
 #include "core/error.h"
 #include "core/message_of.h"
+#include "file_size_limit.h"
 #include "scratch_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
-
-#include <csignal>
 
 namespace tetrec {
 namespace {
@@ -42,27 +40,36 @@ TEST(File, WritingLeavesNothingBesideTheFile) {
 TEST(File, MissingFilesFoldersAndTooLargeFilesAreNamed) {
   const ScratchFolder folder;
   WriteText(folder / "large", "0123456789");
-  EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(folder / "none"); }), HasSubstr("none"));
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(folder / "none"); }),
+              HasSubstr("none: cannot be read (No such file"));
   EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(folder.path()); }), HasSubstr("is not a file"));
-  EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(folder / "large", 9); }), HasSubstr("10 bytes"));
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(folder / "large", 9); }),
+              HasSubstr("large: has 10 bytes, at most 9 are read"));
   EXPECT_THAT(MessageOf<EnvironmentError>([&] { WriteText(folder / "none/x", "12345"); }),
               HasSubstr("5 bytes"));
 }
 
-// A limit on the file size stands in for a full disk: write fails half-way in the same place.
+// The kernel tells sizes of some of its own files that they do not hold.
+TEST(File, ThatEndsBeforeItsSizeIsRefused) {
+  const std::filesystem::path file = "/sys/devices/system/cpu/online";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "there is no " << file;
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(file); }),
+              HasSubstr(file.string() + ": ends at byte "));
+}
+
+// This process's own memory: nothing is at its beginning.
+TEST(File, ThatCannotBeReadThoughItOpensIsNamed) {
+  EXPECT_THAT(MessageOf<DataError>([] { Sha256OfFile("/proc/self/mem"); }),
+              HasSubstr("/proc/self/mem: cannot be read (Input/output error)"));
+}
+
 TEST(File, AFailedWriteKeepsTheOldFileAndSaysWhy) {
   const ScratchFolder folder;
   WriteText(folder / "a", "old");
-  rlimit before{};
-  getrlimit(RLIMIT_FSIZE, &before);
-  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit small = before;
-  small.rlim_cur = 4096;
-  setrlimit(RLIMIT_FSIZE, &small);
-  const std::string message =
-      MessageOf<EnvironmentError>([&] { WriteText(folder / "a", std::string(100000, 'x')); });
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, old_handler);
+  const std::string message = MessageOf<EnvironmentError>([&] {
+    const FileSizeLimit limit(4096);
+    WriteText(folder / "a", std::string(100000, 'x'));
+  });
   EXPECT_THAT(message, HasSubstr("100,000 bytes"));
   EXPECT_EQ(ReadText(folder / "a"), "old");
   EXPECT_FALSE(std::filesystem::exists(folder / "a.tmp"));
@@ -75,7 +82,7 @@ TEST(File, JsonKeepsValuesAndErrorsGiveThePosition) {
   EXPECT_EQ(ReadJson(folder / "a.json"), value);
   WriteText(folder / "b.json", "{\"a\": 1,\n  oops}");
   const std::string message = MessageOf<DataError>([&] { ReadJson(folder / "b.json"); });
-  EXPECT_THAT(message, HasSubstr("b.json"));
+  EXPECT_THAT(message, HasSubstr("b.json: is no valid JSON: "));
   EXPECT_THAT(message, HasSubstr("line 2"));
   EXPECT_EQ(message.find('\n'), std::string::npos);
 }
@@ -83,7 +90,8 @@ TEST(File, JsonKeepsValuesAndErrorsGiveThePosition) {
 TEST(File, JsonNumbersThatNoDoubleHoldsAreErrors) {
   const ScratchFolder folder;
   WriteText(folder / "a.json", "{\"a\": 1e999}");
-  EXPECT_THAT(MessageOf<DataError>([&] { ReadJson(folder / "a.json"); }), HasSubstr("a.json"));
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadJson(folder / "a.json"); }),
+              HasSubstr("a.json: is no valid JSON: number overflow"));
 }
 
 TEST(File, FileNamesThatAreNotUtf8CanBeWrittenAsJson) {

@@ -132,7 +132,8 @@ TEST(Ply, CountsBeyondTheFileAreRefusedBeforeMemoryIsTaken) {
       EXPECT_THAT(MessageOf<DataError>(
                       [&] { Parse(head + "property list int int x\nend_header\n1 2 3 4"); }),
                   HasSubstr("do not fit"));
-      EXPECT_THROW(Parse(head + "end_header\n1 2 3 4"), DataError);  // no properties
+      EXPECT_THAT(MessageOf<DataError>([&] { Parse(head + "end_header\n1 2 3 4"); }),
+                  HasSubstr("test.ply: the element vertex has no properties"));
     }
   }
   const std::string list =
@@ -144,8 +145,16 @@ TEST(Ply, WrongHeadersAndNumbersAreNamed) {
   const auto message = [](const std::string& text) {
     return MessageOf<DataError>([&] { Parse(text); });
   };
-  EXPECT_THAT(message("plx\n"), HasSubstr("line 1"));
-  EXPECT_THAT(message("ply\nformat ascii 2.0\n"), HasSubstr("line 2"));
+  EXPECT_THAT(message("plx\n"), HasSubstr("test.ply: line 1: is no PLY file"));
+  EXPECT_THAT(message("ply\nformat ascii 2.0\n"), HasSubstr("line 2: expected \"format ascii|"));
+  EXPECT_THAT(message("ply\nformat ascii 1.0\nelement v 1\n"),
+              HasSubstr("test.ply: the PLY header does not end"));
+  EXPECT_THAT(message("ply\nformat ascii 1.0\nelements v 1\n"),
+              HasSubstr("line 3: unknown keyword \"elements\""));
+  EXPECT_THAT(message("ply\nformat ascii 1.0\nelement v\n"),
+              HasSubstr("line 3: expected \"element NAME COUNT\""));
+  EXPECT_THAT(message("ply\nformat ascii 1.0\nelement v 1\nproperty list int x\n"),
+              HasSubstr("line 4: expected \"property TYPE NAME\" or"));
   EXPECT_THAT(message("ply\nformat ascii 1.0\nproperty float x\n"),
               HasSubstr("before any element"));
   EXPECT_THAT(message("ply\nformat ascii 1.0\nelement v -1\n"), HasSubstr("\"-1\" is no count"));
@@ -157,11 +166,14 @@ TEST(Ply, WrongHeadersAndNumbersAreNamed) {
               HasSubstr("integer"));
   const std::string head = "ply\nformat ascii 1.0\nelement v 1\nproperty uchar x\nend_header\n";
   for (const char* value : {"256", "-1", "1.5", "x", "nan", "0x10"}) {
-    EXPECT_THAT(message(head + value), HasSubstr(value)) << value;
+    EXPECT_THAT(message(head + value),
+                HasSubstr(fmt::format("byte 0 of its data: \"{}\" is no uchar for x", value)));
   }
+  EXPECT_THAT(message(head + " \n"), HasSubstr("ends at byte 2 of its data where x was expected"));
+  EXPECT_THAT(message(head + "1 2"), HasSubstr("byte 2 of its data: 1 bytes are left over"));
   const std::string list =
       "ply\nformat ascii 1.0\nelement v 1\nproperty list char int x\nend_header\n";
-  EXPECT_THAT(message(list + "-1 0"), HasSubstr("length -1"));
+  EXPECT_THAT(message(list + "-1 0"), HasSubstr("test.ply: a list of x has the length -1"));
 }
 
 // A value that its type cannot hold is our own mistake: it must not be written as another value.

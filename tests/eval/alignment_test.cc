@@ -72,7 +72,7 @@ TEST(Alignment, CamerasOnALineOrTooFewAreRefused) {
   const std::vector<glm::dvec3> same(5, glm::dvec3(1, 2, 3));
   ExpectError<DataError>([&] { FitSimilarity(same, same); }, {"one point"});
   ExpectError<DataError>([&] { FitSimilarity(std::span(line).first(2), std::span(line).first(2)); },
-                         {"3"});
+                         {"3 or more pairs of points, got 2 and 2"});
 }
 
 TEST(Alignment, GoesFromWorldThroughTheInputToTheTruth) {
@@ -126,8 +126,9 @@ TEST(Alignment, TrueCamerasAreReadAndBadOnesNamed) {
   EXPECT_EQ(cameras[0].file, "photos/0001.jpg");
   EXPECT_EQ(cameras[0].cam_from_truth * glm::dvec3(1, 0, 0), glm::dvec3(4, 6, 6));
   ExpectError<DataError>([&] { read("[[1, 0, 0, 0], [0, 1, 0, 0]]"); },
-                         {"frames[0].cam_from_world"});
-  ExpectError<DataError>([&] { read("[[1, 0, 0], [0, 1, 0], [0, 0, 1]]"); }, {"cam_from_world[0]"});
+                         {"frames[0].cam_from_world has 2 rows; expected 3"});
+  ExpectError<DataError>([&] { read("[[1, 0, 0], [0, 1, 0], [0, 0, 1]]"); },
+                         {"frames[0].cam_from_world[0] has 3 numbers; expected 4"});
   ExpectError<DataError>([&] { read("[[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0]]"); },
                          {"no rotation"});
   ExpectError<DataError>([&] { read("[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0]]"); },

@@ -173,19 +173,24 @@ TEST(Report, BadViewsFilesAndOptionsEndInTheRightExitCode) {
   EXPECT_EQ(RunEvaluate({folder / "none", "-o", out}).exit_code, 3);
 
   const nlohmann::json good = ReadJson(folder / "4_views/views.json");
-  const auto spoil = [&](const std::string& pointer, const nlohmann::json& value) {
+  const auto spoil = [&](const std::string& pointer, const nlohmann::json& value,
+                         const std::string& message) {
     nlohmann::json bad = good;
     bad[nlohmann::json::json_pointer(pointer)] = value;
     WriteJson(folder / "4_views/views.json", bad);
-    ExpectError<DataError>([&] { ReadRenderedViews(folder / "4_views"); }, {"views.json"});
+    ExpectError<DataError>([&] { ReadRenderedViews(folder / "4_views"); },
+                           {"views.json: " + message});
   };
-  spoil("/schema", 2);
-  spoil("/views", nlohmann::json::array());
-  spoil("/views/0/render", "../../secret.png");
-  spoil("/views/0/render", "/etc/passwd");
-  spoil("/views/1/name", "test/r_0");
-  spoil("/views/0/ground_truth", nullptr);
-  spoil("/rays_per_pixel", -1);
+  spoil("/schema", 2, "schema is 2; expected 1");
+  spoil("/views", nlohmann::json::array(), "views is empty: there is nothing to judge");
+  spoil("/views/0/render", "../../secret.png",
+        "views[0].render is \"../../secret.png\", which leaves the folder");
+  spoil("/views/0/render", "/etc/passwd", "views[0].render is \"/etc/passwd\", which leaves");
+  spoil("/views/0/mask", "../mask.png", "views[0].mask is \"../mask.png\", which leaves");
+  spoil("/views/1/name", "test/r_0", "views[1].name is \"test/r_0\" for the second time");
+  spoil("/views/0/ground_truth", nullptr, "views[0].ground_truth is null; expected text");
+  spoil("/rays_per_pixel", -1, "rays_per_pixel is -1; expected 1 to");
+  spoil("/resolution", nlohmann::json::array({64}), "resolution has 1 items; expected more than 1");
 }
 
 TEST(MeshPreview, ASphereIsADiscInEveryViewAndBackSidesAreBlue) {

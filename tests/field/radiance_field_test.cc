@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "expect_error.h"
 #include "scratch_folder.h"
 
 #include <gtest/gtest.h>
@@ -54,7 +55,8 @@ TEST(RadianceFieldFile, RefusesAttributesOfTheOtherStorage) {
     bytes[7] = bytes[7] == '1' ? '2' : '1';
     EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
     bytes[7] = '3';
-    EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
+    ExpectError<DataError>([&] { ParseField(bytes, "field.tetf"); },
+                           {"field.tetf: is a radiance field of format version '3'"});
   }
 }
 
@@ -83,20 +85,33 @@ TEST(RadianceFieldFile, RefusesHugeCounts) {
 }
 
 TEST(CheckField, RefusesNegativeAndNonFiniteValues) {
-  const auto refused = [](auto&& damage) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const auto refused = [](const char* message, auto&& damage) {
     RadianceField field = OneTet();
     damage(field);
-    EXPECT_THROW(CheckField(field), DataError);
+    ExpectError<DataError>([&] { CheckField(field); }, {message});
   };
   EXPECT_NO_THROW(CheckField(OneTet()));
-  refused([](RadianceField& f) { f.density[1] = -1e-9f; });
-  refused([](RadianceField& f) { f.density[3] = std::numeric_limits<float>::quiet_NaN(); });
-  refused([](RadianceField& f) { f.density[3] = std::numeric_limits<float>::infinity(); });
-  refused([](RadianceField& f) { f.color_srgb[2].b = std::numeric_limits<float>::quiet_NaN(); });
-  refused([](RadianceField& f) { f.density.pop_back(); });
-  refused([](RadianceField& f) { f.color_srgb.emplace_back(0.0f); });
-  refused([](RadianceField& f) { f.storage = FieldStorage::kCell; });
+  refused("density of vertex 1 is -1e-09", [](RadianceField& f) { f.density[1] = -1e-9f; });
+  refused("density of vertex 3 is nan", [](RadianceField& f) { f.density[3] = kNan; });
+  refused("density of vertex 3 is inf", [](RadianceField& f) { f.density[3] = kInfinity; });
+  refused("colour of vertex 2 is not finite: (0, 1, nan)",
+          [](RadianceField& f) { f.color_srgb[2].b = kNan; });
+  refused("4 vertices but 3 densities and 4 colours",
+          [](RadianceField& f) { f.density.pop_back(); });
+  refused("4 vertices but 4 densities and 5 colours",
+          [](RadianceField& f) { f.color_srgb.emplace_back(0.0f); });
+  refused("1 tets but 4 densities and 4 colours",
+          [](RadianceField& f) { f.storage = FieldStorage::kCell; });
   EXPECT_NO_THROW(CheckField(OneCell()));
+}
+
+TEST(RadianceFieldFile, NamesTheFileOfAFieldThatIsNoGood) {
+  RadianceField field = OneCell();
+  field.density[0] = -2;
+  ExpectError<DataError>([&] { ParseField(BytesOf(field), "field.tetf"); },
+                         {"field.tetf: the density of tet 0 is -2"});
 }
 
 }  // namespace

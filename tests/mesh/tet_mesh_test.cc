@@ -111,6 +111,7 @@ TEST(CheckTetMesh, NamesTheFirstOffence) {
   refused("names neighbour 2 of 2", [](TetMesh& m) { m.neighbors[1][0] = 2; });
   refused("inverted", [](TetMesh& m) { std::swap(m.tets[1][0], m.tets[1][1]); });
   refused("flat", [](TetMesh& m) { m.positions[0] = {0.25f, 0.25f, 0.5f}; });
+  refused("tet 0 links to itself over face 1", [](TetMesh& m) { m.neighbors[0][1] = 0; });
   refused("is shared with", [](TetMesh& m) {
     for (glm::uvec4& neighbors : m.neighbors) neighbors = glm::uvec4(kNoTet);
   });
@@ -279,6 +280,13 @@ TEST(ParseTetMesh, TellsAnotherVersionFromAnotherFile) {
   ExpectRefused([&] { ParseTetMesh(bytes, "mesh.tet"); }, "format version '9'");
   bytes[0] = 'X';
   ExpectRefused([&] { ParseTetMesh(bytes, "mesh.tet"); }, "is not a tet mesh");
+}
+
+TEST(ParseTetMesh, NamesTheFileOfAMeshThatIsNoGood) {
+  TetMesh mesh = TwoTets();
+  mesh.positions.push_back({3, 3, 3});
+  ExpectRefused([&] { ParseTetMesh(AsBytes(mesh), "mesh.tet"); },
+                "mesh.tet: vertex 5 belongs to no tet");
 }
 
 }  // namespace

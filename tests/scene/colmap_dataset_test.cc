@@ -132,6 +132,10 @@ TEST(ColmapDataset, PicturesThatAreMissingAreCountedAndNamed) {
 
 TEST(ColmapDataset, WhatIsNoDataSetIsSaid) {
   const ScratchFolder folder;
+  ExpectError<DataError>([&] { RecogniseDataset(folder / "none"); },
+                         {"none: no such folder; expected a data set"});
+  ExpectError<DataError>([&] { RecogniseDataset(folder.path()); },
+                         {"is no data set with known cameras", "tetrec-sfm"});
   ExpectError<DataError>([&] { ReadColmapDataset(folder.path()); }, {"no COLMAP model"});
   WriteModel(folder, "sparse", {}, kPinhole);
   folder.Write("sparse/points3D.txt", std::string());

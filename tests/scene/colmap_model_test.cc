@@ -134,15 +134,20 @@ TEST(ColmapModel, CountsBeyondTheFileAreRefusedBeforeMemoryIsTaken) {
       std::memcpy(&bytes[at], &count, sizeof(count));
       return bytes;
     };
-    EXPECT_THROW(ParseColmapCameras(with(Cameras(), 0), "c"), DataError);
-    EXPECT_THROW(ParseColmapImages(with(Images({{}}), 0), "i"), DataError);
-    EXPECT_THROW(ParseColmapPoints(with(Points(), 0), "p"), DataError);
+    ExpectError<DataError>([&] { ParseColmapCameras(with(Cameras(), 0), "c"); },
+                           {"cameras do not fit"});
+    ExpectError<DataError>([&] { ParseColmapImages(with(Images({{}}), 0), "i"); },
+                           {"images do not fit"});
+    ExpectError<DataError>([&] { ParseColmapPoints(with(Points(), 0), "p"); },
+                           {"points do not fit"});
     // The counts inside the records: observations stand behind id, pose, camera and name.
     const size_t observations = 8 + 4 + 7 * 8 + 4 + 6, track = 8 + 8 + 24 + 3 + 8;
     if (count > 2) {
-      EXPECT_THROW(ParseColmapImages(with(Images({{}}), observations), "i"), DataError);
+      ExpectError<DataError>([&] { ParseColmapImages(with(Images({{}}), observations), "i"); },
+                             {"observations do not fit"});
     }
-    EXPECT_THROW(ParseColmapPoints(with(Points(), track), "p"), DataError);
+    ExpectError<DataError>([&] { ParseColmapPoints(with(Points(), track), "p"); },
+                           {"track items do not fit"});
   }
 }
 
@@ -150,17 +155,19 @@ TEST(ColmapModel, NumbersThatAreNoNumbersAreRefusedWithTheirByte) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
     ExpectError<DataError>([&] { Read(Cameras(2, bad), Images({{}}), Points()); },
-                           {"cameras.bin", "byte"});
+                           {"cameras.bin: byte", "a camera parameter is "});
     ExpectError<DataError>([&] { Read(Cameras(), Images({{.tx = bad}}), Points()); },
-                           {"images.bin", "byte"});
+                           {"images.bin: byte", "a translation is "});
     ExpectError<DataError>([&] { Read(Cameras(), Images({{.qw = bad}}), Points()); },
-                           {"images.bin", "byte"});
+                           {"images.bin: byte", "a rotation is "});
     ExpectError<DataError>([&] { Read(Cameras(), Images({{}}), Points(bad)); },
-                           {"points3D.bin", "byte"});
+                           {"points3D.bin: byte", "a point is "});
   }
   ExpectError<DataError>([] { Read(Cameras(), Images({{.qw = 2}}), Points()); }, {"quaternion"});
   ExpectError<DataError>([] { Read(Cameras(11), Images({{}}), Points()); }, {"camera model 11"});
   ExpectError<DataError>([] { Read(Cameras(2, 100, 0), Images({{}}), Points()); }, {"0 x 48"});
+  ExpectError<DataError>([] { Read(Cameras(2, 0), Images({{}}), Points()); },
+                         {"cameras.bin: byte", "the focal length 0 px"});
 }
 
 TEST(ColmapModel, NamesThatLeaveTheFolderAreRefused) {
@@ -168,6 +175,12 @@ TEST(ColmapModel, NamesThatLeaveTheFolderAreRefused) {
     ExpectError<DataError>([&] { Read(Cameras(), Images({{.name = name}}), Points()); },
                            {"relative path"});
   }
+}
+
+TEST(ColmapModel, NamesWithoutAnEndAreRefused) {
+  ExpectError<DataError>(
+      [] { Read(Cameras(), Images({{.name = std::string(5000, 'a')}}), Points()); },
+      {"images.bin: byte", "a picture's name does not end"});
 }
 
 TEST(ColmapModel, ReferencesToWhatDoesNotExistAreRefused) {

@@ -2,7 +2,9 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/message_of.h"
 #include "expect_error.h"
+#include "file_size_limit.h"
 #include "scratch_folder.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <random>
 
 namespace tetrec {
@@ -62,9 +65,9 @@ const std::vector<uint8_t> kQuarterTurn = {'E', 'x', 'i', 'f', 0, 0,    'I',  'I
                                            0,   0,   0,   1,   0, 0x12, 0x01, 3,   0,  1, 0,
                                            0,   0,   6,   0,   0, 0,    0,    0,   0,  0};
 
-void ExpectTruncated(std::vector<uint8_t> bytes, size_t length) {
+void ExpectTruncated(std::vector<uint8_t> bytes, size_t length, const std::string& part = "") {
   bytes.resize(length);
-  ExpectError<DataError>([&] { DecodeImage(bytes, "cut"); }, {"cut"});
+  ExpectError<DataError>([&] { DecodeImage(bytes, "cut"); }, {"cut: ", part});
 }
 
 // Second method: every pixel is split into target_w x target_h equal parts, so that each target
@@ -265,14 +268,32 @@ TEST(ImageFiles, AnExrCutAnywhereIsRefused) {
   ExpectTruncated(exr, exr.size() - 1);
 }
 
+// Where an attribute's value begins.
+size_t ExrValue(const std::vector<uint8_t>& exr, const std::string& name, const std::string& type) {
+  const std::string attribute = name + '\0' + type + '\0';
+  const auto found = std::search(exr.begin(), exr.end(), attribute.begin(), attribute.end());
+  EXPECT_NE(found, exr.end());
+  return size_t(found - exr.begin()) + attribute.size() + 4;
+}
+
+// A file of three channels with other names of one letter for B, G and R; they must rise.
+std::vector<uint8_t> WithChannels(std::vector<uint8_t> exr, const char (&names)[4]) {
+  constexpr size_t kRecord = 18;  // a name, its end and 16 bytes
+  const size_t channels = ExrValue(exr, "channels", "chlist");
+  for (size_t i = 0; i < 3; ++i) exr[channels + i * kRecord] = uint8_t(names[i]);
+  return exr;
+}
+
+TEST(ImageFiles, ExrOfGreyAndAlphaBecomesRgba) {
+  const std::vector<float> values = {0.2f, 9, 0.2f * Linear(200), 0, 9, 0, 1, 9, Linear(77)};
+  EXPECT_EQ(DecodeImage(WithChannels(SomeExr(3, values), "AXY"), "grey").pixels,
+            (std::vector<uint8_t>{200, 200, 200, 51, 0, 0, 0, 0, 77, 77, 77, 255}));
+}
+
 TEST(ImageFiles, ExrsThatAreNoPlainPictureAreRefused) {
   const std::vector<uint8_t> exr = SomeExr(3, std::vector<float>(12, 0.5f));
-  // Where an attribute's value begins.
   const auto value_of = [&](const std::string& name, const std::string& type) {
-    const std::string attribute = name + '\0' + type + '\0';
-    const auto found = std::search(exr.begin(), exr.end(), attribute.begin(), attribute.end());
-    EXPECT_NE(found, exr.end());
-    return size_t(found - exr.begin()) + attribute.size() + 4;
+    return ExrValue(exr, name, type);
   };
   using Changes = std::vector<std::pair<size_t, int>>;
   const auto message = [&](const Changes& changes, const char* part) {
@@ -292,9 +313,38 @@ TEST(ImageFiles, ExrsThatAreNoPlainPictureAreRefused) {
           "cannot hold the 15791108 bytes");  // 61,444 x 257
   message({{data - 16, 'X'}}, "header without a window");
   message({{data - 4, 15}}, "attribute dataWindow of 15 bytes; expected 16");
-  message({{ratio - 1, 0x7F}}, "its value");
+  message({{ratio - 1, 0x7F}}, "bytes of an EXR attribute do not fit");
   // OpenEXR itself reads on behind the end of a channel list that lacks its 0.
   message({{channels - 4, exr[channels - 4] - 1}}, "EXR channels");
+  ExpectError<DataError>([&] { DecodeImage(WithChannels(exr, "AUZ"), "a.exr"); },
+                         {"a.exr: EXR without a channel R, G, B or Y"});
+
+  const auto refuse_attribute = [&](const std::string& name, const std::string& type,
+                                    const std::string& value, const char* part) {
+    const std::string attribute =
+        name + '\0' + type + '\0' + char(value.size()) + std::string(3, '\0') + value;
+    std::vector<uint8_t> bytes = exr;
+    bytes.insert(bytes.begin() + 8, attribute.begin(), attribute.end());  // behind the flags
+    ExpectError<DataError>([&] { DecodeImage(bytes, "a.exr"); }, {"a.exr", part});
+  };
+  refuse_attribute(std::string(256, 'n'), "int", "1234", "name that is too long");
+  refuse_attribute("small", "preview", std::string("\2\0\0\0\3\0\0\0\0\0\0\0", 12),
+                   "EXR preview: byte 8: 6 pixels do not fit in the 4 bytes");
+  refuse_attribute("words", "stringvector", std::string("\5\0\0\0word", 8),
+                   "EXR texts: byte 4: 5 bytes of a text do not fit in the 4 bytes");
+}
+
+TEST(ImageFiles, WithoutRoomForATemporaryFileAnExrIsNotCalledDamaged) {
+  const std::vector<uint8_t> exr = SomeExr(3, std::vector<float>(12, 0.5f));
+  const ScratchFolder folder;
+  setenv("OPENCV_TEMP_PATH", folder.path().c_str(), 1);
+  const std::string message = MessageOf<EnvironmentError>([&] {
+    const FileSizeLimit limit(16);
+    DecodeImage(exr, "a.exr");
+  });
+  unsetenv("OPENCV_TEMP_PATH");
+  EXPECT_THAT(message, ::testing::HasSubstr("a.exr: cannot be decoded: "));
+  EXPECT_THAT(message, ::testing::HasSubstr("temporary file"));
 }
 
 TEST(MaskedBy, MultipliesAlphaByTheMask) {
@@ -354,7 +404,8 @@ TEST(ImageFiles, APngCutAnywhereIsRefused) {
   const std::vector<uint8_t> png = Encode(".png", mat);
   for (size_t length = 0; length < png.size(); length += 1 + length / 8)
     ExpectTruncated(png, length);
-  ExpectTruncated(png, png.size() - 1);
+  ExpectTruncated(png, png.size() - 1,
+                  "truncated picture, ends after " + std::to_string(png.size() - 1) + " bytes");
 }
 
 TEST(ImageFiles, AJpegCutAnywhereIsRefused) {
@@ -367,7 +418,7 @@ TEST(ImageFiles, AJpegCutAnywhereIsRefused) {
     for (size_t length = 0; length < jpeg.size(); length += 1 + length / 8) {
       ExpectTruncated(jpeg, length);
     }
-    ExpectTruncated(jpeg, jpeg.size() - 1);
+    ExpectTruncated(jpeg, jpeg.size() - 1, "truncated picture, ends after");
   }
 }
 
@@ -390,6 +441,14 @@ TEST(ImageFiles, OtherThingsAreRefusedWithTheirName) {
   std::vector<uint8_t> damaged = Encode(".png", some);
   damaged[45] ^= 0xFF;  // inside the pixels' chunk
   ExpectError<DataError>([&] { DecodeImage(damaged, "d.png"); }, {"d.png: damaged picture"});
+  std::vector<uint8_t> headless = Encode(".png", some);
+  headless[12] = 'X';  // in place of the I of IHDR
+  ExpectError<DataError>([&] { DecodeImage(headless, "h.png"); },
+                         {"h.png: PNG file without a header chunk"});
+  const std::filesystem::path large = folder.Write("l.png", "");
+  std::filesystem::resize_file(large, uint64_t{1} << 31);  // takes no room
+  ExpectError<DataError>([&] { ReadImage(large); },
+                         {"l.png: has 2,147,483,648 bytes, at most 2,147,483,647 are read"});
 }
 
 TEST(ImageFiles, AHugePictureIsRefusedBeforeItIsDecoded) {

@@ -91,68 +91,97 @@ TEST(SceneFile, WithoutPointsLeavesNoPointsFileOfAnEarlierRun) {
 TEST(SceneFile, RefusesEveryBrokenFieldByName) {
   using Json = nlohmann::json;
   struct Case {
-    const char* field;
+    const char* message;
     std::function<void(Json&)> spoil;
   };
   const Case cases[] = {
-      {"schema", [](Json& j) { j["schema"] = 2; }},
-      {"schema", [](Json& j) { j.erase("schema"); }},
-      {"background", [](Json& j) { j["background"] = "green"; }},
-      {"has_alpha", [](Json& j) { j["has_alpha"] = 1; }},
-      {"has_masks", [](Json& j) { j["has_masks"] = "no"; }},
+      {"schema is 2; expected 1", [](Json& j) { j["schema"] = 2; }},
+      {"schema is missing", [](Json& j) { j.erase("schema"); }},
+      {"background is \"green\"; expected one of \"white\", \"black\", \"scene\"",
+       [](Json& j) { j["background"] = "green"; }},
+      {"has_alpha is 1; expected true or false", [](Json& j) { j["has_alpha"] = 1; }},
+      {"has_masks is \"no\"; expected true or false", [](Json& j) { j["has_masks"] = "no"; }},
       {"has_masks is true beside has_alpha", [](Json& j) { j["has_masks"] = true; }},
-      {"subject_bounds", [](Json& j) { j["subject_bounds"]["min"][1] = 0.5; }},
-      {"subject_bounds.max", [](Json& j) { j["subject_bounds"]["max"].push_back(1); }},
-      {"input_from_world.scale", [](Json& j) { j["input_from_world"]["scale"] = 0; }},
-      {"cameras", [](Json& j) { j["cameras"] = "none"; }},
-      {"cameras[0].width", [](Json& j) { j["cameras"][0]["width"] = 0; }},
-      {"cameras[0].width", [](Json& j) { j["cameras"][0]["width"] = 64.5; }},
-      {"cameras[1].height", [](Json& j) { j["cameras"][1]["height"] = 18446744073709551615u; }},
-      {"cameras[1].fx", [](Json& j) { j["cameras"][1]["fx"] = -40; }},
-      {"cameras[1].cy", [](Json& j) { j["cameras"][1]["cy"] = nullptr; }},
-      {"views", [](Json& j) { j["views"] = Json::array(); }},
-      {"views[1].camera", [](Json& j) { j["views"][1]["camera"] = 2; }},
-      {"views[1].camera", [](Json& j) { j["views"][1]["camera"] = -1; }},
-      {"views[2].name", [](Json& j) { j["views"][2]["name"] = "train/a"; }},
-      {"views[2].name", [](Json& j) { j["views"][2]["name"] = "../c"; }},
-      {"views[0].image", [](Json& j) { j["views"][0]["image"] = "../outside.png"; }},
-      {"views[0].image", [](Json& j) { j["views"][0]["image"] = "/etc/passwd"; }},
-      {"views[0].image", [](Json& j) { j["views"][0]["image"] = "images/none.png"; }},
-      {"views[0].image", [](Json& j) { j["views"][0]["image"] = std::string(5000, 'x'); }},
-      {"views[0].split", [](Json& j) { j["views"][0]["split"] = "val"; }},
-      {"views[0].cam_from_world.rotation",
+      {"subject_bounds is an empty box", [](Json& j) { j["subject_bounds"]["min"][1] = 0.5; }},
+      {"subject_bounds.max has 4 items; expected 3 numbers",
+       [](Json& j) { j["subject_bounds"]["max"].push_back(1); }},
+      {"input_from_world.scale is 0; expected 1e-12 to",
+       [](Json& j) { j["input_from_world"]["scale"] = 0; }},
+      {"cameras is \"none\"; expected an array", [](Json& j) { j["cameras"] = "none"; }},
+      {"cameras is empty; expected at least one camera",
+       [](Json& j) { j["cameras"] = Json::array(); }},
+      {"cameras[0].width is 0; expected 1 to 65536", [](Json& j) { j["cameras"][0]["width"] = 0; }},
+      {"cameras[0].width is 64.5; expected a whole number",
+       [](Json& j) { j["cameras"][0]["width"] = 64.5; }},
+      {"cameras[1].height is 18446744073709551615; expected 1 to 65536",
+       [](Json& j) { j["cameras"][1]["height"] = 18446744073709551615u; }},
+      {"cameras[1].fx is -40; expected 0.001 to", [](Json& j) { j["cameras"][1]["fx"] = -40; }},
+      {"cameras[1].cy is null; expected a number",
+       [](Json& j) { j["cameras"][1]["cy"] = nullptr; }},
+      {"views is empty; expected at least one view", [](Json& j) { j["views"] = Json::array(); }},
+      {"views[1] is 3; expected an object", [](Json& j) { j["views"][1] = 3; }},
+      {"views[1].camera is 2; expected 0 to 1", [](Json& j) { j["views"][1]["camera"] = 2; }},
+      {"views[1].camera is -1; expected 0 to 1", [](Json& j) { j["views"][1]["camera"] = -1; }},
+      {"views[2].name \"train/a\" names an earlier view too",
+       [](Json& j) { j["views"][2]["name"] = "train/a"; }},
+      {"views[2].name is 7; expected text", [](Json& j) { j["views"][2]["name"] = 7; }},
+      {"views[2].name is \"../c\"; expected a relative path",
+       [](Json& j) { j["views"][2]["name"] = "../c"; }},
+      {"views[0].image is \"../outside.png\", which leaves the scene folder",
+       [](Json& j) { j["views"][0]["image"] = "../outside.png"; }},
+      {"views[0].image is \"/etc/passwd\", which leaves the scene folder",
+       [](Json& j) { j["views"][0]["image"] = "/etc/passwd"; }},
+      {"images/none.png; run the stage that wrote the scene again",
+       [](Json& j) { j["views"][0]["image"] = "images/none.png"; }},
+      {"views[0].image is missing: ",
+       [](Json& j) { j["views"][0]["image"] = std::string(5000, 'x'); }},
+      {"views[0].split is \"val\"; expected one of \"train\", \"validation\", \"test\"",
+       [](Json& j) { j["views"][0]["split"] = "val"; }},
+      {"views[0].cam_from_world.rotation has 2 items; expected 3 rows",
+       [](Json& j) { j["views"][0]["cam_from_world"]["rotation"].erase(2); }},
+      {"views[0].cam_from_world.rotation is no rotation: R^T R is off by",
        [](Json& j) { j["views"][0]["cam_from_world"]["rotation"][0][0] = 3.0; }},
-      {"views[0].cam_from_world.rotation",
+      {"views[0].cam_from_world.rotation is no rotation",
        [](Json& j) {  // a mirror
          j["views"][0]["cam_from_world"]["rotation"] = {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
        }},
-      {"views[0].cam_from_world.translation[2]",
+      {"views[0].cam_from_world.translation[2] is \"near\"; expected a number",
        [](Json& j) { j["views"][0]["cam_from_world"]["translation"][2] = "near"; }},
-      {"2 points", [](Json& j) { j["point_count"] = 3; }},
-      {"point_count", [](Json& j) { j["point_count"] = -1; }},
+      {"points.ply: has 2 points where scene.json counts 3", [](Json& j) { j["point_count"] = 3; }},
+      {"point_count is -1; expected 0 to", [](Json& j) { j["point_count"] = -1; }},
   };
   const ScratchFolder folder;
   WriteWithPictures(folder, SomeScene());
   const nlohmann::json good = ReadJson(folder / "scene.json");
   for (const Case& broken : cases) {
-    SCOPED_TRACE(broken.field);
+    SCOPED_TRACE(broken.message);
     nlohmann::json json = good;
     broken.spoil(json);
     WriteJson(folder / "scene.json", json);
     ExpectError<DataError>([&] { ReadScene(folder.path()); },
-                           {folder.path().string(), broken.field});
+                           {folder.path().string(), broken.message});
   }
 }
 
-TEST(SceneFile, RefusesPointsThatAreNotFinite) {
+TEST(SceneFile, RefusesBrokenPointsByPropertyAndVertex) {
   const ScratchFolder folder;
   WriteWithPictures(folder, SomeScene());
-  folder.Write("points.ply",
-               "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"
-               "property double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
-               "property float reprojection_error\nproperty uint track_length\nend_header\n"
-               "0 0 0 1 2 3 0.5 3\n1 nan 0 4 5 6 0.25 4\n");
-  ExpectError<DataError>([&] { ReadScene(folder.path()); }, {"points.ply"});
+  const std::string good =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\n"
+      "property double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "property float reprojection_error\nproperty uint track_length\nend_header\n"
+      "0 0 0 1 2 3 0.5 3\n1 7 0 4 5 6 0.25 4\n";
+  folder.Write("points.ply", good);
+  EXPECT_EQ(ReadScene(folder.path()).points[1].position.y, 7);
+  const auto refused = [&](const std::string& from, const std::string& to, const char* message) {
+    std::string spoilt = good;
+    folder.Write("points.ply", spoilt.replace(spoilt.find(from), from.size(), to));
+    ExpectError<DataError>([&] { ReadScene(folder.path()); }, {"points.ply: ", message});
+  };
+  refused("1 7 0", "1 nan 0", "y of vertex 1 is nan; expected");
+  refused("0.5 3", "-0.5 3", "reprojection_error of vertex 0 is -0.5; expected 0 to");
+  refused("uchar green", "uchar grey", "vertex property 'green' is missing");
+  refused("element vertex", "element corner", "has no vertices");
 }
 
 TEST(SceneFile, IsNotWrittenWithWhatCouldNotBeReadBack) {
@@ -160,7 +189,7 @@ TEST(SceneFile, IsNotWrittenWithWhatCouldNotBeReadBack) {
   Scene scene = SomeScene();
   scene.views[1].cam_from_world.translation.y = std::nan("");
   ExpectError<DataError>([&] { WriteScene(folder.path(), scene); },
-                         {"views[1].cam_from_world.translation[1]"});
+                         {"views[1].cam_from_world.translation[1] is null; expected a finite"});
   EXPECT_FALSE(std::filesystem::exists(folder / "scene.json"));
 }
 

@@ -112,7 +112,13 @@ TEST(TransferFunction, WhatIsWrongIsNamed) {
           {"Points[4] is 0", "rise strictly"});
   refused(ParaView(), R"({"Points": [1, 1, 0.5, 0], "RGBPoints": [1, 0, 0, 0]})", {"spans 1 to 1"});
   ExpectError<DataError>([&] { Parse(json::array()); }, {"holds 0 colour maps"});
-  ExpectError<DataError>([&] { Parse(7); }, {"an object"});
+  ExpectError<DataError>([&] { Parse(7); }, {"tf.json: the whole file is 7; expected an object"});
+  // Over such a range double tells no -1 from 3.
+  ExpectError<DataError>(
+      [&] {
+        Parse(ParaView(), {-1e17, 1e17});
+      },
+      {"positions too close for samples of -1e+17 to 1e+17"});
 }
 
 TEST(ShadedTransfer, AgreesWithItsTransferFunctionEverywhere) {

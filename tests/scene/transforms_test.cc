@@ -499,5 +499,13 @@ TEST(Transforms, SayWhatIsMissing) {
   ExpectError<DataError>([&] { ReadTransforms(folder.path()); }, {"transforms.json"});
 }
 
+TEST(Transforms, WithASizeNeedAFocalLengthToo) {
+  const ScratchFolder folder;
+  Json json = OneFile();
+  json.erase("fl_x");
+  json.erase("fl_y");
+  ExpectError<DataError>([&] { ReadOneFile(folder, json); }, {"frames[0] has no focal length"});
+}
+
 }  // namespace
 }  // namespace tetrec

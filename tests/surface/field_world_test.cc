@@ -32,11 +32,13 @@ TEST(ParseFieldWorld, NamesTheBadField) {
     world[nlohmann::json::json_pointer(path)] = value;
     ExpectError<DataError>([&] { ParseFieldWorld(world, "world.json"); }, {"world.json", reason});
   };
-  refused("/input_from_world/scale", 0, "scale");
-  refused("/input_from_world/scale", "x", "scale");
+  refused("/input_from_world/scale", 0, "input_from_world.scale: 0 is not positive");
+  refused("/input_from_world/scale", "x",
+          "input_from_world.scale: a finite number expected, not \"x\"");
   refused("/input_from_world/rotation/0", 0.5, "is not a rotation");
   refused("/input_from_world/rotation/8", -1, "is not a rotation");
-  refused("/input_from_world/translation", {1, 2}, "translation");
+  refused("/input_from_world/translation", {1, 2},
+          "input_from_world.translation: 3 numbers expected, not 2");
   refused("/subject_bounds/min", {1, 2, 3}, "min must be below max");
   refused("/cameras_in_world", 3, "must be an array");
   ExpectError<DataError>([] { ParseFieldWorld(nlohmann::json::array(), "world.json"); },
