@@ -108,7 +108,7 @@ def jpeg():
 
 
 def exr(channels, compression, pixels):
-    """2 x 1 pixels in one scan line: `pixels` are its bytes."""
+    """2 x 1 pixels in one scan line: `pixels` are its bytes. Rec. 709 by its own word."""
     def attribute(name, kind, body):
         return name + b"\0" + kind + b"\0" + struct.pack("<I", len(body)) + body
 
@@ -117,6 +117,8 @@ def exr(channels, compression, pixels):
                       for name in channels) + b"\0"
     window = struct.pack("<4i", 0, 0, 1, 0)
     header = (b"\x76\x2f\x31\x01" + struct.pack("<I", 2) + attribute(b"channels", b"chlist", listed)
+              + attribute(b"chromaticities", b"chromaticities",
+                          struct.pack("<8f", 0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329))
               + attribute(b"compression", b"compression", bytes([compression]))
               + attribute(b"dataWindow", b"box2i", window)
               + attribute(b"displayWindow", b"box2i", window)
