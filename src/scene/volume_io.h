@@ -1,10 +1,11 @@
 // Volume files: raw samples, NRRD (.nrrd, .nhdr) and MetaImage (.mha, .mhd).
 //
 // Of NRRD: three dimensions; encodings raw and gzip; spacings, or space directions along the axes
-// with space origin; a data file beside the header or in a folder below it; byte skip. Of
-// MetaImage: three dimensions, one channel, binary, plain or compressed; ElementDataFile LOCAL or a
-// file as above; HeaderSize. Samples uint8, uint16 or float32. What else a header says is either
-// refused, where it would change the volume, or listed in `unused_fields`.
+// with space origin, or axis mins and maxs with centerings; right-handed spaces; a data file beside
+// the header or in a folder below it; byte skip. Source: teem's "Definition of NRRD File Format".
+// Of MetaImage: three dimensions, one channel, binary, plain or compressed; ElementDataFile LOCAL
+// or a file as above; HeaderSize. Samples uint8, uint16 or float32. What else a header says is
+// either refused, where it would change the volume, or listed in `unused_fields`.
 #pragma once
 
 #include "scene/volume.h"

@@ -176,6 +176,15 @@ def volume_seeds():
     yield "detached.nhdr", (b"\1NRRD0005\ntype: unsigned short\nendian: big\ndimension: 3\nsizes: 2 2 2\n"
                             b"space directions: (1,0,0) (0,2,0) (0,0,3)\nencoding: raw\n"
                             b"byte skip: 8\ndata file: data.raw\n")
+    yield "ends.nrrd", (b"\0NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 3 4\nspacings: 1 2 3\n"
+                        b"axis mins: -1 0 5\naxis maxs: 0 6 14\ncenterings: node cell none\n"
+                        b"kinds: space domain ???\nspace: left-posterior-superior\n"
+                        b"encoding: raw\n\n" + samples)
+    yield "ends_alone.nrrd", (b"\0NRRD0002\ntype: uchar\ndimension: 3\nsizes: 2 3 4\naxismins: 0 0 0\n"
+                              b"axismaxs: 2 3 4\ncenters: cell cell cell\nencoding: raw\n\n" + samples)
+    yield "space.nrrd", (b"\0NRRD0005\ntype: uchar\ndimension: 3\nspace dimension: 3\nsizes: 2 3 4\n"
+                         b"spacedirections: (1,0,0) (0,2,0) (0,0,3)\nspaceorigin: (0,1,2)\n"
+                         b"encoding: raw\n\n" + samples)
     meta = b"ObjectType = Image\nNDims = 3\nDimSize = 2 3 4\nElementSpacing = 1 2 3\nElementType = MET_UCHAR\n"
     yield "local.mha", b"\2" + meta + b"ElementDataFile = LOCAL\n" + samples
     yield "packed.mha", (b"\2" + meta + b"CompressedData = True\nElementDataFile = LOCAL\n"
