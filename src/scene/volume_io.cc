@@ -590,8 +590,8 @@ std::vector<uint8_t> Inflate(std::span<const uint8_t> packed, size_t size,
   return unpacked;
 }
 
-VolumeFile ReadSamples(const fs::path& path, std::vector<uint8_t> file,
-                       const ParsedHeader& header) {
+VolumeFile ReadSamples(const fs::path& path, std::vector<uint8_t> file, const ParsedHeader& header,
+                       const ValueRange& range) {
   header.layout.Check(path.string());
   VolumeFile result;
   result.type = header.layout.type;
@@ -616,14 +616,14 @@ VolumeFile ReadSamples(const fs::path& path, std::vector<uint8_t> file,
   std::span<const uint8_t> samples = std::span(file).subspan(begin);
   if (placement.compressed) {
     const std::vector<uint8_t> unpacked = Inflate(samples, size, name);
-    result.volume = DecodeVolume(header.layout, unpacked, name);
+    result.volume = DecodeVolume(header.layout, unpacked, name, range);
     return result;
   }
   if (samples.size() > size) {
     LogWarning("{}: {} bytes behind the samples are not read", name,
                WithThousands(samples.size() - size));
   }
-  result.volume = DecodeVolume(header.layout, samples, name);
+  result.volume = DecodeVolume(header.layout, samples, name, range);
   return result;
 }
 
@@ -631,6 +631,11 @@ ParsedHeader ParseHeader(const fs::path& path, std::span<const uint8_t> bytes) {
   const std::string extension = Lower(path.extension().string());
   return extension == ".nrrd" || extension == ".nhdr" ? ParseNrrdHeader(bytes, path.string())
                                                       : ParseMetaHeader(bytes, path.string());
+}
+
+// Without the samples behind it; one byte more than a header may have shows that it is too long.
+ParsedHeader ReadHeader(const fs::path& path) {
+  return ParseHeader(path, ReadFront(path, kMaxHeaderBytes + 1));
 }
 
 }  // namespace
@@ -645,7 +650,8 @@ bool IsVolumeFile(const fs::path& path) {
          !fs::is_directory(path, unusable);
 }
 
-VolumeFile ReadRawVolume(const fs::path& path, const VolumeLayout& layout) {
+VolumeFile ReadRawVolume(const fs::path& path, const VolumeLayout& layout,
+                         const ValueRange& range) {
   layout.Check(path.string());
   const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
   if (bytes.size() != layout.Bytes()) {
@@ -655,22 +661,27 @@ VolumeFile ReadRawVolume(const fs::path& path, const VolumeLayout& layout) {
         path.string(), WithThousands(bytes.size()), layout.size.x, layout.size.y, layout.size.z,
         Name(layout.type), WithThousands(layout.Bytes())));
   }
-  return {DecodeVolume(layout, bytes, path.string()), layout.type, path, {}};
+  return {DecodeVolume(layout, bytes, path.string(), range), layout.type, path, {}};
 }
 
-VolumeFile ParseVolume(std::vector<uint8_t> file, const fs::path& path) {
+VolumeFile ParseVolume(std::vector<uint8_t> file, const fs::path& path, const ValueRange& range) {
   const ParsedHeader header = ParseHeader(path, file);
-  return ReadSamples(path, std::move(file), header);
+  return ReadSamples(path, std::move(file), header, range);
 }
 
-VolumeFile ReadVolume(const fs::path& path) {
-  return ParseVolume(ReadBytes(path, kMaxFileBytes), path);
+VolumeFile ReadVolume(const fs::path& path, const ValueRange& range) {
+  return ParseVolume(ReadBytes(path, kMaxFileBytes), path, range);
+}
+
+VolumeLayout ReadVolumeLayout(const fs::path& path) {
+  const VolumeLayout layout = ReadHeader(path).layout;
+  layout.Check(path.string());
+  return layout;
 }
 
 std::vector<fs::path> FilesNamedByVolume(const fs::path& path) {
   if (!IsVolumeFile(path) || NeedsLayout(path)) return {};
-  const ParsedHeader header = ParseHeader(path, ReadBytes(path, kMaxFileBytes));
-  const fs::path& data_file = header.placement.data_file;
+  const fs::path data_file = ReadHeader(path).placement.data_file;
   if (data_file.empty()) return {};
   return {path.parent_path() / data_file};
 }

@@ -29,11 +29,15 @@ bool IsVolumeFile(const std::filesystem::path& path);
 bool NeedsLayout(const std::filesystem::path& path);
 
 // The file's size must be what the layout takes.
-VolumeFile ReadRawVolume(const std::filesystem::path& path, const VolumeLayout& layout);
+VolumeFile ReadRawVolume(const std::filesystem::path& path, const VolumeLayout& layout,
+                         const ValueRange& range = std::nullopt);
 // NRRD or MetaImage, by the extension.
-VolumeFile ReadVolume(const std::filesystem::path& path);
+VolumeFile ReadVolume(const std::filesystem::path& path, const ValueRange& range = std::nullopt);
 // As ReadVolume; `file` holds the bytes of `path`. Reads the data file beside it, if that is told.
-VolumeFile ParseVolume(std::vector<uint8_t> file, const std::filesystem::path& path);
+VolumeFile ParseVolume(std::vector<uint8_t> file, const std::filesystem::path& path,
+                       const ValueRange& range = std::nullopt);
+// What the header of a NRRD or MetaImage says, checked; its samples are not read.
+VolumeLayout ReadVolumeLayout(const std::filesystem::path& path);
 // All throw DataError naming the file and the field or line. Memory is taken for no more samples
 // than the file's size allows.
 

@@ -137,6 +137,44 @@ TEST_F(VolumeFiles, FloatSamplesMustBeFiniteAndDiffer) {
   EXPECT_EQ(wide.samples[2], 0.5f);
 }
 
+TEST_F(VolumeFiles, AValueRangeSaysWhatBecomesZeroAndOne) {
+  VolumeLayout layout;
+  layout.size = {2, 2, 2};
+  layout.type = SampleType::kUint16;
+  const std::vector<uint16_t> words = {0, 100, 200, 300, 400, 500, 600, 4095};
+  const auto path = folder_.Write("a.raw", BytesOfValues(words, false));
+  const Volume twelve = ReadRawVolume(path, layout, glm::dvec2(100, 500)).volume;
+  EXPECT_EQ(twelve.samples, (std::vector<float>{0, 0, 0.25f, 0.5f, 0.75f, 1, 1, 1}));
+  EXPECT_EQ(twelve.clamped, 3u);
+  EXPECT_EQ(twelve.value_at_0, 100);
+  EXPECT_EQ(twelve.value_at_1, 500);
+  EXPECT_EQ(twelve.least_value, 0);
+  EXPECT_EQ(twelve.largest_value, 4095);
+  // Without it the type decides, and nothing can lie outside.
+  const Volume plain = ReadRawVolume(path, layout).volume;
+  EXPECT_EQ(plain.samples[7], 4095.0f / 65535);
+  EXPECT_EQ(plain.clamped, 0u);
+  EXPECT_EQ(plain.largest_value, 4095);
+
+  // Of float: in place of the data's own range, so that all may be equal.
+  layout.type = SampleType::kFloat32;
+  const auto real = folder_.Write("b.raw", BytesOfValues(std::vector<float>(8, -750), false));
+  const Volume even = ReadRawVolume(real, layout, glm::dvec2(-1000, 0)).volume;
+  EXPECT_EQ(even.samples, std::vector<float>(8, 0.25f));
+  ExpectError<DataError>([&] { ReadRawVolume(real, layout); },
+                         {"all samples are -750", "--value-range"});
+
+  // Of every format.
+  const auto nrrd = folder_.Write("a.nrrd", std::string(kNrrd) + "encoding: raw\n\n" + EightBits());
+  EXPECT_EQ(ReadVolume(nrrd, glm::dvec2(0, 20)).volume.clamped, 7u);
+  const auto packed =
+      folder_.Write("b.nrrd", std::string(kNrrd) + "encoding: gzip\n\n" + Gzip(EightBits()));
+  EXPECT_EQ(ReadVolume(packed, glm::dvec2(0, 20)).volume.clamped, 7u);
+  const auto meta =
+      folder_.Write("a.mha", std::string(kMeta) + "ElementDataFile = LOCAL\n" + EightBits());
+  EXPECT_EQ(ReadVolume(meta, glm::dvec2(0, 20)).volume.clamped, 7u);
+}
+
 TEST_F(VolumeFiles, NrrdEndsGiveSpacingAndOrigin) {
   // 2 x 3 x 2 samples.
   const auto expect = [&](const std::string& fields, const glm::dvec3& spacing,
@@ -235,6 +273,34 @@ TEST_F(VolumeFiles, NrrdKindsMustBePlacesOfOneNumber) {
         "space 3-vector space", "list domain domain", "space space", "space space space space"}) {
     ExpectRefused("a.nrrd", content(kinds), {"line 7: kinds is", kinds, "space, domain or none"});
   }
+}
+
+TEST_F(VolumeFiles, ALayoutIsReadWithoutTheSamples) {
+  const std::string nrrd =
+      "NRRD0004\ntype: ushort\nendian: big\ndimension: 3\nsizes: 1024 1024 1024\nspacings: 1 2 3\n"
+      "encoding: raw\n\n";
+  const VolumeLayout layout = ReadVolumeLayout(folder_.Write("a.nrrd", nrrd));
+  EXPECT_EQ(layout.size, glm::ivec3(1024));
+  EXPECT_EQ(layout.type, SampleType::kUint16);
+  EXPECT_EQ(layout.spacing, glm::dvec3(1, 2, 3));
+  EXPECT_TRUE(layout.big_endian);
+  EXPECT_EQ(
+      ReadVolumeLayout(folder_.Write("a.mha", std::string(kMeta) + "ElementDataFile = none.raw\n"))
+          .size,
+      glm::ivec3(2, 3, 2));
+  // As by ReadVolume.
+  ExpectError<DataError>(
+      [&] {
+        ReadVolumeLayout(
+            folder_.Write("a.nrrd", "NRRD0004\n" + std::string((size_t{1} << 20) + 9, 'a')));
+      },
+      {"a.nrrd", "no end of its header"});
+  ExpectError<DataError>(
+      [&] {
+        ReadVolumeLayout(folder_.Write(
+            "a.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 2 3\nencoding: raw\n\n"));
+      },
+      {"1 samples along x"});
 }
 
 TEST_F(VolumeFiles, NrrdWithItsSamplesBehindTheHeader) {
