@@ -28,6 +28,12 @@ void AddVolumeOptions(tetrec::StageCommand& command, tetrec::VolumeImportOptions
   app.add_option("--byte-order", options.byte_order, ".raw: little (the default) or big");
   app.add_option("--spacing", options.spacing,
                  ".raw: distance of samples along x, y and z, like 1x1x1.5 (the default is 1x1x1)");
+  app.add_option("--value-range", options.value_range,
+                 "LOW,HIGH: the values of samples that become 0 and 1, to which positions of the "
+                 "transfer function refer; samples outside are clamped. Default: the range of "
+                 "integers' type, of float samples the data's own")
+      ->delimiter(',')
+      ->expected(2);
   app.add_option("--attenuation", options.attenuation,
                  "density at opacity 1 [1 / the volume's longest side]");
   app.add_option("--shading", options.shading,
@@ -40,9 +46,9 @@ void AddVolumeOptions(tetrec::StageCommand& command, tetrec::VolumeImportOptions
   app.add_option("--rays-per-side", options.rays_per_side,
                  "a pixel is the mean of so many times so many rays");
   app.add_option("--seed", options.seed, "turns the sphere of cameras");
-  for (const char* name :
-       {"--transfer-function", "--dimensions", "--sample-type", "--byte-order", "--spacing",
-        "--attenuation", "--shading", "--cameras", "--size", "--rays-per-side", "--seed"}) {
+  for (const char* name : {"--transfer-function", "--dimensions", "--sample-type", "--byte-order",
+                           "--spacing", "--value-range", "--attenuation", "--shading", "--cameras",
+                           "--size", "--rays-per-side", "--seed"}) {
     app.get_option(name)->group(kVolumes);
   }
 }

@@ -27,7 +27,6 @@ class FileDescriptor {
   FileDescriptor(const FileDescriptor&) = delete;
   FileDescriptor& operator=(const FileDescriptor&) = delete;
   int get() const { return fd_; }
-  int Release() { return std::exchange(fd_, -1); }
 
  private:
   int fd_;
@@ -59,7 +58,7 @@ size_t ReadSome(int fd, uint8_t* destination, size_t size, const fs::path& path)
   return done;
 }
 
-[[noreturn]] void FailWrite(const fs::path& path, size_t bytes, int error) {
+[[noreturn]] void FailWrite(const fs::path& path, uint64_t bytes, int error) {
   const char* advice =
       error == ENOSPC || error == EDQUOT ? "; free some space and run it again" : "";
   throw EnvironmentError(fmt::format("{}: cannot write {} bytes ({}){}", path.string(),
@@ -121,25 +120,48 @@ std::string ReadText(const fs::path& path, uint64_t max_bytes) {
   return ReadWhole<std::string>(path, max_bytes);
 }
 
-void WriteBytes(const fs::path& path, std::span<const uint8_t> bytes) {
-  const fs::path temporary = path.string() + ".tmp";
-  const int fd = open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (fd < 0) FailWrite(path, bytes.size(), errno);
-  FileDescriptor file(fd);
-  const auto fail = [&](int error) {
-    unlink(temporary.c_str());
-    FailWrite(path, bytes.size(), error);
-  };
+std::vector<uint8_t> ReadFront(const fs::path& path, size_t max_bytes) {
+  const FileDescriptor file = OpenForReading(path);
+  std::vector<uint8_t> bytes(max_bytes);
+  bytes.resize(ReadSome(file.get(), bytes.data(), max_bytes, path));
+  return bytes;
+}
+
+FileWriter::FileWriter(fs::path path, uint64_t bytes)
+    : path_(std::move(path)), temporary_(path_.string() + ".tmp"), bytes_(bytes) {
+  fd_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (fd_ < 0) FailWrite(path_, bytes_, errno);
+}
+
+FileWriter::~FileWriter() {
+  if (fd_ >= 0) close(fd_);
+  if (!finished_) unlink(temporary_.c_str());
+}
+
+void FileWriter::Write(std::span<const uint8_t> piece) {
   size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t n = write(fd, bytes.data() + done, bytes.size() - done);
+  while (done < piece.size()) {
+    const ssize_t n = write(fd_, piece.data() + done, piece.size() - done);
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail(errno);
+    if (n < 0) FailWrite(path_, bytes_, errno);
     done += size_t(n);
   }
-  if (fsync(fd) != 0 && errno != EINVAL) fail(errno);
-  if (close(file.Release()) != 0) fail(errno);
-  if (rename(temporary.c_str(), path.c_str()) != 0) fail(errno);
+  written_ += piece.size();
+}
+
+void FileWriter::Finish() {
+  TETREC_CHECK(written_ == bytes_,
+               fmt::format("{}: {} of {} bytes written", path_.string(), written_, bytes_));
+  if (fsync(fd_) != 0 && errno != EINVAL) FailWrite(path_, bytes_, errno);
+  if (close(std::exchange(fd_, -1)) != 0) FailWrite(path_, bytes_, errno);
+  if (rename(temporary_.c_str(), path_.c_str()) != 0) FailWrite(path_, bytes_, errno);
+  finished_ = true;
+}
+
+void WriteBytes(const fs::path& path, std::span<const uint8_t> bytes) {
+  FileWriter writer(path, bytes.size());
+  writer.Write(bytes);
+  writer.Finish();
 }
 
 void WriteText(const fs::path& path, const std::string& text) {

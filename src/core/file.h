@@ -17,9 +17,37 @@ namespace tetrec {
 std::vector<uint8_t> ReadBytes(const std::filesystem::path& path,
                                uint64_t max_bytes = uint64_t{1} << 34);
 std::string ReadText(const std::filesystem::path& path, uint64_t max_bytes = uint64_t{1} << 30);
+// The first bytes of a file, at most so many. Throws DataError (missing, unreadable).
+std::vector<uint8_t> ReadFront(const std::filesystem::path& path, size_t max_bytes);
 
-// Writes beside `path`, syncs, renames: no half file ever stands under the final name. Throws
-// EnvironmentError naming path, bytes and reason (disk full).
+// A file written piece by piece, for what should not be copied together in memory before. Writes
+// beside `path`; Finish syncs and renames: no half file ever stands under the final name, and
+// without Finish nothing is left. Throws EnvironmentError naming path, bytes and reason (disk
+// full).
+class FileWriter {
+ public:
+  // `bytes`: how many all pieces have together.
+  FileWriter(std::filesystem::path path, uint64_t bytes);
+  ~FileWriter();
+  FileWriter(const FileWriter&) = delete;
+  FileWriter& operator=(const FileWriter&) = delete;
+
+  void Write(std::span<const uint8_t> piece);
+  template <class T>
+  void WriteArray(std::span<const T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    Write({reinterpret_cast<const uint8_t*>(values.data()), values.size_bytes()});
+  }
+  void Finish();
+
+ private:
+  std::filesystem::path path_, temporary_;
+  uint64_t bytes_ = 0, written_ = 0;
+  int fd_ = -1;
+  bool finished_ = false;
+};
+
+// One piece by a FileWriter.
 void WriteBytes(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 void WriteText(const std::filesystem::path& path, const std::string& text);
 

@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
-#include <limits>
 
 namespace tetrec {
 namespace {
@@ -30,17 +28,6 @@ void CheckRows(const std::vector<glm::vec4>& rows, size_t owners, const char* ow
       }
     }
   }
-}
-
-// Of a line "NAME:  123 kB" of /proc/meminfo; as many as there can be where there is none.
-uint64_t MemInfoBytes(const std::string& name) {
-  std::ifstream file("/proc/meminfo");
-  std::string word;
-  while (file >> word) {
-    uint64_t kib = 0;
-    if (word == name + ":" && file >> kib) return kib << 10;
-  }
-  return std::numeric_limits<uint64_t>::max();
 }
 
 }  // namespace
@@ -64,8 +51,6 @@ uint64_t FieldBytes(const TetMesh& mesh, FieldStorage storage, bool fixed_point)
   return mesh.tets.size() * bytes.of_tet + mesh.positions.size() * bytes.of_vertex +
          faces * bytes.of_face;
 }
-
-FreeMemory MeasureFreeHostMemory() { return {MemInfoBytes("MemAvailable"), "the host"}; }
 
 FreeMemory MeasureFreeMemory(const Device& device) {
   if (device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU) {

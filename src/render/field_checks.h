@@ -1,10 +1,9 @@
 // What a renderer refuses at its door: fields that are no fields, and fields that do not fit.
 #pragma once
 
+#include "core/free_memory.h"
 #include "gpu/device.h"
 #include "render/renderer.h"
-
-#include <string>
 
 namespace tetrec {
 
@@ -15,13 +14,6 @@ void CheckRenderable(const TetMesh& mesh, const VertexState& state);
 // Bytes that UploadField and AllocatePositionGradients will take on the device.
 uint64_t FieldBytes(const TetMesh& mesh, FieldStorage storage, bool fixed_point);
 
-struct FreeMemory {
-  uint64_t bytes = 0;
-  std::string of;  // "device 'NAME'", "the host"
-};
-
-// What the host can give away without swapping.
-FreeMemory MeasureFreeHostMemory();
 // Of a software device: what the host can give away without swapping; of others: their largest
 // heap.
 FreeMemory MeasureFreeMemory(const Device& device);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -79,6 +80,25 @@ void CheckValue(const std::string& attribute, const std::string& type,
                               value.size(), known->second));
 }
 
+// x and y of red, green, blue and white.
+using Chromaticities = std::array<float, 8>;
+
+// Rec. 709's, which are sRGB's. Source: ITU-R BT.709, "reference primaries".
+constexpr Chromaticities kRec709 = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
+
+// Values of other primaries would pass for these with every colour a little wrong.
+void CheckChromaticities(std::span<const uint8_t> value, const std::string& name) {
+  constexpr float kTolerance = 1e-3f;
+  const auto told = ByteReader(value, name).Read<Chromaticities>("EXR chromaticities");
+  for (size_t i = 0; i < told.size(); ++i) {
+    if (std::abs(told[i] - kRec709[i]) <= kTolerance) continue;
+    throw DataError(fmt::format(
+        "{}: EXR with chromaticities red ({}, {}), green ({}, {}), blue ({}, {}), white ({}, {}), "
+        "which are not those of Rec. 709; convert it to linear Rec. 709 (sRGB primaries)",
+        name, told[0], told[1], told[2], told[3], told[4], told[5], told[6], told[7]));
+  }
+}
+
 // Corners x0 y0 x1 y1, both inside.
 using Window = std::array<int32_t, 4>;
 
@@ -106,6 +126,7 @@ glm::u64vec2 CheckExrHeader(std::span<const uint8_t> bytes, const std::string& n
     const auto value = reader.ReadArray<uint8_t>(reader.Read<uint32_t>("an EXR attribute's size"),
                                                  "bytes of an EXR attribute");
     CheckValue(attribute, type, value, name);
+    if (attribute == "chromaticities" && type == attribute) CheckChromaticities(value, name);
     if (attribute == "dataWindow") data = WindowOf(value, name);
     if (attribute == "displayWindow") display = WindowOf(value, name);
   }

@@ -13,7 +13,8 @@ constexpr uint8_t kExrSignature[] = {0x76, 0x2f, 0x31, 0x01};
 
 // Width and height of a file that starts with the signature. Throws DataError: several parts or
 // deep pixels, attributes whose sizes do not fit their types, no channel of a picture, pixels (data
-// window) that are not the whole picture (display window). Source: OpenEXR file layout, "Header".
+// window) that are not the whole picture (display window), chromaticities other than Rec. 709's
+// (sRGB's; those of a file without them, by OpenEXR's rule). Source: OpenEXR file layout, "Header".
 glm::u64vec2 CheckExrHeader(std::span<const uint8_t> bytes, const std::string& name);
 
 }  // namespace tetrec

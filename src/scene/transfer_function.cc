@@ -108,8 +108,10 @@ TransferFunction MovedToUnitRange(TransferFunction function, const glm::dvec2& v
   move(function.opacity);
   move(function.color);
   // The part inside, with its values at both ends.
-  TransferFunction inside{
-      {{0, function.OpacityAt(0)}}, {{0, function.SrgbAt(0)}}, function.interpolation};
+  TransferFunction inside{{{0, function.OpacityAt(0)}},
+                          {{0, function.SrgbAt(0)}},
+                          function.interpolation,
+                          /*given_in_values=*/true};
   for (const auto& point : function.opacity) {
     if (point.x > 0 && point.x < 1) inside.opacity.push_back(point);
   }
@@ -174,6 +176,22 @@ glm::dvec3 TransferFunction::SrgbAt(double x) const {
   }
   return SrgbFromLinear(glm::mix(LinearFromSrgb(at.before.color_srgb),
                                  LinearFromSrgb(at.after.color_srgb), at.fraction));
+}
+
+std::vector<glm::dvec2> TransferFunction::OpaqueStretches() const {
+  std::vector<glm::dvec2> stretches;
+  const auto add = [&](const OpacityPoint& from, const OpacityPoint& to) {
+    if (!(from.x < to.x) || (from.opacity == 0 && to.opacity == 0)) return;
+    if (!stretches.empty() && stretches.back()[1] == from.x) {
+      stretches.back()[1] = to.x;
+    } else {
+      stretches.emplace_back(from.x, to.x);
+    }
+  };
+  add({0, opacity.front().opacity}, opacity.front());
+  for (size_t i = 1; i < opacity.size(); ++i) add(opacity[i - 1], opacity[i]);
+  add(opacity.back(), {1, opacity.back().opacity});
+  return stretches;
 }
 
 TransferFunction ParseTransferFunction(const nlohmann::json& json,

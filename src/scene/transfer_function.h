@@ -31,9 +31,13 @@ struct TransferFunction {
   std::vector<OpacityPoint> opacity;  // at least one; x rises strictly within [0, 1]
   std::vector<ColorPoint> color;      // likewise
   ColorInterpolation interpolation = ColorInterpolation::kLinearRgb;
+  // True where the file's positions are values of the samples: these hold whatever becomes 0 and 1.
+  bool given_in_values = false;
 
   double OpacityAt(double x) const;
   glm::dvec3 SrgbAt(double x) const;  // display sRGB
+  // Where opacity is above 0: begin and end of each stretch, rising.
+  std::vector<glm::dvec2> OpaqueStretches() const;
 };
 
 // Either format, told by the outermost bracket; `values_at_0_and_1` are those that normalised

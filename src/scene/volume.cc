@@ -28,45 +28,33 @@ T ValueAt(std::span<const uint8_t> bytes, size_t i, bool swap) {
   return value;
 }
 
+// As the file holds them; all are whole numbers of at most 16 bits, or floats.
 template <class T>
-void DecodeIntegers(std::span<const uint8_t> bytes, bool swap, Volume& volume) {
-  constexpr float kRange = std::numeric_limits<T>::max();
-  for (size_t i = 0; i < volume.samples.size(); ++i) {
-    volume.samples[i] = float(ValueAt<T>(bytes, i, swap)) / kRange;
-  }
-  volume.value_at_1 = kRange;
+void ReadValues(std::span<const uint8_t> bytes, bool swap, std::vector<float>& values) {
+  for (size_t i = 0; i < values.size(); ++i) values[i] = float(ValueAt<T>(bytes, i, swap));
 }
 
-void DecodeFloats(std::span<const uint8_t> bytes, bool swap, const std::string& name,
-                  Volume& volume) {
-  size_t not_finite = 0, first = 0;
-  float min = std::numeric_limits<float>::max(), max = std::numeric_limits<float>::lowest();
-  for (size_t i = 0; i < volume.samples.size(); ++i) {
-    const float value = ValueAt<float>(bytes, i, swap);
-    if (!std::isfinite(value)) {
-      if (not_finite++ == 0) first = i;
-      continue;
-    }
-    min = std::min(min, value);
-    max = std::max(max, value);
-    volume.samples[i] = value;
+void CheckFinite(const Volume& volume, const std::string& name) {
+  const auto is_bad = [](float value) { return !std::isfinite(value); };
+  const auto begin = volume.samples.begin(), end = volume.samples.end();
+  const auto bad = std::find_if(begin, end, is_bad);
+  if (bad == end) return;
+  const size_t first = size_t(bad - begin), nx = size_t(volume.size.x), ny = size_t(volume.size.y);
+  throw DataError(
+      fmt::format("{}: {} samples are not finite, the first at ({}, {}, {}); replace them", name,
+                  WithThousands(size_t(std::count_if(bad, end, is_bad))), first % nx,
+                  first / nx % ny, first / nx / ny));
+}
+
+// From the file's values to [0, 1].
+void Normalise(const glm::dvec2& range, Volume& volume) {
+  volume.value_at_0 = range[0];
+  volume.value_at_1 = range[1];
+  for (float& sample : volume.samples) {
+    const double position = volume.PositionOf(double(sample));
+    volume.clamped += !(position >= 0 && position <= 1);
+    sample = float(std::clamp(position, 0.0, 1.0));
   }
-  if (not_finite > 0) {
-    const size_t nx = size_t(volume.size.x), ny = size_t(volume.size.y);
-    throw DataError(
-        fmt::format("{}: {} samples are not finite, the first at ({}, {}, {}); replace them", name,
-                    WithThousands(not_finite), first % nx, first / nx % ny, first / nx / ny));
-  }
-  if (!(min < max)) {
-    throw DataError(fmt::format(
-        "{}: all samples are {}; floating-point samples are taken from their least to their "
-        "largest value, so these must differ",
-        name, min));
-  }
-  volume.value_at_0 = min;
-  volume.value_at_1 = max;
-  const double scale = 1 / (double(max) - double(min));
-  for (float& sample : volume.samples) sample = float((double(sample) - double(min)) * scale);
 }
 
 }  // namespace
@@ -85,6 +73,18 @@ const char* Name(SampleType type) {
 
 size_t BytesOf(SampleType type) {
   return type == SampleType::kUint8 ? 1 : type == SampleType::kUint16 ? 2 : 4;
+}
+
+ValueRange RangeOf(SampleType type) {
+  switch (type) {
+    case SampleType::kUint8:
+      return glm::dvec2(0, std::numeric_limits<uint8_t>::max());
+    case SampleType::kUint16:
+      return glm::dvec2(0, std::numeric_limits<uint16_t>::max());
+    case SampleType::kFloat32:
+      return std::nullopt;
+  }
+  throw BugError("unknown sample type");
 }
 
 void VolumeLayout::Check(const std::string& name) const {
@@ -112,7 +112,7 @@ void VolumeLayout::Check(const std::string& name) const {
 }
 
 Volume DecodeVolume(const VolumeLayout& layout, std::span<const uint8_t> bytes,
-                    const std::string& name) {
+                    const std::string& name, const ValueRange& range) {
   layout.Check(name);
   if (bytes.size() < layout.Bytes()) {
     throw DataError(fmt::format("{}: holds {} bytes of samples where {} x {} x {} {} take {}", name,
@@ -124,15 +124,27 @@ Volume DecodeVolume(const VolumeLayout& layout, std::span<const uint8_t> bytes,
   const bool swap = layout.big_endian != (std::endian::native == std::endian::big);
   switch (layout.type) {
     case SampleType::kUint8:
-      DecodeIntegers<uint8_t>(bytes, swap, volume);
+      ReadValues<uint8_t>(bytes, swap, volume.samples);
       break;
     case SampleType::kUint16:
-      DecodeIntegers<uint16_t>(bytes, swap, volume);
+      ReadValues<uint16_t>(bytes, swap, volume.samples);
       break;
     case SampleType::kFloat32:
-      DecodeFloats(bytes, swap, name, volume);
+      ReadValues<float>(bytes, swap, volume.samples);
+      CheckFinite(volume, name);
       break;
   }
+  const auto [least, largest] = std::minmax_element(volume.samples.begin(), volume.samples.end());
+  volume.least_value = *least;
+  volume.largest_value = *largest;
+  const ValueRange told = range ? range : RangeOf(layout.type);
+  if (!told && volume.least_value == volume.largest_value) {
+    throw DataError(
+        fmt::format("{}: all samples are {}; floating-point samples are taken from their least to "
+                    "their largest value, so these must differ; or give --value-range",
+                    name, volume.least_value));
+  }
+  Normalise(told.value_or(glm::dvec2(volume.least_value, volume.largest_value)), volume);
   return volume;
 }
 

@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,15 +42,28 @@ struct Volume {
   glm::ivec3 size{0};
   glm::dvec3 spacing{1.0}, origin{0.0};
   std::vector<float> samples;  // [0, 1]; z, y, x from slow to fast
-  // What the file holds where a sample is 0 and 1: the type's range, of float the data's.
+  // What the file holds where a sample is 0 and 1.
   double value_at_0 = 0, value_at_1 = 1;
+  // The data's own range, and how many samples lay outside of value_at_0 to value_at_1.
+  double least_value = 0, largest_value = 0;
+  size_t clamped = 0;
+
+  double PositionOf(double value) const { return (value - value_at_0) / (value_at_1 - value_at_0); }
 
   glm::dvec3 Extent() const { return glm::dvec3(size - 1) * spacing; }
 };
 
+// The values that become 0 and 1, the first below the second; what lies outside is clamped and
+// counted. None: the type's range, of float the data's own.
+using ValueRange = std::optional<glm::dvec2>;
+
+// Of integers, what the type can hold; of float nothing.
+ValueRange RangeOf(SampleType type);
+
 // Samples from the bytes that a layout describes. Throws DataError("<name>: ...") where these are
-// fewer, where float samples are not finite (how many, and the first), and where all are equal.
+// fewer, where float samples are not finite (how many, and the first), and where all float samples
+// are equal without a range that they are placed in.
 Volume DecodeVolume(const VolumeLayout& layout, std::span<const uint8_t> bytes,
-                    const std::string& name);
+                    const std::string& name, const ValueRange& range = std::nullopt);
 
 }  // namespace tetrec

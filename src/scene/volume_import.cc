@@ -6,6 +6,7 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "core/short_list.h"
 #include "geometry/look_at.h"
 
 #include <fmt/format.h>
@@ -25,6 +26,9 @@ namespace fs = std::filesystem;
 constexpr const char* kGroundTruth = "ground_truth/volume.nrrd";
 constexpr SampleType kSampleTypes[] = {SampleType::kUint8, SampleType::kUint16,
                                        SampleType::kFloat32};
+
+// What decoded samples take, and shaded ones beside them: density and colour.
+constexpr uint64_t kBytesPerSample = sizeof(float), kBytesPerShaded = sizeof(glm::vec4);
 
 // "AxBxC"
 template <class T>
@@ -102,11 +106,61 @@ void WriteGroundTruth(const fs::path& path, const Volume& volume,
       volume.size.x, volume.size.y, volume.size.z, spacing.x, spacing.y, spacing.z, origin.x,
       origin.y, origin.z);
   static_assert(sizeof(glm::vec4) == 4 * sizeof(float));
-  ByteWriter writer;
-  writer.WriteArray(std::span<const char>(header));
-  writer.WriteArray(std::span<const glm::vec4>(rays.shaded_samples()));
+  const std::span<const glm::vec4> shaded(rays.shaded_samples());
   fs::create_directories(path.parent_path());
-  WriteBytes(path, writer.bytes());
+  FileWriter writer(path, header.size() + shaded.size_bytes());
+  writer.WriteArray(std::span<const char>(header));
+  writer.WriteArray(shaded);
+  writer.Finish();
+}
+
+// Integers of few of their type's values, as 12 bits stored in 16: positions that go by the type's
+// range rarely mean them.
+void WarnOfNarrowData(const fs::path& path, const VolumeFile& file) {
+  constexpr double kNarrow = 1.0 / 8;
+  const ValueRange type_range = RangeOf(file.type);
+  const double least = file.volume.least_value, largest = file.volume.largest_value;
+  if (!type_range || !(largest - least < kNarrow * ((*type_range)[1] - (*type_range)[0]))) return;
+  LogWarning(
+      "{}: its samples go from {} to {}, a small part of {}'s {} to {}; the transfer function's "
+      "positions refer to the type's range, so that --value-range LOW,HIGH may be wanted",
+      path.string(), least, largest, Name(file.type), (*type_range)[0], (*type_range)[1]);
+}
+
+[[noreturn]] void FailInvisible(const fs::path& path, const Volume& volume,
+                                const fs::path& function_path, const TransferFunction& function) {
+  std::vector<std::string> stretches;
+  const double span = volume.value_at_1 - volume.value_at_0;
+  for (const glm::dvec2& stretch : function.OpaqueStretches()) {
+    stretches.push_back(fmt::format("{:.6g} to {:.6g}", volume.value_at_0 + span * stretch[0],
+                                    volume.value_at_0 + span * stretch[1]));
+  }
+  if (stretches.empty()) {
+    throw DataError(
+        fmt::format("{}: nothing of it is visible: {} has opacity 0 everywhere; raise "
+                    "it at some position",
+                    path.string(), function_path.string()));
+  }
+  throw DataError(fmt::format(
+      "{}: nothing of it is visible: its samples go from {} to {}, but {} has opacity above 0 at "
+      "the values {}; move its positions{} (positions 0 and 1 are the values {} and {})",
+      path.string(), volume.least_value, volume.largest_value, function_path.string(),
+      ShortList(stretches), function.given_in_values ? "" : ", or give --value-range LOW,HIGH",
+      volume.value_at_0, volume.value_at_1));
+}
+
+double PercentOf(size_t part, size_t all) { return 100 * double(part) / double(all); }
+
+void TellSamples(const VolumeFile& file, size_t dense) {
+  const Volume& volume = file.volume;
+  LogInfo("{} x {} x {} samples of {}, {} to {}; the values {} to {} become 0 to 1", volume.size.x,
+          volume.size.y, volume.size.z, Name(file.type), volume.least_value, volume.largest_value,
+          volume.value_at_0, volume.value_at_1);
+  LogInfo("{} samples ({:.3g} %) have opacity above 0", WithThousands(dense),
+          PercentOf(dense, volume.samples.size()));
+  if (volume.clamped == 0) return;
+  LogInfo("{} samples ({:.3g} %) lie outside of --value-range and are clamped",
+          WithThousands(volume.clamped), PercentOf(volume.clamped, volume.samples.size()));
 }
 
 }  // namespace
@@ -140,10 +194,20 @@ VolumeLayout VolumeImportOptions::Layout() const {
   return layout;
 }
 
+ValueRange VolumeImportOptions::Range() const {
+  if (value_range.empty()) return std::nullopt;
+  return glm::dvec2(value_range.at(0), value_range.at(1));
+}
+
 void VolumeImportOptions::Check() const {
   const auto expect = [](bool good, const char* option, const auto& value, const char* expected) {
     if (!good) throw UsageError(fmt::format("{} {}: expected {}", option, value, expected));
   };
+  const bool good_range =
+      value_range.empty() || (value_range.size() == 2 && value_range[0] < value_range[1] &&
+                              std::isfinite(value_range[1] - value_range[0]));
+  expect(good_range, "--value-range", fmt::format("{}", fmt::join(value_range, ",")),
+         "two numbers, the first below the second: the values that become 0 and 1");
   expect(attenuation > 0 && attenuation <= 1e6, "--attenuation", attenuation,
          "a number above 0 and up to 1e6");
   expect(shading == "pre" || shading == "post", "--shading", shading, "pre or post");
@@ -201,15 +265,32 @@ void AddSphereOfViews(const VolumeImportOptions& options, double radius, Scene& 
   }
 }
 
+void CheckVolumeMemory(const VolumeLayout& layout, const std::string& name,
+                       const FreeMemory& free) {
+  const uint64_t needed = layout.Count() * (kBytesPerSample + kBytesPerShaded);
+  if (needed <= free.bytes) return;
+  const auto gib = [](uint64_t bytes) { return double(bytes) * 0x1p-30; };
+  throw EnvironmentError(fmt::format(
+      "{}: {} x {} x {} samples need {:.1f} GiB of memory, {} has {:.1f} GiB free; take every "
+      "second sample, or a machine with more memory",
+      name, layout.size.x, layout.size.y, layout.size.z, gib(needed), free.of, gib(free.bytes)));
+}
+
 ImportedVolume ImportVolume(const fs::path& path, const fs::path& transfer_function,
-                            const fs::path& folder, const VolumeImportOptions& options) {
+                            const fs::path& folder, const VolumeImportOptions& options,
+                            const FreeMemory& free) {
   options.Check();
   options.CheckFor(path);
+  const bool is_raw = NeedsLayout(path);
+  const VolumeLayout layout = is_raw ? options.Layout() : ReadVolumeLayout(path);
+  CheckVolumeMemory(layout, path.string(), free);
   ImportedVolume imported;
-  imported.file = NeedsLayout(path) ? ReadRawVolume(path, options.Layout()) : ReadVolume(path);
+  imported.file =
+      is_raw ? ReadRawVolume(path, layout, options.Range()) : ReadVolume(path, options.Range());
   const Volume& volume = imported.file.volume;
   const TransferFunction function =
       ReadTransferFunction(transfer_function, {volume.value_at_0, volume.value_at_1});
+  if (!options.Range() && !function.given_in_values) WarnOfNarrowData(path, imported.file);
 
   Scene& scene = imported.scene;
   scene.background = options.background;
@@ -224,8 +305,11 @@ ImportedVolume ImportVolume(const fs::path& path, const fs::path& transfer_funct
   const VolumeRays rays(volume, function, 0.5 * options.attenuation,
                         options.shading == "pre" ? Shading::kPre : Shading::kPost,
                         world_from_input);
-  RenderViews(rays, scene, options.rays_per_side, folder);
+  imported.dense_samples = rays.CountDense();
+  TellSamples(imported.file, imported.dense_samples);
+  if (!rays.AnythingVisible()) FailInvisible(path, volume, transfer_function, function);
   WriteGroundTruth(folder / kGroundTruth, volume, world_from_input, rays);
+  RenderViews(rays, scene, options.rays_per_side, folder);
   WriteScene(folder, scene);
   return imported;
 }
@@ -237,9 +321,7 @@ void RunVolumeImport(const VolumeImportOptions& options, Stage& stage) {
       stage.Input("DATASET"), stage.Input("transfer-function"), stage.folder(), options);
   const Scene& scene = imported.scene;
   const Volume& volume = imported.file.volume;
-  LogInfo("{} x {} x {} samples of {}, {} to {}; {} training, {} validation, {} test views",
-          volume.size.x, volume.size.y, volume.size.z, Name(imported.file.type), volume.value_at_0,
-          volume.value_at_1, scene.ViewsOf(Split::kTrain).size(),
+  LogInfo("{} training, {} validation, {} test views", scene.ViewsOf(Split::kTrain).size(),
           scene.ViewsOf(Split::kValidation).size(), scene.ViewsOf(Split::kTest).size());
   if (!imported.file.unused_fields.empty()) {
     LogInfo("fields of the header that nothing here depends on: {}",
@@ -249,6 +331,8 @@ void RunVolumeImport(const VolumeImportOptions& options, Stage& stage) {
   LogInfo("pictures of {} x {} pixels", camera.width, camera.height);
   stage.Note("resolution", {camera.width, camera.height});
   stage.Count("samples", {volume.size.x, volume.size.y, volume.size.z});
+  stage.Count("samples_with_opacity", imported.dense_samples);
+  stage.Count("clamped_samples", volume.clamped);
   stage.Count("train_views", scene.ViewsOf(Split::kTrain).size());
   stage.Count("validation_views", scene.ViewsOf(Split::kValidation).size());
   stage.Count("test_views", scene.ViewsOf(Split::kTest).size());
@@ -256,6 +340,8 @@ void RunVolumeImport(const VolumeImportOptions& options, Stage& stage) {
   stage.Note("sample_type", Name(imported.file.type));
   stage.Note("value_at_0", volume.value_at_0);
   stage.Note("value_at_1", volume.value_at_1);
+  stage.Note("least_value", volume.least_value);
+  stage.Note("largest_value", volume.largest_value);
   stage.Note("unused_header_fields", imported.file.unused_fields);
   stage.Seconds("import", timer.seconds());
 }

@@ -7,6 +7,7 @@
 // a pre-shaded volume is linear in each axis.
 #pragma once
 
+#include "core/free_memory.h"
 #include "core/stage.h"
 #include "scene/scene.h"
 #include "scene/volume_io.h"
@@ -14,14 +15,16 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
+#include <vector>
 
 namespace tetrec {
 
 struct VolumeImportOptions {
   // Of .raw files only, as on the command line: "103x94x161", "uint8", "little", "1x1x1".
   std::string dimensions, sample_type, byte_order, spacing;
+  // The values that become 0 and 1; empty: the type's range, of float the data's own.
+  std::vector<double> value_range;
   double attenuation = 50;  // density at opacity 1 [1 / the volume's longest side]
   std::string shading = "pre";
   int cameras = 800;
@@ -35,7 +38,11 @@ struct VolumeImportOptions {
   // Throws UsageError where a .raw file has no layout, or another file is given one.
   void CheckFor(const std::filesystem::path& volume) const;
   VolumeLayout Layout() const;
+  ValueRange Range() const;
 };
+
+// Throws EnvironmentError where the samples and their shaded form do not fit.
+void CheckVolumeMemory(const VolumeLayout& layout, const std::string& name, const FreeMemory& free);
 
 // Cameras on a sphere around the centre of the world, which look at it and see the ball of
 // `radius`: a Fibonacci lattice turned by a random rotation. Adds one camera and the views.
@@ -44,12 +51,15 @@ void AddSphereOfViews(const VolumeImportOptions& options, double radius, Scene& 
 struct ImportedVolume {
   Scene scene;
   VolumeFile file;
+  size_t dense_samples = 0;  // with opacity above 0
 };
 
+// Writes pictures last: what there is too little memory or space for, and a transfer function that
+// leaves nothing visible (DataError), show before.
 ImportedVolume ImportVolume(const std::filesystem::path& volume,
                             const std::filesystem::path& transfer_function,
-                            const std::filesystem::path& folder,
-                            const VolumeImportOptions& options);
+                            const std::filesystem::path& folder, const VolumeImportOptions& options,
+                            const FreeMemory& free = MeasureFreeHostMemory());
 
 // The stage: inputs "DATASET" and "transfer-function".
 void RunVolumeImport(const VolumeImportOptions& options, Stage& stage);

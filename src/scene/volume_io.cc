@@ -231,6 +231,129 @@ glm::dvec3 NrrdVector(const Field& field, std::string_view& text) {
   return vector;
 }
 
+// Axes that are no places of one number's samples are refused.
+void CheckNrrdKinds(Header& header) {
+  const Field* kinds = header.Find("kinds");
+  if (kinds == nullptr) return;
+  const auto is_place = [](std::string_view word) {
+    const std::string kind = Lower(word);
+    return kind == "space" || kind == "domain" || kind == "none" || kind == "???";
+  };
+  const std::vector<std::string_view> words = Words(kinds->text);
+  if (words.size() != 3 || !std::all_of(words.begin(), words.end(), is_place)) {
+    kinds->Fail(
+        "space, domain or none for each of the three axes; colours, vectors, times and other lists "
+        "are not read");
+  }
+}
+
+// Only the handedness matters: a left-handed space would come out mirrored. Names go with hyphens,
+// with blanks, and without either.
+void CheckNrrdSpace(Header& header) {
+  static const std::set<std::string> kRightHanded = {
+      "rightanteriorsuperior", "ras", "leftposteriorsuperior", "lps", "scannerxyz",
+      "3drighthanded"};
+  static const std::set<std::string> kLeftHanded = {"leftanteriorsuperior", "las", "3dlefthanded"};
+  const Field* dimension = header.FindAny({"space dimension", "spacedimension"});
+  if (dimension != nullptr && dimension->Integer("a number") != 3) dimension->Fail("3");
+  const Field* space = header.Find("space");
+  if (space == nullptr) return;
+  std::string name = Lower(space->text);
+  std::erase_if(name, [](char c) { return c == '-' || c == ' '; });
+  if (kLeftHanded.contains(name)) {
+    space->Fail(
+        "a right-handed space: a left-handed one would be read as its mirror image; convert it to "
+        "right-anterior-superior or left-posterior-superior");
+  }
+  if (!kRightHanded.contains(name)) {
+    space->Fail("right-anterior-superior, left-posterior-superior, scanner-xyz or 3D-right-handed");
+  }
+}
+
+// What an axis's ends are: the places of its outermost samples, or the far sides of their cells.
+enum class NrrdCentering { kUnknown, kNode, kCell };
+
+std::array<NrrdCentering, 3> NrrdCenterings(Header& header) {
+  std::array<NrrdCentering, 3> centerings{};
+  const Field* field = header.FindAny({"centerings", "centers"});
+  if (field == nullptr) return centerings;
+  constexpr const char* kExpected = "node, cell or none for each of the three axes";
+  const std::vector<std::string_view> words = Words(field->text);
+  if (words.size() != 3) field->Fail(kExpected);
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const std::string word = Lower(words[axis]);
+    if (word == "node") centerings[axis] = NrrdCentering::kNode;
+    if (word == "cell") centerings[axis] = NrrdCentering::kCell;
+    if (centerings[axis] == NrrdCentering::kUnknown && word != "none" && word != "???") {
+      field->Fail(kExpected);
+    }
+  }
+  return centerings;
+}
+
+// One axis from its ends; `told`: its spacing, where the header has spacings; `max`: where it has
+// axis maxs.
+struct NrrdAxis {
+  const Field& mins;
+  double min;
+  std::optional<double> max, told;
+  int samples;
+  NrrdCentering centering;
+
+  // Spacings from one end to the other.
+  double Steps() const { return samples - (centering == NrrdCentering::kCell ? 0 : 1); }
+  // Without word of it the definition leaves it open; teem takes cells, others nodes. Spacings
+  // decide where both ends are told.
+  void FindCentering() {
+    if (centering != NrrdCentering::kUnknown) return;
+    if (!max || !told) {
+      mins.Fail("centerings beside it, node or cell for each axis, which say what its ends are");
+    }
+    centering = (*max - min) / *told > samples - 0.5 ? NrrdCentering::kCell : NrrdCentering::kNode;
+  }
+  double Spacing() const {
+    if (!max) return *told;
+    const double spacing = (*max - min) / Steps();
+    if (!told) return spacing;
+    // Far from node against cell, which is a whole step; spacings are often written rounded.
+    constexpr double kMostSteps = 0.25;
+    if (!(std::abs((*max - min) / *told - Steps()) <= kMostSteps)) {
+      mins.Fail(fmt::format(
+          "ends that agree with spacings: along an axis these are {}, axis mins and maxs make {}",
+          *told, spacing));
+    }
+    return *told;
+  }
+};
+
+// Spacing and origin from axis mins and maxs.
+void ReadNrrdEnds(Header& header, VolumeLayout& layout) {
+  const Field* mins = header.FindAny({"axis mins", "axismins"});
+  const Field* maxs = header.FindAny({"axis maxs", "axismaxs"});
+  if (mins == nullptr && maxs == nullptr) return;
+  if (mins == nullptr) maxs->Fail("axis mins beside it");
+  for (const char* name : {"space directions", "spacedirections", "space origin", "spaceorigin"}) {
+    if (header.Find(name) != nullptr) mins->Fail(fmt::format("either this or {}, not both", name));
+  }
+  const bool has_spacings = header.Find("spacings") != nullptr;
+  if (maxs == nullptr && !has_spacings) mins->Fail("axis maxs or spacings beside it");
+  const glm::dvec3 min = mins->Vector3("three numbers");
+  const glm::dvec3 max = maxs != nullptr ? maxs->Vector3("three numbers") : min;
+  const std::array<NrrdCentering, 3> centerings = NrrdCenterings(header);
+  for (int i = 0; i < 3; ++i) {
+    if (maxs != nullptr && !(max[i] > min[i])) {
+      maxs->Fail("numbers above those of axis mins: mirrored axes are not read");
+    }
+    NrrdAxis axis{*mins, min[i], {}, {}, layout.size[i], centerings[size_t(i)]};
+    if (maxs != nullptr) axis.max = max[i];
+    if (has_spacings) axis.told = layout.spacing[i];
+    axis.FindCentering();
+    layout.spacing[i] = axis.Spacing();
+    const bool is_cell = axis.centering == NrrdCentering::kCell;
+    layout.origin[i] = min[i] + (is_cell ? 0.5 * layout.spacing[i] : 0);
+  }
+}
+
 glm::dvec3 SpacingFromDirections(const Field& field) {
   glm::dvec3 spacing(0.0);
   std::string_view rest = field.text;
@@ -248,17 +371,18 @@ glm::dvec3 SpacingFromDirections(const Field& field) {
 
 void ReadNrrdFrame(Header& header, VolumeLayout& layout) {
   const Field* spacings = header.Find("spacings");
-  const Field* directions = header.Find("space directions");
+  const Field* directions = header.FindAny({"space directions", "spacedirections"});
   if (spacings != nullptr && directions != nullptr) {
     directions->Fail("either this or spacings, not both");
   }
   if (spacings != nullptr) layout.spacing = spacings->Vector3("three numbers");
   if (directions != nullptr) layout.spacing = SpacingFromDirections(*directions);
-  if (const Field* origin = header.Find("space origin")) {
+  if (const Field* origin = header.FindAny({"space origin", "spaceorigin"})) {
     std::string_view rest = origin->text;
     layout.origin = NrrdVector(*origin, rest);
     if (!Trimmed(rest).empty()) origin->Fail("one vector");
   }
+  ReadNrrdEnds(header, layout);
 }
 
 // A file inside the header's folder.
@@ -327,6 +451,8 @@ ParsedHeader ParseNrrdHeader(std::span<const uint8_t> bytes, const std::string& 
   if (dimension.Integer("a number") != 3) dimension.Fail("3");
   layout.size = header.Get("sizes").Size();
   layout.type = NrrdType(header.Get("type"));
+  CheckNrrdKinds(header);
+  CheckNrrdSpace(header);
   ReadNrrdFrame(header, layout);
   parsed.placement = ReadNrrdPlacement(header, layout);
   const Field* endian = header.Find("endian");
@@ -464,8 +590,8 @@ std::vector<uint8_t> Inflate(std::span<const uint8_t> packed, size_t size,
   return unpacked;
 }
 
-VolumeFile ReadSamples(const fs::path& path, std::vector<uint8_t> file,
-                       const ParsedHeader& header) {
+VolumeFile ReadSamples(const fs::path& path, std::vector<uint8_t> file, const ParsedHeader& header,
+                       const ValueRange& range) {
   header.layout.Check(path.string());
   VolumeFile result;
   result.type = header.layout.type;
@@ -490,14 +616,14 @@ VolumeFile ReadSamples(const fs::path& path, std::vector<uint8_t> file,
   std::span<const uint8_t> samples = std::span(file).subspan(begin);
   if (placement.compressed) {
     const std::vector<uint8_t> unpacked = Inflate(samples, size, name);
-    result.volume = DecodeVolume(header.layout, unpacked, name);
+    result.volume = DecodeVolume(header.layout, unpacked, name, range);
     return result;
   }
   if (samples.size() > size) {
     LogWarning("{}: {} bytes behind the samples are not read", name,
                WithThousands(samples.size() - size));
   }
-  result.volume = DecodeVolume(header.layout, samples, name);
+  result.volume = DecodeVolume(header.layout, samples, name, range);
   return result;
 }
 
@@ -505,6 +631,11 @@ ParsedHeader ParseHeader(const fs::path& path, std::span<const uint8_t> bytes) {
   const std::string extension = Lower(path.extension().string());
   return extension == ".nrrd" || extension == ".nhdr" ? ParseNrrdHeader(bytes, path.string())
                                                       : ParseMetaHeader(bytes, path.string());
+}
+
+// Without the samples behind it; one byte more than a header may have shows that it is too long.
+ParsedHeader ReadHeader(const fs::path& path) {
+  return ParseHeader(path, ReadFront(path, kMaxHeaderBytes + 1));
 }
 
 }  // namespace
@@ -519,7 +650,8 @@ bool IsVolumeFile(const fs::path& path) {
          !fs::is_directory(path, unusable);
 }
 
-VolumeFile ReadRawVolume(const fs::path& path, const VolumeLayout& layout) {
+VolumeFile ReadRawVolume(const fs::path& path, const VolumeLayout& layout,
+                         const ValueRange& range) {
   layout.Check(path.string());
   const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
   if (bytes.size() != layout.Bytes()) {
@@ -529,22 +661,27 @@ VolumeFile ReadRawVolume(const fs::path& path, const VolumeLayout& layout) {
         path.string(), WithThousands(bytes.size()), layout.size.x, layout.size.y, layout.size.z,
         Name(layout.type), WithThousands(layout.Bytes())));
   }
-  return {DecodeVolume(layout, bytes, path.string()), layout.type, path, {}};
+  return {DecodeVolume(layout, bytes, path.string(), range), layout.type, path, {}};
 }
 
-VolumeFile ParseVolume(std::vector<uint8_t> file, const fs::path& path) {
+VolumeFile ParseVolume(std::vector<uint8_t> file, const fs::path& path, const ValueRange& range) {
   const ParsedHeader header = ParseHeader(path, file);
-  return ReadSamples(path, std::move(file), header);
+  return ReadSamples(path, std::move(file), header, range);
 }
 
-VolumeFile ReadVolume(const fs::path& path) {
-  return ParseVolume(ReadBytes(path, kMaxFileBytes), path);
+VolumeFile ReadVolume(const fs::path& path, const ValueRange& range) {
+  return ParseVolume(ReadBytes(path, kMaxFileBytes), path, range);
+}
+
+VolumeLayout ReadVolumeLayout(const fs::path& path) {
+  const VolumeLayout layout = ReadHeader(path).layout;
+  layout.Check(path.string());
+  return layout;
 }
 
 std::vector<fs::path> FilesNamedByVolume(const fs::path& path) {
   if (!IsVolumeFile(path) || NeedsLayout(path)) return {};
-  const ParsedHeader header = ParseHeader(path, ReadBytes(path, kMaxFileBytes));
-  const fs::path& data_file = header.placement.data_file;
+  const fs::path data_file = ReadHeader(path).placement.data_file;
   if (data_file.empty()) return {};
   return {path.parent_path() / data_file};
 }

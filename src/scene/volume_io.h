@@ -1,10 +1,11 @@
 // Volume files: raw samples, NRRD (.nrrd, .nhdr) and MetaImage (.mha, .mhd).
 //
 // Of NRRD: three dimensions; encodings raw and gzip; spacings, or space directions along the axes
-// with space origin; a data file beside the header or in a folder below it; byte skip. Of
-// MetaImage: three dimensions, one channel, binary, plain or compressed; ElementDataFile LOCAL or a
-// file as above; HeaderSize. Samples uint8, uint16 or float32. What else a header says is either
-// refused, where it would change the volume, or listed in `unused_fields`.
+// with space origin, or axis mins and maxs with centerings; right-handed spaces; a data file beside
+// the header or in a folder below it; byte skip. Source: teem's "Definition of NRRD File Format".
+// Of MetaImage: three dimensions, one channel, binary, plain or compressed; ElementDataFile LOCAL
+// or a file as above; HeaderSize. Samples uint8, uint16 or float32. What else a header says is
+// either refused, where it would change the volume, or listed in `unused_fields`.
 #pragma once
 
 #include "scene/volume.h"
@@ -28,11 +29,15 @@ bool IsVolumeFile(const std::filesystem::path& path);
 bool NeedsLayout(const std::filesystem::path& path);
 
 // The file's size must be what the layout takes.
-VolumeFile ReadRawVolume(const std::filesystem::path& path, const VolumeLayout& layout);
+VolumeFile ReadRawVolume(const std::filesystem::path& path, const VolumeLayout& layout,
+                         const ValueRange& range = std::nullopt);
 // NRRD or MetaImage, by the extension.
-VolumeFile ReadVolume(const std::filesystem::path& path);
+VolumeFile ReadVolume(const std::filesystem::path& path, const ValueRange& range = std::nullopt);
 // As ReadVolume; `file` holds the bytes of `path`. Reads the data file beside it, if that is told.
-VolumeFile ParseVolume(std::vector<uint8_t> file, const std::filesystem::path& path);
+VolumeFile ParseVolume(std::vector<uint8_t> file, const std::filesystem::path& path,
+                       const ValueRange& range = std::nullopt);
+// What the header of a NRRD or MetaImage says, checked; its samples are not read.
+VolumeLayout ReadVolumeLayout(const std::filesystem::path& path);
 // All throw DataError naming the file and the field or line. Memory is taken for no more samples
 // than the file's size allows.
 

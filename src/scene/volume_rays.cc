@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 namespace tetrec {
@@ -142,14 +143,23 @@ VolumeRays::VolumeRays(const Volume& volume, const TransferFunction& function,
 
 void VolumeRays::ShadeSamples(const TransferFunction& function) {
   shaded_.resize(volume_.samples.size());
+  std::atomic<size_t> dense = 0;
   ParallelFor(shaded_.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
+    size_t dense_here = 0;
     for (size_t i = begin; i < end; ++i) {
       const float sample = volume_.samples[i];
       const float opacity = float(function.OpacityAt(sample));
       const glm::vec3 color = transfer_.SrgbAt(transfer_.PieceOf(sample), sample);
       shaded_[i] = glm::vec4(density_at_opacity_1_ * opacity, color);
+      dense_here += shaded_[i].x > 0;
     }
+    dense += dense_here;
   });
+  dense_ = dense;
+}
+
+bool VolumeRays::AnythingVisible() const {
+  return std::find(visible_block_.begin(), visible_block_.end(), 1) != visible_block_.end();
 }
 
 bool VolumeRays::IsVisible(const glm::ivec3& block) const {
@@ -168,8 +178,11 @@ bool VolumeRays::IsVisible(const glm::ivec3& block) const {
       }
     }
   }
-  if (shading_ == Shading::kPre) return dense;
-  return transfer_.IsVisible(transfer_.PieceOf(least), transfer_.PieceOf(most));
+  if (dense || shading_ == Shading::kPre || !(least < most)) return dense;
+  // Between the two: of the last piece more than its lower end.
+  int last_piece = transfer_.PieceOf(most);
+  if (transfer_.Knot(last_piece) == most) --last_piece;
+  return transfer_.IsVisible(transfer_.PieceOf(least), last_piece);
 }
 
 void VolumeRays::FindVisibleBlocks() {

@@ -48,6 +48,11 @@ class VolumeRays {
 
   // Density [1 / world unit] and display sRGB at every sample, in its order.
   const std::vector<glm::vec4>& shaded_samples() const { return shaded_; }
+  // How many samples have any density.
+  size_t CountDense() const { return dense_; }
+  // False where every picture would be empty. Of a post-shaded volume that may be true without any
+  // dense sample: the values between two samples are seen too.
+  bool AnythingVisible() const;
 
  private:
   struct CellPassage;
@@ -67,6 +72,7 @@ class VolumeRays {
   Shading shading_;
   glm::dvec3 origin_in_world_, spacing_in_world_;
   std::vector<glm::vec4> shaded_;
+  size_t dense_ = 0;
   glm::ivec3 blocks_{0};                // of kBlockCells^3 cells
   std::vector<uint8_t> visible_block_;  // x fastest
 };

@@ -75,6 +75,39 @@ TEST(File, AFailedWriteKeepsTheOldFileAndSaysWhy) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.tmp"));
 }
 
+TEST(FileWriter, PiecesMakeOneFileAndWithoutFinishNothingIsLeft) {
+  const ScratchFolder folder;
+  WriteText(folder / "a", "old");
+  const auto write = [&](bool finish) {
+    FileWriter writer(folder / "a", 10);
+    writer.WriteArray(std::span<const char>("ab", 2));
+    writer.WriteArray(std::span<const uint32_t>(std::vector<uint32_t>{0x64636261, 0x68676665}));
+    EXPECT_EQ(ReadText(folder / "a"), "old");
+    if (finish) writer.Finish();
+  };
+  write(false);
+  EXPECT_EQ(ReadText(folder / "a"), "old");
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.tmp"));
+  write(true);
+  EXPECT_EQ(ReadText(folder / "a"), "ababcdefgh");
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.tmp"));
+}
+
+TEST(FileWriter, AnotherCountThanPromisedIsABug) {
+  const ScratchFolder folder;
+  FileWriter writer(folder / "a", 3);
+  writer.WriteArray(std::span<const char>("ab", 2));
+  EXPECT_THAT(MessageOf<BugError>([&] { writer.Finish(); }), HasSubstr("2 of 3 bytes"));
+}
+
+TEST(File, TheFrontOfAFileIsReadWithoutTheRest) {
+  const ScratchFolder folder;
+  WriteText(folder / "a", "0123456789");
+  EXPECT_EQ(ReadFront(folder / "a", 4), BytesOf("0123"));
+  EXPECT_EQ(ReadFront(folder / "a", 40), BytesOf("0123456789"));
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadFront(folder / "none", 4); }), HasSubstr("none"));
+}
+
 TEST(File, JsonKeepsValuesAndErrorsGiveThePosition) {
   const ScratchFolder folder;
   const nlohmann::json value = {{"a", 1}, {"b", {0.1, "x"}}};

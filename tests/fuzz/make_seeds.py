@@ -108,7 +108,7 @@ def jpeg():
 
 
 def exr(channels, compression, pixels):
-    """2 x 1 pixels in one scan line: `pixels` are its bytes."""
+    """2 x 1 pixels in one scan line: `pixels` are its bytes. Rec. 709 by its own word."""
     def attribute(name, kind, body):
         return name + b"\0" + kind + b"\0" + struct.pack("<I", len(body)) + body
 
@@ -117,6 +117,8 @@ def exr(channels, compression, pixels):
                       for name in channels) + b"\0"
     window = struct.pack("<4i", 0, 0, 1, 0)
     header = (b"\x76\x2f\x31\x01" + struct.pack("<I", 2) + attribute(b"channels", b"chlist", listed)
+              + attribute(b"chromaticities", b"chromaticities",
+                          struct.pack("<8f", 0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329))
               + attribute(b"compression", b"compression", bytes([compression]))
               + attribute(b"dataWindow", b"box2i", window)
               + attribute(b"displayWindow", b"box2i", window)
@@ -174,6 +176,15 @@ def volume_seeds():
     yield "detached.nhdr", (b"\1NRRD0005\ntype: unsigned short\nendian: big\ndimension: 3\nsizes: 2 2 2\n"
                             b"space directions: (1,0,0) (0,2,0) (0,0,3)\nencoding: raw\n"
                             b"byte skip: 8\ndata file: data.raw\n")
+    yield "ends.nrrd", (b"\0NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 3 4\nspacings: 1 2 3\n"
+                        b"axis mins: -1 0 5\naxis maxs: 0 6 14\ncenterings: node cell none\n"
+                        b"kinds: space domain ???\nspace: left-posterior-superior\n"
+                        b"encoding: raw\n\n" + samples)
+    yield "ends_alone.nrrd", (b"\0NRRD0002\ntype: uchar\ndimension: 3\nsizes: 2 3 4\naxismins: 0 0 0\n"
+                              b"axismaxs: 2 3 4\ncenters: cell cell cell\nencoding: raw\n\n" + samples)
+    yield "space.nrrd", (b"\0NRRD0005\ntype: uchar\ndimension: 3\nspace dimension: 3\nsizes: 2 3 4\n"
+                         b"spacedirections: (1,0,0) (0,2,0) (0,0,3)\nspaceorigin: (0,1,2)\n"
+                         b"encoding: raw\n\n" + samples)
     meta = b"ObjectType = Image\nNDims = 3\nDimSize = 2 3 4\nElementSpacing = 1 2 3\nElementType = MET_UCHAR\n"
     yield "local.mha", b"\2" + meta + b"ElementDataFile = LOCAL\n" + samples
     yield "packed.mha", (b"\2" + meta + b"CompressedData = True\nElementDataFile = LOCAL\n"

@@ -2,7 +2,7 @@
 import json
 import unittest
 
-from stage_case import StageCase, hashes
+from stage_case import StageCase, hashes, limit_file_size
 
 TRANSFER_FUNCTION = {"opacity": [[0, 0], [0.3, 0], [1, 1]], "colour": [[0, 1, 0, 0], [1, 0, 0, 1]]}
 SIZE = (7, 6, 5)
@@ -30,9 +30,9 @@ class VolumeTest(StageCase):
         self.function.write_text(json.dumps(TRANSFER_FUNCTION))
         self.scene = self.folder / "run" / "1_scene"
 
-    def import_volume(self, path, *options):
+    def import_volume(self, path, *options, **process):
         return self.run_stage("import", path, "-o", self.scene, "--transfer-function", self.function,
-                              "--cameras", 16, "--size", 24, *options)
+                              "--cameras", 16, "--size", 24, *options, **process)
 
     def raw_options(self):
         return "--dimensions", "7x6x5", "--sample-type", "uint8"
@@ -65,6 +65,34 @@ class VolumeTest(StageCase):
         self.raw.write_bytes(bytes(255 - s for s in samples()))
         self.assert_done(self.import_volume(self.header))
         self.assertNotEqual(hashes(self.scene), before)
+
+    def test_a_value_range_is_part_of_the_key_and_shows_what_the_types_range_hides(self):
+        self.raw.write_bytes(bytes(s // 16 for s in samples()))
+        hidden = self.import_volume(self.header)
+        self.assert_fails(hidden, 3, "ball.nhdr: nothing of it is visible", "samples go from 0 to 15",
+                          "values 76.5 to 255", "--value-range")
+        self.assertIn("refer to the type's range", hidden.stderr)
+        self.assertEqual(list(self.scene.glob("ground_truth/*")), [])
+        shown = self.import_volume(self.header, "--value-range", "0,15")
+        self.assert_done(shown)
+        self.assertNotIn("refer to the type's range", shown.stderr)
+        manifest, before = self.manifest(self.scene), hashes(self.scene)
+        self.assertEqual(manifest["counts"]["clamped_samples"], 0)
+        self.assert_done(self.import_volume(self.header, "--value-range", "0,15"))
+        self.assertEqual(self.manifest(self.scene)["finished"], manifest["finished"])
+        narrow = self.import_volume(self.header, "--value-range", "-1,12")
+        self.assert_done(narrow)
+        self.assertIn("outside of --value-range", narrow.stderr)
+        self.assertGreater(self.manifest(self.scene)["counts"]["clamped_samples"], 0)
+        self.assertNotEqual(hashes(self.scene), before)
+        self.assert_fails(self.import_volume(self.header, "--value-range", "15,0"), 2, "--value-range 15,0")
+
+    def test_a_full_disk_shows_before_the_pictures(self):
+        result = self.import_volume(self.header, preexec_fn=limit_file_size(3000))
+        self.assert_fails(result, 4, "ground_truth/volume.nrrd", "cannot write")
+        self.assertFalse((self.scene / "images").exists())
+        self.assertEqual(list(self.scene.glob("ground_truth/*")), [])
+        self.assert_done(self.import_volume(self.header))
 
     def test_both_shadings_and_seeds_differ(self):
         pictures = []

@@ -7,12 +7,15 @@
 #include "file_size_limit.h"
 #include "scratch_folder.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <random>
 
 namespace tetrec {
@@ -345,6 +348,52 @@ TEST(ImageFiles, WithoutRoomForATemporaryFileAnExrIsNotCalledDamaged) {
   unsetenv("OPENCV_TEMP_PATH");
   EXPECT_THAT(message, ::testing::HasSubstr("a.exr: cannot be decoded: "));
   EXPECT_THAT(message, ::testing::HasSubstr("temporary file"));
+}
+
+// The file with one more attribute: eight numbers before all others. Its one block of pixels moves.
+std::vector<uint8_t> WithChromaticities(const std::vector<uint8_t>& exr,
+                                        const std::array<float, 8>& values) {
+  std::string attribute("chromaticities\0chromaticities\0\x20\0\0\0", 34);
+  attribute.append(reinterpret_cast<const char*>(values.data()), sizeof(values));
+  std::vector<uint8_t> bytes = exr;
+  // The table of blocks stands before the block and has its place.
+  for (size_t i = 0; i + 8 <= bytes.size(); ++i) {
+    uint64_t place = 0;
+    std::memcpy(&place, &bytes[i], sizeof(place));
+    if (place != i + 8) continue;
+    place += attribute.size();
+    std::memcpy(&bytes[i], &place, sizeof(place));
+    bytes.insert(bytes.begin() + 8, attribute.begin(), attribute.end());
+    return bytes;
+  }
+  ADD_FAILURE() << "no table of blocks";
+  return bytes;
+}
+
+TEST(ImageFiles, ExrOfOtherPrimariesThanRec709IsRefused) {
+  const std::vector<uint8_t> exr = SomeExr(3, {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f});
+  using Values = std::array<float, 8>;
+  const Values rec709 = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+  EXPECT_EQ(DecodeImage(WithChromaticities(exr, rec709), "a.exr").pixels,
+            DecodeImage(exr, "a.exr").pixels);
+  Values rounded = rec709;
+  rounded[6] = 0.313f;
+  EXPECT_EQ(DecodeImage(WithChromaticities(exr, rounded), "a.exr").width, 2);
+
+  const auto refused = [&](const Values& values, const char* part) {
+    ExpectError<DataError>(
+        [&] { DecodeImage(WithChromaticities(exr, values), "a.exr"); },
+        {"a.exr: EXR with chromaticities", part, "convert it to linear Rec. 709 (sRGB primaries)"});
+  };
+  refused({0.7347f, 0.2653f, 0, 1, 0.0001f, -0.077f, 0.32168f, 0.33767f},  // ACES 2065-1
+          "red (0.7347, 0.2653), green (0, 1), blue (0.0001, -0.077), white (0.32168, 0.33767)");
+  for (size_t i = 0; i < 8; ++i) {
+    Values other = rec709;
+    other[i] += 0.002f;
+    refused(other, fmt::format("{}", other[i]).c_str());
+    other[i] = NAN;
+    refused(other, "nan");
+  }
 }
 
 TEST(MaskedBy, MultipliesAlphaByTheMask) {

@@ -70,6 +70,30 @@ TEST(TransferFunction, ParaViewsColoursAreLinearInSrgbAndItsPositionsAreValuesOf
   EXPECT_NEAR(narrower.SrgbAt(0.75).b, 0.25, 1e-15);
 }
 
+TEST(TransferFunction, OpaqueStretchesAreWhereOpacityIsAboveZero) {
+  const auto stretches = [](const std::vector<TransferFunction::OpacityPoint>& opacity) {
+    TransferFunction function;
+    function.opacity = opacity;
+    return function.OpaqueStretches();
+  };
+  using Stretches = std::vector<glm::dvec2>;
+  EXPECT_EQ(stretches({{0.5, 0}}), Stretches());
+  EXPECT_EQ(stretches({{0.5, 0.1}}), (Stretches{{0, 1}}));
+  EXPECT_EQ(stretches({{0, 0}, {1, 0.1}}), (Stretches{{0, 1}}));
+  EXPECT_EQ(stretches({{0.1, 1}, {0.2, 0}, {0.4, 0}, {0.5, 0.3}, {0.6, 0.3}, {0.8, 0}}),
+            (Stretches{{0, 0.2}, {0.4, 0.8}}));
+  EXPECT_EQ(stretches({{0.3, 0}, {0.9, 1}}), (Stretches{{0.3, 1}}));
+}
+
+TEST(TransferFunction, KnowsWhetherItsPositionsAreValues) {
+  EXPECT_FALSE(Parse(Ours()).given_in_values);
+  EXPECT_TRUE(Parse(ParaView()).given_in_values);
+  json normalised = ParaView();
+  normalised[0]["RGBPoints"] = {0, 0, 0, 0, 1, 1, 1, 1};
+  normalised[0]["Points"] = {0, 0, 0.5, 0, 1, 1, 0.5, 0};
+  EXPECT_FALSE(Parse(normalised).given_in_values);
+}
+
 TEST(TransferFunction, AParaViewMapOfZeroToOneIsNormalised) {
   json preset = ParaView();
   preset[0]["RGBPoints"] = {0, 0, 0, 0, 1, 1, 1, 1};

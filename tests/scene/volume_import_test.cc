@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/log.h"
 #include "expect_error.h"
 #include "scratch_folder.h"
 
@@ -136,6 +137,107 @@ TEST_F(VolumeImport, GroundTruthHoldsDensityAndColourOfEverySample) {
   }
 }
 
+TEST_F(VolumeImport, TheGroundTruthIsWrittenBeforeThePictures) {
+  // A folder in the file's place stands in for a full disk.
+  std::filesystem::create_directories(folder_ / "scene/ground_truth/volume.nrrd");
+  ExpectError<EnvironmentError>([&] { Import("scene", Small()); },
+                                {"ground_truth/volume.nrrd: cannot write", "bytes"});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene/ground_truth/volume.nrrd.tmp"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene/images"));
+}
+
+TEST_F(VolumeImport, WhatMemoryDoesNotHoldIsRefusedBeforeAnythingIsRead) {
+  VolumeLayout layout;
+  layout.size = {1024, 1024, 512};
+  constexpr uint64_t kNeeded = uint64_t{10} << 30;  // 20 bytes a sample
+  EXPECT_NO_THROW(CheckVolumeMemory(layout, "v.raw", {kNeeded, "the host"}));
+  ExpectError<EnvironmentError>(
+      [&] {
+        CheckVolumeMemory(layout, "v.raw", {kNeeded - (uint64_t{1} << 30), "the host"});
+      },
+      {"v.raw", "1024 x 1024 x 512 samples", "10.0 GiB", "the host has 9.0 GiB", "second sample"});
+
+  const auto function = folder_.Write("tf.json", kFunction);
+  const FreeMemory little = {599, "the host"};
+  ExpectError<EnvironmentError>(
+      [&] {
+        ImportVolume(folder_.Write("v.raw", "short"), function, folder_ / "scene", Small(), little);
+      },
+      {"3 x 2 x 5 samples"});
+  ExpectError<EnvironmentError>(
+      [&] {
+        ImportVolume(folder_.Write("v.nhdr",
+                                   "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 2 5\nencoding: "
+                                   "raw\ndata file: none.raw\n"),
+                     function, folder_ / "scene", VolumeImportOptions(), little);
+      },
+      {"v.nhdr", "3 x 2 x 5 samples"});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene"));
+}
+
+// 12 bits in 16: 0, 140, ... 4060.
+std::string TwelveBits() {
+  std::string bytes;
+  for (int i = 0; i < 30; ++i) {
+    bytes += char(140 * i % 256);
+    bytes += char(140 * i / 256);
+  }
+  return bytes;
+}
+
+class TwelveBitImport : public VolumeImport {
+ protected:
+  TwelveBitImport() { options_.sample_type = "uint16"; }
+  ImportedVolume ImportWith(const char* function) {
+    return ImportVolume(folder_.Write("v.raw", TwelveBits()), folder_.Write("tf.json", function),
+                        folder_ / "scene", options_);
+  }
+  VolumeImportOptions options_ = Small();
+};
+
+TEST_F(TwelveBitImport, WhatNoPictureWouldShowIsRefused) {
+  constexpr const char* kFromThird = R"({"opacity": [[0.2, 0], [0.6, 1], [0.6001, 0], [0.8, 0],
+      [1, 1]], "colour": [[0, 1, 0, 0]]})";
+  ExpectError<DataError>([&] { ImportWith(kFromThird); },
+                         {"v.raw: nothing of it is visible", "samples go from 0 to 4060", "tf.json",
+                          "above 0 at the values 13107 to 39327.6, 52428 to 65535",
+                          "--value-range LOW,HIGH", "the values 0 and 65535"});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene"));
+  ExpectError<DataError>(
+      [&] { ImportWith(R"({"opacity": [[0, 0]], "colour": [[0, 1, 0, 0]]})"); },
+      {"nothing of it is visible", "tf.json has opacity 0 everywhere", "raise it"});
+  // By the data's own range it can be seen.
+  options_.value_range = {0, 4060};
+  const ImportedVolume imported = ImportWith(kFromThird);
+  EXPECT_EQ(imported.dense_samples, 18u);  // at i / 29: 6 to 17 and 24 to 29
+  EXPECT_EQ(imported.file.volume.clamped, 0u);
+}
+
+TEST_F(TwelveBitImport, FewOfTheTypesValuesAreWarnedOf) {
+  const auto warnings = [&](const char* function) {
+    TakeWarnings();
+    ImportWith(function);
+    std::string all;
+    for (const std::string& warning : TakeWarnings()) all += warning;
+    return all;
+  };
+  const std::string warning = warnings(kFunction);
+  for (const char* part : {"v.raw", "0 to 4060", "uint16's 0 to 65535", "refer to the type's range",
+                           "--value-range"}) {
+    EXPECT_THAT(warning, ::testing::HasSubstr(part));
+  }
+  // Positions that are values mean what they say.
+  EXPECT_EQ(warnings(R"([{"ColorSpace": "RGB", "RGBPoints": [0, 1, 0, 0, 4000, 0, 0, 1],
+                          "Points": [0, 0, 0.5, 0, 4000, 1, 0.5, 0]}])"),
+            "");
+  options_.value_range = {0, 4095};
+  EXPECT_EQ(warnings(kFunction), "");
+  options_ = Small();
+  TakeWarnings();
+  Import("scene", options_);
+  EXPECT_EQ(TakeWarnings().size(), 0u);
+}
+
 TEST_F(VolumeImport, HoldoutOfZeroTrainsOnAll) {
   VolumeImportOptions options = Small();
   options.holdout = 0;
@@ -168,6 +270,10 @@ TEST_F(VolumeImport, OptionsThatAreWrongAreNamed) {
   refused([](Options& o) { o.spacing = "1x1"; }, {"--spacing 1x1"});
   refused([](Options& o) { o.spacing = "1x0x1"; }, {"--spacing", "a spacing of 0"});
   refused([](Options& o) { o.spacing = "1xnanx1"; }, {"a spacing of nan"});
+  refused([](Options& o) { o.value_range = {5}; }, {"--value-range 5", "two numbers"});
+  refused([](Options& o) { o.value_range = {5, 5}; }, {"--value-range 5,5", "below the second"});
+  refused([](Options& o) { o.value_range = {0, NAN}; }, {"--value-range 0,nan"});
+  refused([](Options& o) { o.value_range = {-1e308, 1e308}; }, {"--value-range"});
   refused([](Options& o) { o.attenuation = 0; }, {"--attenuation 0"});
   refused([](Options& o) { o.shading = "both"; }, {"--shading both", "pre or post"});
   refused([](Options& o) { o.cameras = 2; }, {"--cameras 2"});

@@ -241,6 +241,36 @@ TEST(VolumeRays, EmptySpaceIsSkippedWithoutLosingWhatIsBehind) {
   }
 }
 
+TEST(VolumeRays, KnowWhetherThereIsAnythingToSee) {
+  // Opaque between 0.25 and 0.75, which float holds exactly.
+  const TransferFunction function =
+      MakeFunction({{0.25, 0}, {0.5, 1}, {0.75, 0}}, {{0, {0.3, 0.5, 0.7}}});
+  struct Case {
+    float most, lone;  // of 378 samples all but one, and that one
+    bool pre, post;
+    size_t dense;
+  };
+  const Case cases[] = {
+      {0, 0, false, false, 0},         {0, 0.2f, false, false, 0},
+      {0.1f, 0.25f, false, false, 0},  // up to where opacity begins
+      {0.25f, 0.25f, false, false, 0}, {0.75f, 1, false, false, 0},
+      {0, 0.26f, true, true, 1},       {0.74f, 1, true, true, 377},
+      {0, 1, false, true, 0},  // only the values between two samples
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(std::to_string(c.most) + " and " + std::to_string(c.lone));
+    Volume volume = MakeVolume({9, 7, 6}, glm::dvec3(1.0));
+    std::fill(volume.samples.begin(), volume.samples.end(), c.most);
+    volume.samples[200] = c.lone;
+    const VolumeRays pre(volume, function, 1, Shading::kPre, kUnmoved);
+    const VolumeRays post(volume, function, 1, Shading::kPost, kUnmoved);
+    EXPECT_EQ(pre.AnythingVisible(), c.pre);
+    EXPECT_EQ(post.AnythingVisible(), c.post);
+    EXPECT_EQ(pre.CountDense(), c.dense);
+    EXPECT_EQ(post.CountDense(), c.dense);
+  }
+}
+
 TEST(VolumeRays, BothShadingsAgreeForALinearTransferFunction) {
   const TransferFunction function = MakeFunction({{0, 0}, {1, 1}}, {{0, {0.3, 0.5, 0.7}}});
   const Volume volume = RandomVolume({5, 8, 6}, {1, 0.6, 0.9}, 7);

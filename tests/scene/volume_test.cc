@@ -137,6 +137,172 @@ TEST_F(VolumeFiles, FloatSamplesMustBeFiniteAndDiffer) {
   EXPECT_EQ(wide.samples[2], 0.5f);
 }
 
+TEST_F(VolumeFiles, AValueRangeSaysWhatBecomesZeroAndOne) {
+  VolumeLayout layout;
+  layout.size = {2, 2, 2};
+  layout.type = SampleType::kUint16;
+  const std::vector<uint16_t> words = {0, 100, 200, 300, 400, 500, 600, 4095};
+  const auto path = folder_.Write("a.raw", BytesOfValues(words, false));
+  const Volume twelve = ReadRawVolume(path, layout, glm::dvec2(100, 500)).volume;
+  EXPECT_EQ(twelve.samples, (std::vector<float>{0, 0, 0.25f, 0.5f, 0.75f, 1, 1, 1}));
+  EXPECT_EQ(twelve.clamped, 3u);
+  EXPECT_EQ(twelve.value_at_0, 100);
+  EXPECT_EQ(twelve.value_at_1, 500);
+  EXPECT_EQ(twelve.least_value, 0);
+  EXPECT_EQ(twelve.largest_value, 4095);
+  // Without it the type decides, and nothing can lie outside.
+  const Volume plain = ReadRawVolume(path, layout).volume;
+  EXPECT_EQ(plain.samples[7], 4095.0f / 65535);
+  EXPECT_EQ(plain.clamped, 0u);
+  EXPECT_EQ(plain.largest_value, 4095);
+
+  // Of float: in place of the data's own range, so that all may be equal.
+  layout.type = SampleType::kFloat32;
+  const auto real = folder_.Write("b.raw", BytesOfValues(std::vector<float>(8, -750), false));
+  const Volume even = ReadRawVolume(real, layout, glm::dvec2(-1000, 0)).volume;
+  EXPECT_EQ(even.samples, std::vector<float>(8, 0.25f));
+  ExpectError<DataError>([&] { ReadRawVolume(real, layout); },
+                         {"all samples are -750", "--value-range"});
+
+  // Of every format.
+  const auto nrrd = folder_.Write("a.nrrd", std::string(kNrrd) + "encoding: raw\n\n" + EightBits());
+  EXPECT_EQ(ReadVolume(nrrd, glm::dvec2(0, 20)).volume.clamped, 7u);
+  const auto packed =
+      folder_.Write("b.nrrd", std::string(kNrrd) + "encoding: gzip\n\n" + Gzip(EightBits()));
+  EXPECT_EQ(ReadVolume(packed, glm::dvec2(0, 20)).volume.clamped, 7u);
+  const auto meta =
+      folder_.Write("a.mha", std::string(kMeta) + "ElementDataFile = LOCAL\n" + EightBits());
+  EXPECT_EQ(ReadVolume(meta, glm::dvec2(0, 20)).volume.clamped, 7u);
+}
+
+TEST_F(VolumeFiles, NrrdEndsGiveSpacingAndOrigin) {
+  // 2 x 3 x 2 samples.
+  const auto expect = [&](const std::string& fields, const glm::dvec3& spacing,
+                          const glm::dvec3& origin) {
+    SCOPED_TRACE(fields);
+    const VolumeFile file =
+        Read("a.nrrd", std::string(kNrrd) + fields + "encoding: raw\n\n" + EightBits());
+    EXPECT_EQ(file.volume.spacing, spacing);
+    EXPECT_EQ(file.volume.origin, origin);
+    EXPECT_EQ(file.unused_fields.size(), 0u);
+  };
+  const std::string ends = "axis mins: -1 0 4\naxis maxs: 1 6 8\n";
+  // From the first sample to the last, or from side to side of their cells.
+  expect(ends + "centerings: node node node\n", {2, 3, 4}, {-1, 0, 4});
+  expect(ends + "centers: cell cell cell\n", {1, 2, 2}, {-0.5, 1, 5});
+  expect(ends + "centers: Cell node CELL\n", {1, 3, 2}, {-0.5, 0, 5});
+  expect("axismins: -1 0 4\naxismaxs: 1 6 8\ncenters: cell cell cell\n", {1, 2, 2}, {-0.5, 1, 5});
+  // Spacings may say the same, rounded too.
+  expect(ends + "spacings: 2 3 4\ncenters: node node node\n", {2, 3, 4}, {-1, 0, 4});
+  expect(ends + "spacings: 1.0001 2 2\ncenters: cell cell cell\n", {1.0001, 2, 2},
+         {-1 + 0.5 * 1.0001, 1, 5});
+  // They tell what the ends are, where nothing else does.
+  expect(ends + "spacings: 2 2 4\n", {2, 2, 4}, {-1, 1, 4});
+  expect(ends + "spacings: 2 2 4\ncenters: ??? none ???\n", {2, 2, 4}, {-1, 1, 4});
+  // Or stand for the other end.
+  expect("axis mins: -1 0 4\nspacings: 2 2 4\ncenters: node cell node\n", {2, 2, 4}, {-1, 1, 4});
+}
+
+TEST_F(VolumeFiles, NrrdEndsThatSayTooLittleOrTwoThingsAreRefused) {
+  const auto refused = [&](const std::string& fields, std::initializer_list<std::string> parts) {
+    ExpectRefused("a.nrrd", std::string(kNrrd) + fields + "encoding: raw\n\n" + EightBits(), parts);
+  };
+  const std::string ends = "axis mins: -1 0 4\naxis maxs: 1 6 8\n";
+  const std::string cells = "centers: cell cell cell\n";
+  refused(ends, {"line 7: axis mins", "centerings beside it", "node or cell"});
+  refused(ends + "centers: cell none cell\n", {"centerings beside it"});
+  refused("axis mins: 0 0 0\nspacings: 1 1 1\n", {"centerings beside it"});
+  refused(ends + "centers: cell cell\n", {"centers", "each of the three axes"});
+  refused(ends + "centers: cell cell edge\n", {"centers", "each of the three axes"});
+  refused("axis mins: 0 0 0\n" + cells, {"axis mins", "axis maxs or spacings beside it"});
+  refused("axis maxs: 0 0 0\nspacings: 1 1 1\n" + cells, {"axis maxs", "axis mins beside it"});
+  refused("axis mins: 0 0 0\naxis maxs: 1 -1 1\n" + cells, {"axis maxs", "mirrored axes"});
+  refused("axis mins: 0 0 0\naxis maxs: 1 nan 1\n" + cells, {"axis maxs", "three numbers"});
+  // Nodes by the spacings, cells by word; and neither.
+  refused(ends + "spacings: 2 3 4\n" + cells,
+          {"axis mins", "agree with spacings", "are 2, axis mins and maxs make 1"});
+  refused(ends + "spacings: 1 5 4\n", {"axis mins", "agree with spacings"});
+  refused(ends + "spacings: 1 0 4\n", {"axis mins", "agree with spacings"});
+  refused(ends + cells + "space directions: (1,0,0) (0,1,0) (0,0,1)\n",
+          {"axis mins", "either this or space directions"});
+  refused(ends + cells + "spaceorigin: (1,0,0)\n", {"axis mins", "either this or spaceorigin"});
+}
+
+TEST_F(VolumeFiles, NrrdSpacesMustBeRightHandedAndOfThreeDimensions) {
+  const auto content = [](const std::string& field) {
+    return std::string(kNrrd) + field + "\nencoding: raw\n\n" + EightBits();
+  };
+  for (const char* space :
+       {"right-anterior-superior", "RAS", "left-posterior-superior", "left posterior superior",
+        "lps", "LeftPosteriorSuperior", "scanner-xyz", "3D-right-handed", "3D right handed"}) {
+    SCOPED_TRACE(space);
+    EXPECT_EQ(Read("a.nrrd", content(fmt::format("space: {}", space))).unused_fields.size(), 0u);
+  }
+  EXPECT_EQ(Read("a.nrrd", content("space dimension: 3")).unused_fields.size(), 0u);
+  for (const char* space : {"left-anterior-superior", "LAS", "left anterior superior",
+                            "leftanteriorsuperior", "3D-left-handed", "3Dlefthanded"}) {
+    ExpectRefused("a.nrrd", content(fmt::format("space: {}", space)),
+                  {"line 7: space is", space, "right-handed", "mirror image"});
+  }
+  for (const char* space : {"right-anterior-superior-time", "LAST", "right-up", "mine"}) {
+    ExpectRefused("a.nrrd", content(fmt::format("space: {}", space)),
+                  {"line 7: space is", space, "scanner-xyz or 3D-right-handed"});
+  }
+  ExpectRefused("a.nrrd", content("space dimension: 4"), {"space dimension is \"4\"; expected 3"});
+}
+
+TEST_F(VolumeFiles, NrrdFieldsCountInTheirOtherSpellings) {
+  const VolumeFile file = Read("a.nrrd", std::string(kNrrd) +
+                                             "encoding: raw\nspacedimension: 3\nspacedirections: "
+                                             "(1,0,0) (0,2,0) (0,0,.5)\nspaceorigin: (1,2,3)\n\n" +
+                                             EightBits());
+  EXPECT_EQ(file.volume.spacing, glm::dvec3(1, 2, 0.5));
+  EXPECT_EQ(file.volume.origin, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(file.unused_fields.size(), 0u);
+}
+
+TEST_F(VolumeFiles, NrrdKindsMustBePlacesOfOneNumber) {
+  const auto content = [](const std::string& kinds) {
+    return std::string(kNrrd) + "kinds: " + kinds + "\nencoding: raw\n\n" + EightBits();
+  };
+  for (const char* kinds : {"space space space", "Domain domain space", "??? none space"}) {
+    EXPECT_EQ(Read("a.nrrd", content(kinds)).unused_fields.size(), 0u);
+  }
+  for (const char* kinds :
+       {"RGB-color domain domain", "complex space space", "space space time",
+        "space 3-vector space", "list domain domain", "space space", "space space space space"}) {
+    ExpectRefused("a.nrrd", content(kinds), {"line 7: kinds is", kinds, "space, domain or none"});
+  }
+}
+
+TEST_F(VolumeFiles, ALayoutIsReadWithoutTheSamples) {
+  const std::string nrrd =
+      "NRRD0004\ntype: ushort\nendian: big\ndimension: 3\nsizes: 1024 1024 1024\nspacings: 1 2 3\n"
+      "encoding: raw\n\n";
+  const VolumeLayout layout = ReadVolumeLayout(folder_.Write("a.nrrd", nrrd));
+  EXPECT_EQ(layout.size, glm::ivec3(1024));
+  EXPECT_EQ(layout.type, SampleType::kUint16);
+  EXPECT_EQ(layout.spacing, glm::dvec3(1, 2, 3));
+  EXPECT_TRUE(layout.big_endian);
+  EXPECT_EQ(
+      ReadVolumeLayout(folder_.Write("a.mha", std::string(kMeta) + "ElementDataFile = none.raw\n"))
+          .size,
+      glm::ivec3(2, 3, 2));
+  // As by ReadVolume.
+  ExpectError<DataError>(
+      [&] {
+        ReadVolumeLayout(
+            folder_.Write("a.nrrd", "NRRD0004\n" + std::string((size_t{1} << 20) + 9, 'a')));
+      },
+      {"a.nrrd", "no end of its header"});
+  ExpectError<DataError>(
+      [&] {
+        ReadVolumeLayout(folder_.Write(
+            "a.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 2 3\nencoding: raw\n\n"));
+      },
+      {"1 samples along x"});
+}
+
 TEST_F(VolumeFiles, NrrdWithItsSamplesBehindTheHeader) {
   const VolumeFile file =
       Read("a.nrrd", std::string(kNrrd) +
@@ -225,7 +391,7 @@ TEST_F(VolumeFiles, NrrdHeadersThatAreRefused) {
   ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 2 3 2\n", {"type is missing"});
   ExpectRefused("a.nrrd", header("short", raw),
                 {"line 2: type is \"short\"", "uint8, uint16 or float"});
-  ExpectRefused("a.nrrd", header("uchar", "kinds: domain"), {"encoding is missing"});
+  ExpectRefused("a.nrrd", header("uchar", "content: words"), {"encoding is missing"});
   ExpectRefused("a.nrrd", header("uchar", "encoding: bzip2"), {"\"bzip2\"; expected raw or gzip"});
   ExpectRefused("a.nrrd", header("ushort", raw), {"endian is missing"});
   ExpectRefused("a.nrrd", header("uchar", raw + "\nendian: middle"), {"little or big"});
