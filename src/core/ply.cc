@@ -246,10 +246,10 @@ class AsciiSource {
 };
 
 template <class Source>
-void ReadList(Source& source, PlyProperty& property) {
+void ReadList(Source& source, const std::string& name, PlyProperty& property) {
   const double length = source.Value(property.count_type, property.name.c_str());
   if (length < 0)
-    throw DataError(fmt::format("a list of {} has the length {}", property.name, length));
+    throw DataError(fmt::format("{}: a list of {} has the length {}", name, property.name, length));
   source.CheckCount(uint64_t(length), Source::MinBytes(property.type), property.name.c_str());
   property.list_sizes.push_back(uint32_t(length));
   for (uint32_t i = 0; i < uint32_t(length); ++i) {
@@ -258,21 +258,21 @@ void ReadList(Source& source, PlyProperty& property) {
 }
 
 template <class Source>
-void ReadElements(Source&& source, PlyFile& file) {
+void ReadElements(Source&& source, const std::string& name, PlyFile& file) {
   for (PlyElement& element : file.elements) {
     if (element.count == 0) continue;
     uint64_t min_bytes = 0;
     for (const PlyProperty& p : element.properties)
       min_bytes += Source::MinBytes(p.is_list ? p.count_type : p.type);
     if (min_bytes == 0)
-      throw DataError(fmt::format("the element {} has no properties", element.name));
+      throw DataError(fmt::format("{}: the element {} has no properties", name, element.name));
     source.CheckCount(element.count, min_bytes, element.name.c_str());
     for (PlyProperty& p : element.properties)
       (p.is_list ? void(p.list_sizes.reserve(element.count)) : p.values.reserve(element.count));
     for (uint64_t i = 0; i < element.count; ++i) {
       for (PlyProperty& p : element.properties) {
         if (p.is_list) {
-          ReadList(source, p);
+          ReadList(source, name, p);
         } else {
           p.values.push_back(source.Value(p.type, p.name.c_str()));
         }
@@ -337,10 +337,10 @@ PlyFile ParsePly(std::span<const uint8_t> bytes, const std::string& name) {
   HeaderReader header(text, name);
   const Format format = ParseHeader(header, file);
   if (format == Format::kAscii) {
-    ReadElements(AsciiSource(text.substr(header.position()), name), file);
+    ReadElements(AsciiSource(text.substr(header.position()), name), name, file);
   } else {
     ReadElements(BinarySource(bytes.subspan(header.position()), name, format == Format::kBigEndian),
-                 file);
+                 name, file);
   }
   return file;
 }

@@ -132,12 +132,19 @@ TEST(Ply, CountsBeyondTheFileAreRefusedBeforeMemoryIsTaken) {
       EXPECT_THAT(MessageOf<DataError>(
                       [&] { Parse(head + "property list int int x\nend_header\n1 2 3 4"); }),
                   HasSubstr("do not fit"));
-      EXPECT_THROW(Parse(head + "end_header\n1 2 3 4"), DataError);  // no properties
+      EXPECT_THAT(MessageOf<DataError>([&] { Parse(head + "end_header\n1 2 3 4"); }),
+                  HasSubstr("test.ply: the element vertex has no properties"));
     }
   }
   const std::string list =
       "ply\nformat ascii 1.0\nelement face 1\nproperty list uint int x\nend_header\n4294967295 0 1";
   EXPECT_THAT(MessageOf<DataError>([&] { Parse(list); }), HasSubstr("do not fit"));
+  EXPECT_THAT(MessageOf<DataError>([&] {
+                Parse(
+                    "ply\nformat ascii 1.0\nelement face 1\nproperty list int int x\n"
+                    "end_header\n-1 0");
+              }),
+              HasSubstr("test.ply: a list of x has the length -1"));
 }
 
 TEST(Ply, WrongHeadersAndNumbersAreNamed) {
