@@ -3,6 +3,7 @@
 none: the mapper finds nothing and exits with 0.    junk: two pictures and 61 points.
 half: every second picture is registered.           good: all of them, on a ring around a ball of points.
 full: the disk is full while features are written.  killed: the extractor dies by SIGKILL.
+folded: as good, but the lens model folds over inside the pictures.
 """
 import math
 import os
@@ -73,10 +74,12 @@ def ring_pose(k, count):
     return [v / length for v in q], t
 
 
-def write_model(folder, names, point_count):
+def write_model(folder, names, point_count, folded=False):
+    camera = (2, WIDTH, HEIGHT, FOCAL, WIDTH / 2, HEIGHT / 2, -30.0) if folded else \
+        (1, WIDTH, HEIGHT, FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2)  # SIMPLE_RADIAL or PINHOLE
     os.makedirs(folder)
     with open(os.path.join(folder, "cameras.bin"), "wb") as f:
-        f.write(struct.pack("<QIiQQ4d", 1, 1, 1, WIDTH, HEIGHT, FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2))
+        f.write(struct.pack("<QIiQQ4d", 1, 1, *camera))
     with open(os.path.join(folder, "images.bin"), "wb") as f:
         f.write(struct.pack("<Q", len(names)))
         for k, name in enumerate(names):
@@ -108,7 +111,7 @@ def map_scene(options, mode):
         write_model(folder, names[::2], 300)
     else:
         write_model(os.path.join(options["output_path"], "0"), names[:2], 61)  # the first is not the largest
-        write_model(os.path.join(options["output_path"], "1"), names, 300)
+        write_model(os.path.join(options["output_path"], "1"), names, 300, mode == "folded")
 
 
 def main():
