@@ -54,8 +54,8 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
     throw tetrec::UsageError(fmt::format("{}: is for {}", option->get_name(), what));
   };
   if (is_volume) {
-    for (const char* name :
-         {"--format", "--images", "--downscale", "--test-list", "--bounds", "--triangulate"}) {
+    for (const char* name : {"--format", "--images", "--downscale", "--test-list", "--bounds",
+                             "--triangulate", "--skip-missing"}) {
       refuse(app.get_option(name), "pictures, not for volumes");
     }
     if (app.get_option("--transfer-function")->count() == 0) {
@@ -74,7 +74,7 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  tetrec::StageCommand command("import", 3,
+  tetrec::StageCommand command("import", 4,
                                "Imports a data set with known cameras, or a volume, into a scene "
                                "folder.");
   tetrec::ImportOptions options;
@@ -133,6 +133,8 @@ int main(int argc, char** argv) {
   app.add_flag("--triangulate", options.triangulate,
                "find points by COLMAP's features and the known cameras, for data sets without "
                "points, so that the first mesh can be made of points");
+  app.add_flag("--skip-missing", options.skip_missing,
+               "leave out pictures that the data set names and that are not there");
   bool is_volume = false;
   return command.Run(
       argc, argv,

@@ -6,6 +6,7 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "core/short_list.h"
 #include "geometry/rotation.h"
 #include "scene/carve.h"
 #include "scene/colmap_undistort.h"
@@ -124,10 +125,12 @@ StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::p
     stored.resized = size != glm::ivec2(image.width, image.height);
     if (stored.resized) image = ResizeByArea(image, size.x, size.y);
   } else {
-    stored.camera = UndistortedCamera(lens, longer_side);
-    stored.resized = true;
-    stored.cut_to_plane = IsTooWideForPlane(lens);
-    image = Undistort(image, lens, stored.camera);
+    NamingLens(picture.file, lens, [&] {
+      stored.camera = UndistortedCamera(lens, longer_side);
+      stored.resized = true;
+      stored.cut_to_plane = IsTooWideForPlane(lens);
+      image = Undistort(image, lens, stored.camera);
+    });
   }
   const std::filesystem::path path = folder / ImageOf(picture);
   std::filesystem::create_directories(path.parent_path());
@@ -391,7 +394,9 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
                             const std::filesystem::path& folder, const ImportOptions& options,
                             const ColmapPlace& place) {
   options.Check();
-  Dataset set = ReadDataset(dataset, options.format, options.images);
+  Dataset set =
+      ReadDataset(dataset, options.format, options.images,
+                  options.skip_missing ? MissingPictures::kSkip : MissingPictures::kRefuse);
   if (set.pictures.empty()) {
     throw DataError(fmt::format("{}: the data set has no pictures", dataset.string()));
   }
@@ -402,6 +407,7 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
   ImportedScene imported;
   imported.missing_files = set.missing_files;
   imported.remarks = set.remarks;
+  imported.skipped = set.skipped;
   for (const StoredPicture& picture : stored) {
     imported.resized += picture.resized;
     imported.turned += picture.turned;
@@ -449,6 +455,10 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   for (const std::string& file : imported.missing_files) {
     LogWarning("{} is not there; the scene goes without it", file);
   }
+  if (!imported.skipped.empty()) {
+    LogWarning("pictures that are not there, left out: {}: {}", imported.skipped.size(),
+               ShortList(imported.skipped));
+  }
   if (imported.turned > 0) {
     LogWarning("pictures turned by their EXIF orientation, as their cameras are: {}",
                imported.turned);
@@ -482,6 +492,7 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   }
   stage.Count("points", scene.points.size());
   stage.Count("cameras", scene.cameras.size());
+  stage.Count("pictures_skipped", imported.skipped.size());
   stage.Count("pictures_resized", imported.resized);
   stage.Count("pictures_turned", imported.turned);
   stage.Count("pixels_clipped", imported.clipped_pixels);

@@ -22,7 +22,8 @@ struct ImportOptions {
   // Behind pictures with alpha white or black; without it: what the pictures stand before. Unset:
   // white, or the scene's own where there is no alpha.
   std::optional<Background> background;
-  bool triangulate = false;  // points from the pictures and their cameras, by COLMAP
+  bool triangulate = false;   // points from the pictures and their cameras, by COLMAP
+  bool skip_missing = false;  // leaves pictures out that are not there
   // Every n-th view by name is a test view, the others train; 0: none. Unset: the data set's own
   // split, or every 8th.
   std::optional<int> holdout;
@@ -40,6 +41,7 @@ struct ImportedScene {
   uint64_t clipped_pixels = 0;                 // of EXR pictures, too bright for display
   std::vector<std::string> missing_files;      // as Dataset's
   std::vector<std::string> remarks;            // as Dataset's
+  std::vector<std::string> skipped;            // as Dataset's
   std::optional<Triangulation> triangulation;  // its points are the scene's
   size_t points_out_of_bounds = 0;             // triangulated ones that were dropped
 };

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/log.h"
 #include "expect_error.h"
 #include "scene/image.h"
 #include "scene/scene_points.h"
@@ -9,6 +10,7 @@
 #include "scratch_folder.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -307,6 +309,21 @@ TEST(Import, TakesTheBoxThatIsGiven) {
   EXPECT_EQ(place().translation, glm::dvec3(0.5, 1.5, 4));
   const Bounds3 bounds = import().subject_bounds;
   EXPECT_LT(glm::length(bounds.max - glm::dvec3(0.25, 0.25, 1)), 1e-12);
+}
+
+TEST(Import, LeavesMissingPicturesOutWhereThatIsWished) {
+  const ScratchFolder folder;
+  WriteNerf(folder, SomeScene());
+  std::filesystem::remove(folder / "train/r_3.png");
+  std::filesystem::remove(folder / "test/r_1.png");
+  ImportOptions options = AtSize(10);
+  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", options); },
+                         {"2 of 29 pictures are not there", "train/r_3, test/r_1"});
+  options.skip_missing = true;
+  const ImportedScene imported = ImportDataset(folder.path(), folder / "scene", options);
+  EXPECT_EQ(imported.skipped, (std::vector<std::string>{"train/r_3", "test/r_1"}));
+  EXPECT_EQ(imported.scene.ViewsOf(Split::kTrain).size(), 23u);
+  EXPECT_EQ(TestViews(imported.scene), std::vector<std::string>{"test/r_0"});
 }
 
 TEST(Import, CountsTheViewsThatMaySeeNerfstudiosPoints) {
