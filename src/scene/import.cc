@@ -312,10 +312,18 @@ Bounds3 SubjectBoundsInInput(const Dataset& set, std::vector<StoredPicture>& sto
     LogInfo("the data set's box, {} to {}, holds cameras, and so more than the subject",
             Text(box.min), Text(box.max));
   }
+  if (const std::optional<Bounds3> seen = BoxSeenByAll(masks)) {
+    LogWarning(
+        "the pictures have neither alpha nor points: the subject's bounds are what all training "
+        "cameras see");
+    return *seen;
+  }
+  const Bounds3 around = BoxAroundCameras(masks);
   LogWarning(
-      "the pictures have neither alpha nor points: the subject's bounds are what all training "
-      "cameras see");
-  return BoxSeenByAll(masks);
+      "the pictures have neither alpha nor points, and the training cameras do not look at one "
+      "place: the subject's bounds are a box around the cameras; --bounds tells another, "
+      "--triangulate finds points that tell one");
+  return around;
 }
 
 // Centre 0, longest side 2.

@@ -50,7 +50,8 @@ struct ImportedScene {
 // subject's bounds, moves the world so that the subject's longest side is 2 and its centre 0, and
 // writes the scene folder. Bounds come from carving the training masks where there is alpha, else
 // from the points, else from the data set's own box if that holds no training camera, else from
-// what all training cameras see. Pixels are as stored; where only the picture turned by its EXIF
+// what all training cameras see, else (they look outwards, or all one way) from a box around them,
+// with a warning. Pixels are as stored; where only the picture turned by its EXIF
 // orientation has the size that its camera tells, it is turned. With `options.triangulate` COLMAP
 // works at `place`. Throws DataError, and EnvironmentError of COLMAP's.
 ImportedScene ImportDataset(const std::filesystem::path& dataset,

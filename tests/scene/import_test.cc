@@ -311,6 +311,41 @@ TEST(Import, TakesTheBoxThatIsGiven) {
   EXPECT_LT(glm::length(bounds.max - glm::dvec3(0.25, 0.25, 1)), 1e-12);
 }
 
+// Turns cameras that look at a room's middle around, or all the same way.
+TEST(Import, TakesABoxAroundCamerasThatDoNotLookAtOnePlace) {
+  const ScratchFolder folder;
+  Json json = WriteTransforms(folder, SomeScene(SyntheticKind::kRoom));
+  Bounds3 cameras;
+  const Json parallel = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (size_t i = 0; i < json["frames"].size(); ++i) {
+    Json& rows = json["frames"][i]["transform_matrix"];
+    for (size_t row = 0; row < 3; ++row) {
+      for (size_t k = 0; k < 3; ++k) rows[row][k] = parallel[row][k];
+    }
+    if (i % 8 > 0) {  // the others are held out
+      cameras.Add({rows[0][3].get<double>(), rows[1][3].get<double>(), rows[2][3].get<double>()});
+    }
+  }
+  folder.Write("transforms.json", json.dump());
+  TakeWarnings();
+  const Scene scene = ImportDataset(folder.path(), folder / "scene", AtSize(10)).scene;
+  EXPECT_THAT(TakeWarnings(),
+              testing::ElementsAre(testing::AllOf(testing::HasSubstr("a box around the cameras"),
+                                                  testing::HasSubstr("--bounds"),
+                                                  testing::HasSubstr("--triangulate"))));
+  const glm::dvec3 size = cameras.Size();
+  const double longest = std::max({size.x, size.y, size.z});
+  EXPECT_LT(glm::length(scene.input_from_world.translation - cameras.Center()), 1e-9);
+  EXPECT_NEAR(scene.input_from_world.scale, 1.5 * longest, 1e-9);
+
+  for (Json& frame : json["frames"]) {
+    for (size_t row = 0; row < 3; ++row) frame["transform_matrix"][row][3] = 1;
+  }
+  folder.Write("transforms.json", json.dump());
+  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", AtSize(10)); },
+                         {"all at one place", "--bounds", "--triangulate"});
+}
+
 TEST(Import, LeavesMissingPicturesOutWhereThatIsWished) {
   const ScratchFolder folder;
   WriteNerf(folder, SomeScene());
