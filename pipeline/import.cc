@@ -61,7 +61,7 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
   };
   if (is_volume) {
     for (const char* name : {"--format", "--images", "--downscale", "--masks", "--test-list",
-                             "--bounds", "--triangulate"}) {
+                             "--bounds", "--triangulate", "--skip-missing"}) {
       refuse(app.get_option(name), "pictures, not for volumes");
     }
     if (app.get_option("--transfer-function")->count() == 0) {
@@ -149,6 +149,8 @@ int main(int argc, char** argv) {
   app.add_flag("--triangulate", options.triangulate,
                "find points by COLMAP's features and the known cameras, for data sets without "
                "points, so that the first mesh can be made of points");
+  app.add_flag("--skip-missing", options.skip_missing,
+               "leave out pictures that the data set names and that are not there");
   bool is_volume = false;
   return command.Run(
       argc, argv,

@@ -8,9 +8,8 @@
 
 namespace tetrec {
 
-std::string ShortList(const std::vector<std::string>& names) {
-  constexpr size_t kMost = 10;
-  const size_t shown = std::min(names.size(), kMost);
+std::string ShortList(const std::vector<std::string>& names, size_t most) {
+  const size_t shown = std::min(names.size(), most);
   const auto end = names.begin() + std::ptrdiff_t(shown);
   const std::string text = fmt::format("{}", fmt::join(names.begin(), end, ", "));
   return names.size() > shown ? text + fmt::format(" and {} more", names.size() - shown) : text;

@@ -104,8 +104,9 @@ OccupancyGrid Carve(std::span<const MaskLookup> views, const Bounds3& bounds,
   return grid;
 }
 
-// The point nearest to all optical axes: sum_i (I - d_i d_i^T) (p - o_i) = 0.
-glm::dvec3 LookAtPoint(std::span<const AlphaMask> masks) {
+// The point nearest to all optical axes: sum_i (I - d_i d_i^T) (p - o_i) = 0. None where they are
+// parallel.
+std::optional<glm::dvec3> LookAtPoint(std::span<const AlphaMask> masks) {
   glm::dmat3 matrix(0.0);
   glm::dvec3 right(0.0);
   for (const AlphaMask& mask : masks) {
@@ -117,34 +118,30 @@ glm::dvec3 LookAtPoint(std::span<const AlphaMask> masks) {
   }
   matrix /= double(masks.size());
   // About the square of the angle [rad] between the axes: 1e-6 is a twentieth of a degree.
-  if (!(glm::determinant(matrix) > 1e-6)) {
-    throw DataError(fmt::format(
-        "the {} training cameras look along one line, so the subject cannot be located; pictures "
-        "from different sides are needed",
-        masks.size()));
-  }
+  if (!(glm::determinant(matrix) > 1e-6)) return std::nullopt;
   return glm::inverse(matrix) * (right / double(masks.size()));
 }
 
-[[noreturn]] void FailLookAt(size_t count) {
+[[noreturn]] void FailLookAt(size_t count, const char* look) {
   throw DataError(fmt::format(
-      "the {} training cameras do not look at one place, so the subject cannot be located; check "
-      "their poses",
-      count));
+      "the {} training cameras look {}, not at one place that their alpha could be carved around; "
+      "tell the subject's box by --bounds (points of --triangulate do not: alpha comes first)",
+      count, look));
 }
 
 // Cube around the look-at point, as wide as the widest view is there from corner to corner.
 Bounds3 BoxAroundLookAt(std::span<const AlphaMask> masks) {
-  const glm::dvec3 center = LookAtPoint(masks);
+  const std::optional<glm::dvec3> center = LookAtPoint(masks);
+  if (!center) FailLookAt(masks.size(), "along one line");
   double half_side = 0;
   for (const AlphaMask& mask : masks) {
-    const double distance = (mask.cam_from_world * center).z;
+    const double distance = (mask.cam_from_world * *center).z;
     const Camera& camera = mask.camera;
     const glm::dvec3 corner = camera.CamFromImage({camera.width, camera.height});
     half_side = std::max(half_side, distance * glm::length(glm::dvec2(corner)));
   }
-  if (!(half_side > 0)) FailLookAt(masks.size());
-  return {center - half_side, center + half_side};
+  if (!(half_side > 0)) FailLookAt(masks.size(), "away from each other");
+  return {*center - half_side, *center + half_side};
 }
 
 // Carves three times, each time only where the last one left something. May be empty.
@@ -229,12 +226,13 @@ OccupancyGrid CarveMasks(std::span<const AlphaMask> masks, const Bounds3& bounds
   return Carve(MakeLookups(masks), bounds, size, min_views);
 }
 
-Bounds3 BoxSeenByAll(std::span<const AlphaMask> masks) {
-  const glm::dvec3 center = LookAtPoint(masks);
+std::optional<Bounds3> BoxSeenByAll(std::span<const AlphaMask> masks) {
+  const std::optional<glm::dvec3> center = LookAtPoint(masks);
+  if (!center) return std::nullopt;
   double radius = INFINITY;
   for (const AlphaMask& mask : masks) {
     const Camera& camera = mask.camera;
-    const glm::dvec3 center_in_cam = mask.cam_from_world * center;
+    const glm::dvec3 center_in_cam = mask.cam_from_world * *center;
     // Distance from the centre to the planes through the camera and its picture's sides.
     const glm::dvec3 top_left = camera.CamFromImage({0, 0});
     const glm::dvec3 bottom_right = camera.CamFromImage({camera.width, camera.height});
@@ -244,9 +242,24 @@ Bounds3 BoxSeenByAll(std::span<const AlphaMask> masks) {
       radius = std::min(radius, glm::dot(glm::normalize(inward), center_in_cam));
     }
   }
-  if (!(radius > 0)) FailLookAt(masks.size());
+  if (!(radius > 0)) return std::nullopt;
   const double half_side = radius / std::sqrt(3.0);
-  return {center - half_side, center + half_side};
+  return Bounds3{*center - half_side, *center + half_side};
+}
+
+Bounds3 BoxAroundCameras(std::span<const AlphaMask> masks) {
+  constexpr double kOnePlace = 1e-9;  // of the coordinates: their rounding
+  Bounds3 box;
+  for (const AlphaMask& mask : masks) box.Add(mask.cam_from_world.Inverse().translation);
+  const glm::dvec3 size = box.Size();
+  const double longest = std::max({size.x, size.y, size.z});
+  if (!(longest > kOnePlace * std::max(glm::length(box.min), glm::length(box.max)))) {
+    throw DataError(fmt::format(
+        "the training cameras ({}) are all at one place, from which depth cannot be told, nor by "
+        "--triangulate; add pictures from other places, or tell the subject's box by --bounds",
+        masks.size()));
+  }
+  return {box.min - longest, box.max + longest};
 }
 
 Bounds3 FindSubjectBounds(std::span<const AlphaMask> masks, double margin) {

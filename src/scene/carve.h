@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,8 +33,14 @@ OccupancyGrid CarveMasks(std::span<const AlphaMask> masks, const Bounds3& bounds
                          const glm::ivec3& size, int min_views = 1);
 
 // Cube in the largest ball around the point that all cameras look at that all of them see whole;
-// uses no alpha. Throws DataError where the cameras' axes do not meet.
-Bounds3 BoxSeenByAll(std::span<const AlphaMask> masks);
+// uses no alpha. None where the cameras' axes do not meet in front of them: they look outwards, or
+// all the same way.
+std::optional<Bounds3> BoxSeenByAll(std::span<const AlphaMask> masks);
+
+// Box of the cameras' places, grown on every side by its longest side, so that it holds what is as
+// near to them as they are to each other; uses no alpha. Throws DataError where all cameras are at
+// one place.
+Bounds3 BoxAroundCameras(std::span<const AlphaMask> masks);
 
 // Box of the subject, from its masks alone: carves a coarse grid over all that any view shows
 // around the point that the cameras look at, shrinks the box to what is inside, twice, and grows

@@ -46,6 +46,13 @@ CheckedJson CheckedJson::Field(const std::string& name) const {
   return {value_.at(name), field.file_, field.field_};
 }
 
+std::vector<std::string> CheckedJson::Names() const {
+  if (!value_.is_object()) Fail(fmt::format("is {}; expected an object", Excerpt()));
+  std::vector<std::string> names;
+  for (const auto& field : value_.items()) names.push_back(field.key());
+  return names;
+}
+
 bool CheckedJson::IsArray() const { return value_.is_array(); }
 
 size_t CheckedJson::Size() const {
@@ -86,6 +93,11 @@ int64_t CheckedJson::IntegerIn(int64_t min, int64_t max) const {
 bool CheckedJson::Flag() const {
   if (!value_.is_boolean()) Fail(fmt::format("is {}; expected true or false", Excerpt()));
   return value_.get<bool>();
+}
+
+bool CheckedJson::IsOff() const {
+  return value_.is_null() || (value_.is_boolean() && !value_.get<bool>()) ||
+         (value_.is_number() && value_.get<double>() == 0);
 }
 
 std::string CheckedJson::Text() const {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace tetrec {
 
@@ -19,6 +20,7 @@ class CheckedJson {
 
   bool Has(const std::string& name) const;  // of an object
   CheckedJson Field(const std::string& name) const;
+  std::vector<std::string> Names() const;  // of an object's fields, sorted
   bool IsArray() const;
   size_t Size() const;  // of an array
   CheckedJson Item(size_t index) const;
@@ -27,6 +29,7 @@ class CheckedJson {
   double NumberIn(double min, double max) const;
   int64_t IntegerIn(int64_t min, int64_t max) const;
   bool Flag() const;
+  bool IsOff() const;  // false, null or 0
   std::string Text() const;
   glm::dvec3 Vector3() const;  // [x, y, z]
   glm::dmat3 Matrix3() const;  // rows

@@ -32,6 +32,17 @@ std::span<const ColmapLensKind> ColmapLensKinds() {
   return kKinds;
 }
 
+std::string ComplaintOnLens(const std::string& lens) {
+  std::string names;
+  for (const ColmapLensKind& kind : ColmapLensKinds()) {
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", kind.name);
+  }
+  return fmt::format(
+      "camera model {} is not known; those of COLMAP up to 3.10 are read (0 to {}: {}); make "
+      "pictures with PINHOLE cameras of these by image_undistorter of the COLMAP that wrote them",
+      lens, ColmapLensKinds().size() - 1, names);
+}
+
 bool IsSane(double value) { return std::abs(value) <= kFarthest; }
 
 std::string ComplaintOnSize(uint64_t width, uint64_t height) {

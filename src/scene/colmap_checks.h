@@ -18,6 +18,9 @@ std::span<const ColmapLensKind> ColmapLensKinds();
 // Finite, and not so large that it must be a number gone astray.
 bool IsSane(double value);
 
+// What is wrong with a camera model, by its number or its name, that is none of these.
+std::string ComplaintOnLens(const std::string& lens);
+
 // What is wrong; empty where nothing is.
 std::string ComplaintOnSize(uint64_t width, uint64_t height);
 // Of a camera with its parameters.

@@ -5,6 +5,7 @@
 #include "core/short_list.h"
 #include "scene/checked_json.h"
 #include "scene/image.h"
+#include "scene/missing_pictures.h"
 
 #include <fmt/format.h>
 
@@ -59,17 +60,6 @@ void FindMasks(const fs::path& masks, Dataset& set) {
   }
 }
 
-void CheckAllThere(const std::vector<PosedPicture>& pictures, const fs::path& images) {
-  std::vector<std::string> missing;
-  for (const PosedPicture& picture : pictures) {
-    if (!fs::is_regular_file(picture.file)) missing.push_back(picture.name);
-  }
-  if (missing.empty()) return;
-  throw DataError(fmt::format("{}: {} of the model's {} pictures are not there: {}",
-                              images.string(), missing.size(), pictures.size(),
-                              ShortList(missing)));
-}
-
 // Pictures beside those of the model, which COLMAP did not register.
 void CountOthers(const fs::path& images, Dataset& set) {
   std::set<std::string> known;
@@ -95,7 +85,8 @@ std::optional<fs::path> FindColmapModel(const fs::path& folder) {
   return std::nullopt;
 }
 
-Dataset ReadColmapDataset(const fs::path& folder, const std::string& images_name) {
+Dataset ReadColmapDataset(const fs::path& folder, const std::string& images_name,
+                          MissingPictures missing) {
   const std::optional<fs::path> folder_of_model = FindColmapModel(folder);
   if (!folder_of_model) {
     throw DataError(fmt::format(
@@ -118,12 +109,13 @@ Dataset ReadColmapDataset(const fs::path& folder, const std::string& images_name
   for (const auto& [id, image] : model.images) {
     PosedPicture picture;
     picture.name = image.name;
-    picture.file = images / image.name;
+    std::error_code unusable;  // e.g. a name too long for the file system: not there either
+    if (fs::is_regular_file(images / image.name, unusable)) picture.file = images / image.name;
     picture.cam_from_input = image.cam_from_world;
     picture.lens = model.cameras.at(image.camera);
     set.pictures.push_back(std::move(picture));
   }
-  CheckAllThere(set.pictures, images);
+  HandleMissingPictures(images, missing, set);
   CountOthers(images, set);
   std::sort(set.pictures.begin(), set.pictures.end(),
             [](const PosedPicture& a, const PosedPicture& b) { return a.name < b.name; });

@@ -16,8 +16,8 @@ std::optional<std::filesystem::path> FindColmapModel(const std::filesystem::path
 
 // `images` names the folder of the pictures, e.g. images_4 of the same pictures a quarter as large.
 // Throws DataError: no model, a model as ReadColmapModel refuses it or without pictures, pictures
-// that are missing.
-Dataset ReadColmapDataset(const std::filesystem::path& folder,
-                          const std::string& images = "images");
+// that are missing (see HandleMissingPictures).
+Dataset ReadColmapDataset(const std::filesystem::path& folder, const std::string& images = "images",
+                          MissingPictures missing = MissingPictures::kRefuse);
 
 }  // namespace tetrec

@@ -60,8 +60,7 @@ ColmapCamera ReadCamera(ByteReader& reader) {
   camera.model = reader.Read<int32_t>("a camera model");
   const std::span<const internal::ColmapLensKind> kinds = internal::ColmapLensKinds();
   if (camera.model < 0 || size_t(camera.model) >= kinds.size()) {
-    Fail(reader,
-         fmt::format("camera model {} is not known (0 to {})", camera.model, kinds.size() - 1));
+    Fail(reader, internal::ComplaintOnLens(fmt::to_string(camera.model)));
   }
   camera.width = reader.Read<uint64_t>("a width");
   camera.height = reader.Read<uint64_t>("a height");
@@ -152,6 +151,11 @@ void CheckColmapModel(const ColmapModel& model, const std::string& name) {
       throw DataError(fmt::format("{}: image {} has camera {}, which does not exist", name,
                                   image.name, image.camera));
     }
+    const ColmapCamera& camera = model.cameras.at(image.camera);
+    if (camera.model == kColmapUnknownLens) {
+      throw DataError(fmt::format("{}: image {} has camera {}: {}", name, image.name, image.camera,
+                                  internal::ComplaintOnLens(camera.unknown_lens)));
+    }
     for (const ColmapObservation& observation : image.observations) {
       if (observation.point != kNoColmapPoint && !model.points.contains(observation.point)) {
         throw DataError(fmt::format("{}: image {} sees point {}, which does not exist", name,
@@ -199,6 +203,8 @@ ColmapModel ReadColmapModel(const fs::path& folder) {
   parse(kParts[1], model.images, ParseColmapImages, ParseColmapImagesText);
   parse(kParts[2], model.points, ParseColmapPoints, ParseColmapPointsText);
   CheckColmapModel(model, folder.string());
+  std::erase_if(model.cameras,
+                [](const auto& camera) { return camera.second.model == kColmapUnknownLens; });
   return model;
 }
 

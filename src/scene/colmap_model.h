@@ -18,6 +18,7 @@ namespace tetrec {
 
 // COLMAP's camera models, by its numbers; behind each its parameters.
 enum ColmapLens : int {
+  kColmapUnknownLens = -1,         // of a text model, see ColmapCamera::unknown_lens
   kColmapSimplePinhole = 0,        // f cx cy
   kColmapPinhole = 1,              // fx fy cx cy
   kColmapSimpleRadial = 2,         // f cx cy k1
@@ -35,6 +36,7 @@ struct ColmapCamera {
   int model = kColmapSimplePinhole;  // one of ColmapLens
   uint64_t width = 0, height = 0;
   std::vector<double> params;
+  std::string unknown_lens = {};  // the model's name where it is none of these
 };
 
 constexpr uint64_t kNoColmapPoint = ~uint64_t{0};
@@ -77,11 +79,12 @@ std::map<uint32_t, ColmapImage> ParseColmapImages(std::span<const uint8_t> bytes
 std::map<uint64_t, ColmapPoint> ParseColmapPoints(std::span<const uint8_t> bytes,
                                                   const std::string& name);
 
-// Whether the parts fit each other: images refer to cameras, tracks and observations to each other.
-// Throws DataError("<name>: ...").
+// Whether the parts fit each other: images refer to cameras whose lenses are known, tracks and
+// observations to each other. Throws DataError("<name>: ...").
 void CheckColmapModel(const ColmapModel& model, const std::string& name);
 
-// All three, binary where they are there, else text, and checked. Other files (of newer versions,
+// All three, binary where they are there, else text, and checked; cameras of text models with
+// unknown lenses, which no image has, are left out. Other files (of newer versions,
 // project.ini) do not matter. Throws DataError.
 ColmapModel ReadColmapModel(const std::filesystem::path& folder);
 

@@ -94,23 +94,27 @@ class TextReader {
   size_t number_ = 0;
 };
 
-int ReadLens(TextReader& reader) {
-  const std::string_view name = reader.Word("a camera model");
-  std::string known;
-  for (const internal::ColmapLensKind& kind : internal::ColmapLensKinds()) {
-    if (name == kind.name) return int(&kind - internal::ColmapLensKinds().data());
-    known += (known.empty() ? "" : ", ") + std::string(kind.name);
+// The number of a camera model; kColmapUnknownLens where there is none of its name.
+int LensOfName(std::string_view name) {
+  const std::span<const internal::ColmapLensKind> kinds = internal::ColmapLensKinds();
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    if (kinds[i].name == name) return int(i);
   }
-  reader.Fail(fmt::format("the camera model \"{}\" is not known; expected one of {}",
-                          name.substr(0, kShown), known));
+  return kColmapUnknownLens;
 }
 
 ColmapCamera ReadCamera(TextReader& reader) {
   ColmapCamera camera;
-  camera.model = ReadLens(reader);
+  const std::string_view lens = reader.Word("a camera model");
+  camera.model = LensOfName(lens);
   camera.width = reader.Whole<uint64_t>("a width");
   camera.height = reader.Whole<uint64_t>("a height");
   reader.FailOn(internal::ComplaintOnSize(camera.width, camera.height));
+  if (camera.model == kColmapUnknownLens) {  // bad only if a picture has it
+    camera.unknown_lens = fmt::format("\"{}\"", lens.substr(0, kShown));
+    reader.RestOfLine();
+    return camera;
+  }
   for (int i = 0; i < internal::ColmapLensKinds()[size_t(camera.model)].params; ++i) {
     camera.params.push_back(reader.Number("a camera parameter"));
   }

@@ -13,7 +13,8 @@ namespace tetrec {
 
 // As their namesakes for binary files; DataError names the line. Lines that start with # and, but
 // for the second line of an image, empty lines are passed over. A picture's name is all that
-// follows the camera's id, spaces too.
+// follows the camera's id, spaces too. A camera of an unknown model is read as kColmapUnknownLens:
+// only CheckColmapModel knows whether a picture has it.
 std::map<uint32_t, ColmapCamera> ParseColmapCamerasText(std::string_view text,
                                                         const std::string& name);
 std::map<uint32_t, ColmapImage> ParseColmapImagesText(std::string_view text,

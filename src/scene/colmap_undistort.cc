@@ -2,6 +2,7 @@
 #include "scene/colmap_undistort.h"
 
 #include "core/error.h"
+#include "scene/colmap_checks.h"
 
 #include <fmt/format.h>
 
@@ -73,8 +74,7 @@ Lens LensOf(const ColmapCamera& camera) {
       lens.s1 = p[10], lens.s2 = p[11];
       return lens;
     default:
-      throw DataError(fmt::format("camera model {} is none of COLMAP's (0 to {})", camera.model,
-                                  int(kColmapThinPrismFisheye)));
+      throw DataError(internal::ComplaintOnLens(fmt::to_string(camera.model)));
   }
 }
 
@@ -145,15 +145,20 @@ glm::dmat2 MovedJacobian(const Lens& lens, const glm::dvec2& b) {
            radial + 2 * slope * b.y * b.y + 2 * lens.p2 * b.x + (6 * lens.p1 + 2 * lens.s2) * b.y}};
 }
 
+// Where a direction moves backwards as it goes on, along or, mirrored, across the radius. (Where it
+// does both the determinant is positive again.)
+bool IsFolded(const Lens& lens, const glm::dvec2& b) {
+  const glm::dmat2 jacobian = MovedJacobian(lens, b);
+  return !(glm::determinant(jacobian) > 0) || !(jacobian[0][0] + jacobian[1][1] > 0);
+}
+
 // Newton's iteration from `target` inwards, its steps halved where they lead to a place that is
-// folded over (no positive determinant) or no better. None where it does not get there.
+// folded over or no better. None where it does not get there.
 std::optional<glm::dvec2> Unmoved(const Lens& lens, const glm::dvec2& target) {
   constexpr int kMaxSteps = 50, kMaxHalvings = 40;
   constexpr double kTolerance = 1e-10;  // of the focal length: 1e-6 pixels of a large photo
   const auto error_at = [&](const glm::dvec2& b) { return glm::length(Moved(lens, b) - target); };
-  const auto is_folded = [&](const glm::dvec2& b) {
-    return !(glm::determinant(MovedJacobian(lens, b)) > 0);
-  };
+  const auto is_folded = [&](const glm::dvec2& b) { return IsFolded(lens, b); };
   glm::dvec2 b = target;
   for (int i = 0; i < kMaxHalvings && is_folded(b); ++i) b *= 0.5;
   double error = error_at(b);
@@ -178,49 +183,80 @@ glm::dvec2 DistortedPixel(const Lens& lens, const glm::dvec2& direction) {
 }
 
 [[noreturn]] void FailInverse(const glm::dvec2& pixel, const char* why) {
-  throw DataError(fmt::format(
-      "the lens distortion cannot be undone at pixel ({:.0f}, {:.0f}), {}; where COLMAP "
-      "found it, try tetrec-sfm with --camera-model SIMPLE_RADIAL",
-      pixel.x, pixel.y, why));
+  throw DataError(fmt::format("the lens distortion cannot be undone at pixel ({:.0f}, {:.0f}), {}",
+                              pixel.x, pixel.y, why));
 }
 
-// The bent and moved place of a pixel, moved back.
-glm::dvec2 BentOfPixel(const Lens& lens, const glm::dvec2& pixel) {
-  const std::optional<glm::dvec2> bent =
-      Unmoved(lens, {(pixel.x - lens.cx) / lens.fx, (pixel.y - lens.cy) / lens.fy});
-  if (!bent) FailInverse(pixel, "where the lens model folds over");
-  return *bent;
+constexpr const char* kFolds = "where the lens model folds over";
+
+glm::dvec2 MovedOfPixel(const Lens& lens, const glm::dvec2& pixel) {
+  return {(pixel.x - lens.cx) / lens.fx, (pixel.y - lens.cy) / lens.fy};
 }
 
 // A box of directions that the photo covers: the tightest of each border's undistorted points.
 struct Window {
   glm::dvec2 min, max;
+  bool is_cut = false;                  // of a fisheye that sees more
+  std::optional<glm::dvec2> folded_at;  // a pixel of the border that no direction leads to
 };
 
 const double kWidest = std::tan(std::numbers::pi / 3);  // 60 degrees
 
-// Where a fisheye's border looks, along axis 0 (x) or 1 (y): at most kWidest, also where that is
-// behind the plane.
-double BorderDirection(const Lens& lens, const glm::dvec2& pixel, int axis) {
-  const glm::dvec2 bent = BentOfPixel(lens, pixel);
-  const std::optional<glm::dvec2> direction = Unbent(lens, bent);
-  if (lens.bend == Lens::Bend::kNone) return (*direction)[axis];
-  if (!direction) return std::copysign(kWidest, bent[axis]);
-  return std::clamp((*direction)[axis], -kWidest, kWidest);
+// Where a fisheye's border looks, along axis 0 (x) or 1 (y): at most `widest`, also where that is
+// behind the plane or beyond where the lens model folds over.
+double BorderDirection(const Lens& lens, const glm::dvec2& pixel, int axis, double widest,
+                       Window& window) {
+  const glm::dvec2 moved = MovedOfPixel(lens, pixel);
+  const std::optional<glm::dvec2> bent = Unmoved(lens, moved);
+  if (!bent && !window.folded_at) window.folded_at = pixel;
+  if (lens.bend == Lens::Bend::kNone) return bent ? (*bent)[axis] : 0;
+  const std::optional<glm::dvec2> direction = bent ? Unbent(lens, *bent) : std::nullopt;
+  if (!direction) return std::copysign(widest, moved[axis]);
+  return std::clamp((*direction)[axis], -widest, widest);
 }
 
-Window CoveredWindow(const ColmapCamera& camera) {
-  const Lens lens = LensOf(camera);
+Window WindowUpTo(const ColmapCamera& camera, const Lens& lens, double widest) {
   const auto width = double(camera.width), height = double(camera.height);
-  Window window{glm::dvec2(-1e9), glm::dvec2(1e9)};
+  Window window{glm::dvec2(-1e9), glm::dvec2(1e9), false, std::nullopt};
   constexpr int kSteps = 256;
   for (int i = 0; i <= kSteps; ++i) {
     const double x = width * i / kSteps, y = height * i / kSteps;
-    window.min.x = std::max(window.min.x, BorderDirection(lens, {0, y}, 0));
-    window.max.x = std::min(window.max.x, BorderDirection(lens, {width, y}, 0));
-    window.min.y = std::max(window.min.y, BorderDirection(lens, {x, 0}, 1));
-    window.max.y = std::min(window.max.y, BorderDirection(lens, {x, height}, 1));
+    window.min.x = std::max(window.min.x, BorderDirection(lens, {0, y}, 0, widest, window));
+    window.max.x = std::min(window.max.x, BorderDirection(lens, {width, y}, 0, widest, window));
+    window.min.y = std::max(window.min.y, BorderDirection(lens, {x, 0}, 1, widest, window));
+    window.max.y = std::min(window.max.y, BorderDirection(lens, {x, height}, 1, widest, window));
   }
+  window.is_cut = lens.bend != Lens::Bend::kNone &&
+                  (glm::any(glm::lessThanEqual(window.min, glm::dvec2(-widest))) ||
+                   glm::any(glm::greaterThanEqual(window.max, glm::dvec2(widest))));
+  return window;
+}
+
+// Whether the lens model folds over somewhere in the window.
+bool Folds(const Lens& lens, const Window& window) {
+  constexpr int kSteps = 64;
+  for (int j = 0; j <= kSteps; ++j) {
+    for (int i = 0; i <= kSteps; ++i) {
+      const glm::dvec2 share(double(i) / kSteps, double(j) / kSteps);
+      if (IsFolded(lens, Bent(lens, glm::mix(window.min, window.max, share)))) return true;
+    }
+  }
+  return false;
+}
+
+// The corners of the window look farther to the side than its borders: where the model folds over
+// between, those corners end at kWidest.
+Window CoveredWindow(const ColmapCamera& camera) {
+  const Lens lens = LensOf(camera);
+  Window window = WindowUpTo(camera, lens, kWidest);
+  const glm::dvec2 bad_pixel = window.folded_at.value_or(glm::dvec2(0));
+  if (lens.bend == Lens::Bend::kNone) {
+    if (window.folded_at) FailInverse(bad_pixel, kFolds);
+    return window;
+  }
+  if (!Folds(lens, window)) return window;
+  window = WindowUpTo(camera, lens, kWidest / std::numbers::sqrt2);
+  if (Folds(lens, window)) FailInverse(bad_pixel, kFolds);
   return window;
 }
 
@@ -341,17 +377,14 @@ glm::dvec2 DistortedImageFromCam(const ColmapCamera& camera, const glm::dvec2& d
 
 glm::dvec2 CamFromDistortedImage(const ColmapCamera& camera, const glm::dvec2& pixel) {
   const Lens lens = LensOf(camera);
-  const std::optional<glm::dvec2> direction = Unbent(lens, BentOfPixel(lens, pixel));
+  const std::optional<glm::dvec2> bent = Unmoved(lens, MovedOfPixel(lens, pixel));
+  if (!bent) FailInverse(pixel, kFolds);
+  const std::optional<glm::dvec2> direction = Unbent(lens, *bent);
   if (!direction) FailInverse(pixel, "which looks 90 degrees or more off the axis");
   return *direction;
 }
 
-bool IsTooWideForPlane(const ColmapCamera& camera) {
-  const Window window = CoveredWindow(camera);
-  return LensOf(camera).bend != Lens::Bend::kNone &&
-         (glm::any(glm::lessThanEqual(window.min, glm::dvec2(-kWidest))) ||
-          glm::any(glm::greaterThanEqual(window.max, glm::dvec2(kWidest))));
-}
+bool IsTooWideForPlane(const ColmapCamera& camera) { return CoveredWindow(camera).is_cut; }
 
 Camera UndistortedCamera(const ColmapCamera& camera, int max_size) {
   const Lens lens = LensOf(camera);
@@ -362,15 +395,14 @@ Camera UndistortedCamera(const ColmapCamera& camera, int max_size) {
   Window window = CoveredWindow(camera);
   glm::dvec2 size = (window.max - window.min) * glm::dvec2(lens.fx, lens.fy);
   if (!(size.x >= 1 && size.y >= 1)) {
-    throw DataError(
-        "the lens distortion leaves nothing of the picture; where COLMAP found it, try tetrec-sfm "
-        "with --camera-model SIMPLE_RADIAL");
+    throw DataError("the lens distortion leaves nothing of the picture");
   }
   // Keep the photo's format, so that all working pictures of one camera type have the usual sizes.
   const double format = double(camera.width) / double(camera.height);
   const glm::dvec2 kept = glm::min(size, glm::dvec2(size.y * format, size.x / format));
   const glm::dvec2 cut = 0.5 * (size - kept) / glm::dvec2(lens.fx, lens.fy);
-  window = {window.min + cut, window.max - cut};
+  window.min += cut;
+  window.max -= cut;
   size = kept;
 
   // A barrel lens spreads the photo out: at its focal length there would be more pixels than taken.
@@ -394,6 +426,15 @@ Image Undistort(const Image& photo, const ColmapCamera& from, const Camera& to) 
   const Lens lens = LensOf(from);
   const std::vector<glm::vec2> grid = PhotoPixelsOfCorners(lens, to);
   return photo.channels == 4 ? Resampled<4>(photo, to, grid) : Resampled<3>(photo, to, grid);
+}
+
+void FailOnLens(const std::filesystem::path& picture, const ColmapCamera& camera,
+                const std::string& complaint, const std::string& advice) {
+  const std::span<const internal::ColmapLensKind> kinds = internal::ColmapLensKinds();
+  const bool known = camera.model >= 0 && size_t(camera.model) < kinds.size();
+  const std::string model = known ? kinds[size_t(camera.model)].name : fmt::to_string(camera.model);
+  throw DataError(fmt::format("{} (lens {}): {}{}{}", picture.string(), model, complaint,
+                              advice.empty() ? "" : "; ", advice));
 }
 
 }  // namespace tetrec

@@ -2,9 +2,13 @@
 // the photo straight to the working size, so that nothing is blurred twice or compressed again.
 #pragma once
 
+#include "core/error.h"
 #include "geometry/camera.h"
 #include "scene/colmap_model.h"
 #include "scene/image.h"
+
+#include <filesystem>
+#include <string>
 
 namespace tetrec {
 
@@ -21,15 +25,32 @@ glm::dvec2 CamFromDistortedImage(const ColmapCamera& camera, const glm::dvec2& p
 
 // The pinhole camera whose picture is filled by the photo everywhere (no blank pixels), with the
 // longer side at most max_size [px] and never more pixels than the photo has. Of fisheye lenses
-// nothing beyond 60 degrees to each side is kept: a plane shows that only as a stretched border.
-// Throws DataError.
+// nothing beyond 60 degrees to each side is kept: a plane shows that only as a stretched border. So
+// their model may fold over beyond; where it does so between there and the corners of those 60
+// degrees, the corners end at 60 degrees. Throws DataError.
 Camera UndistortedCamera(const ColmapCamera& camera, int max_size);
-// True where those 60 degrees cut the photo.
+// True where that cuts the photo.
 bool IsTooWideForPlane(const ColmapCamera& camera);
 
 // The photo as the pinhole camera sees it: area mean over each target pixel, by bilinear samples at
 // least as dense as the photo's pixels. Alpha is premultiplied while filtering; where it is 0 all
 // channels become 0. The photo must have the size that `from` says.
 Image Undistort(const Image& photo, const ColmapCamera& from, const Camera& to);
+
+// "PICTURE (lens OPENCV): COMPLAINT; ADVICE"
+[[noreturn]] void FailOnLens(const std::filesystem::path& picture, const ColmapCamera& camera,
+                             const std::string& complaint, const std::string& advice);
+
+// Calls `work`, which is one of the above; a DataError of its gets the picture and its lens in
+// front and the advice behind.
+template <class Work>
+void NamingLens(const std::filesystem::path& picture, const ColmapCamera& camera, const Work& work,
+                const std::string& advice = "") {
+  try {
+    work();
+  } catch (const DataError& error) {
+    FailOnLens(picture, camera, error.what(), advice);
+  }
+}
 
 }  // namespace tetrec

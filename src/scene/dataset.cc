@@ -46,17 +46,18 @@ DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
 }
 
 Dataset ReadDataset(const std::filesystem::path& folder, DatasetFormat format,
-                    const std::string& images) {
+                    const std::string& images, MissingPictures missing) {
   if (format == DatasetFormat::kAuto) format = RecogniseDataset(folder);
   if (format == DatasetFormat::kColmap) {
-    return ReadColmapDataset(folder, images.empty() ? "images" : images);
+    return ReadColmapDataset(folder, images.empty() ? "images" : images, missing);
   }
   if (!images.empty()) {
     throw UsageError(fmt::format(
         "--images {}: only of COLMAP models; {} is read as {}, which names its pictures", images,
         folder.string(), Name(format)));
   }
-  return format == DatasetFormat::kTransforms ? ReadTransforms(folder) : ReadNerfSynthetic(folder);
+  return format == DatasetFormat::kTransforms ? ReadTransforms(folder, missing)
+                                              : ReadNerfSynthetic(folder, missing);
 }
 
 std::vector<std::string> ImageFiles(const std::vector<std::string>& names) {

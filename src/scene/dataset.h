@@ -17,7 +17,7 @@ namespace tetrec {
 struct PosedPicture {
   std::string name;            // unique, as View::name, e.g. "train/r_0"
   std::string image;           // as View::image; empty: images/NAME.png
-  std::filesystem::path file;  // exists
+  std::filesystem::path file;  // exists (empty while a reader has not looked at what is missing)
   std::filesystem::path mask;  // exists, or empty
   Split split = Split::kTrain;
   Rigid3 cam_from_input;  // camera frame as ours: x right, y down, z forward
@@ -34,7 +34,11 @@ struct Dataset {
   std::optional<Bounds3> box_in_input;     // that the data set says to hold what matters
   std::vector<std::string> missing_files;  // files that are not there but often are
   std::vector<std::string> remarks;        // what else the user should know
+  std::vector<std::string> skipped;        // names of pictures that are not there, left out
 };
+
+// What becomes of pictures that a data set names and that are not there.
+enum class MissingPictures { kRefuse, kSkip };
 
 // What import reads. kAuto: told by the files that are there.
 enum class DatasetFormat { kAuto, kNerfSynthetic, kTransforms, kColmap };
@@ -46,7 +50,8 @@ DatasetFormat RecogniseDataset(const std::filesystem::path& folder);
 // Throws DataError as the readers do. `images` is the folder of a COLMAP model's pictures (e.g.
 // images_4; empty: images); UsageError where another format is read with one.
 Dataset ReadDataset(const std::filesystem::path& folder, DatasetFormat format,
-                    const std::string& images = "");
+                    const std::string& images = "",
+                    MissingPictures missing = MissingPictures::kRefuse);
 
 // Where the pictures of these names are stored in a scene folder: images/STEM.png, or, where two
 // names differ in no more than the extension, images/NAME.png of all.

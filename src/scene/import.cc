@@ -165,10 +165,12 @@ StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::p
     stored.resized = size != glm::ivec2(image.width, image.height);
     if (stored.resized) image = ResizeByArea(image, size.x, size.y);
   } else {
-    stored.camera = UndistortedCamera(lens, longer_side);
-    stored.resized = true;
-    stored.cut_to_plane = IsTooWideForPlane(lens);
-    image = Undistort(image, lens, stored.camera);
+    NamingLens(picture.file, lens, [&] {
+      stored.camera = UndistortedCamera(lens, longer_side);
+      stored.resized = true;
+      stored.cut_to_plane = IsTooWideForPlane(lens);
+      image = Undistort(image, lens, stored.camera);
+    });
   }
   const std::filesystem::path path = folder / ImageOf(picture);
   std::filesystem::create_directories(path.parent_path());
@@ -376,10 +378,18 @@ Bounds3 SubjectBoundsInInput(const Dataset& set, std::vector<StoredPicture>& sto
     LogInfo("the data set's box, {} to {}, holds cameras, and so more than the subject",
             Text(box.min), Text(box.max));
   }
+  if (const std::optional<Bounds3> seen = BoxSeenByAll(masks)) {
+    LogWarning(
+        "the pictures have neither alpha nor points: the subject's bounds are what all training "
+        "cameras see");
+    return *seen;
+  }
+  const Bounds3 around = BoxAroundCameras(masks);
   LogWarning(
-      "the pictures have neither alpha nor points: the subject's bounds are what all training "
-      "cameras see");
-  return BoxSeenByAll(masks);
+      "the pictures have neither alpha nor points, and the training cameras do not look at one "
+      "place: the subject's bounds are a box around the cameras; --bounds tells another, "
+      "--triangulate finds points that tell one");
+  return around;
 }
 
 // Centre 0, longest side 2.
@@ -488,7 +498,9 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
                             const std::filesystem::path& folder, const ImportOptions& options,
                             const ColmapPlace& place) {
   options.Check();
-  Dataset set = ReadDataset(dataset, options.format, options.images);
+  Dataset set =
+      ReadDataset(dataset, options.format, options.images,
+                  options.skip_missing ? MissingPictures::kSkip : MissingPictures::kRefuse);
   if (set.pictures.empty()) {
     throw DataError(fmt::format("{}: the data set has no pictures", dataset.string()));
   }
@@ -502,6 +514,7 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
   if (stored[0].has_mask) imported.masked_share = MaskedShare(stored);
   imported.missing_files = set.missing_files;
   imported.remarks = set.remarks;
+  imported.skipped = set.skipped;
   for (const StoredPicture& picture : stored) {
     imported.resized += picture.resized;
     imported.turned += picture.turned;
@@ -551,6 +564,10 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   for (const std::string& file : imported.missing_files) {
     LogWarning("{} is not there; the scene goes without it", file);
   }
+  if (!imported.skipped.empty()) {
+    LogWarning("pictures that are not there, left out: {}: {}", imported.skipped.size(),
+               ShortList(imported.skipped));
+  }
   if (imported.turned > 0) {
     LogWarning("pictures turned by their EXIF orientation, as their cameras are: {}",
                imported.turned);
@@ -598,6 +615,7 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   stage.Count("points_dropped_out_of_bounds", imported.points_out_of_bounds);
   stage.Count("points", scene.points.size());
   stage.Count("cameras", scene.cameras.size());
+  stage.Count("pictures_skipped", imported.skipped.size());
   stage.Count("pictures_resized", imported.resized);
   stage.Count("pictures_turned", imported.turned);
   stage.Count("pixels_clipped", imported.clipped_pixels);

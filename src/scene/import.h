@@ -29,7 +29,8 @@ struct ImportOptions {
   // white, or the scene's own where there is no alpha.
   std::optional<Background> background;
   MaskUse masks = MaskUse::kIgnore;
-  bool triangulate = false;  // points from the pictures and their cameras, by COLMAP
+  bool triangulate = false;   // points from the pictures and their cameras, by COLMAP
+  bool skip_missing = false;  // leaves pictures out that are not there
   // Every n-th view by name is a test view, the others train; 0: none. Unset: the data set's own
   // split, or every 8th.
   std::optional<int> holdout;
@@ -49,6 +50,7 @@ struct ImportedScene {
   double masked_share = 0;                     // of all pixels; of masks that leave pixels out
   std::vector<std::string> missing_files;      // as Dataset's
   std::vector<std::string> remarks;            // as Dataset's
+  std::vector<std::string> skipped;            // as Dataset's
   std::optional<Triangulation> triangulation;  // its points are the scene's
   // Dropped where pictures have alpha.
   size_t points_transparent = 0;  // the data set's, where some training view sees through
@@ -59,10 +61,11 @@ struct ImportedScene {
 // subject's bounds, moves the world so that the subject's longest side is 2 and its centre 0, and
 // writes the scene folder. Alpha that is 255 in all pictures is dropped. Bounds come from carving
 // the training masks where there is alpha, else from the points, else from the data set's own box
-// if that holds no training camera, else from what all training cameras see. Pixels are as stored;
-// where only the picture turned by its EXIF orientation has the size that its camera tells, it is
-// turned. With `options.triangulate` COLMAP works at `place`. Throws DataError, and
-// EnvironmentError of COLMAP's.
+// if that holds no training camera, else from what all training cameras see, else (they look
+// outwards, or all one way) from a box around them, with a warning. Pixels are as stored; where
+// only the picture turned by its EXIF orientation has the size that its camera tells, it is turned.
+// With `options.triangulate` COLMAP works at `place`. Throws DataError, and EnvironmentError of
+// COLMAP's.
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
                             const std::filesystem::path& folder, const ImportOptions& options,
                             const ColmapPlace& place = {});

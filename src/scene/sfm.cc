@@ -35,6 +35,7 @@ constexpr double kErrorSize_px = 1600;
 constexpr double kMinTrackLength = 2.5;
 // With fewer pictures a camera the four OPENCV distortion parameters are not determined well.
 constexpr size_t kPhotosForOpenCvModel = 8;
+constexpr const char* kLensAdvice = "try --camera-model SIMPLE_RADIAL or PINHOLE";
 
 const std::set<std::string> kMatchers = {"auto", "exhaustive", "sequential"};
 const std::set<std::string> kSharings = {"auto", "single", "per-folder", "per-image"};
@@ -236,12 +237,23 @@ ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photo
   return model;
 }
 
-Scene SceneFromModel(const ColmapModel& model, const SfmOptions& options) {
+// One of those that the camera took; their folder where it took none.
+fs::path PhotoOfCamera(const ColmapModel& model, uint32_t camera, const fs::path& photos) {
+  for (const auto& [id, image] : model.images) {
+    if (image.camera == camera) return photos / image.name;
+  }
+  return photos;
+}
+
+Scene SceneFromModel(const ColmapModel& model, const fs::path& photos, const SfmOptions& options) {
   Scene scene;
   std::map<uint32_t, int> camera_index;
   for (const auto& [id, camera] : model.cameras) {
     camera_index[id] = int(scene.cameras.size());
-    scene.cameras.push_back(UndistortedCamera(camera, options.max_size));
+    const ColmapCamera& lens = camera;
+    NamingLens(
+        PhotoOfCamera(model, id, photos), lens,
+        [&] { scene.cameras.push_back(UndistortedCamera(lens, options.max_size)); }, kLensAdvice);
   }
   std::vector<std::string> names;
   for (const auto& [id, image] : model.images) names.push_back(image.name);
@@ -292,8 +304,11 @@ void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& ph
       Image photo = ReadImage(photos / view.name);
       const bool alpha = photo.channels == 4;
       if (alpha) photo = WithoutAlpha(photo);
-      WriteImage(folder / view.image,
-                 Undistort(photo, *camera_of.at(view.name), scene.cameras[size_t(view.camera)]));
+      const ColmapCamera& lens = *camera_of.at(view.name);
+      NamingLens(
+          photos / view.name, lens,
+          [&] { photo = Undistort(photo, lens, scene.cameras[size_t(view.camera)]); }, kLensAdvice);
+      WriteImage(folder / view.image, photo);
       const std::scoped_lock lock(mutex);
       with_alpha += alpha;
       progress.Update(double(++done));
@@ -447,7 +462,7 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
   const ModelQuality quality = JudgeModel(model, names);
 
   timer = {};
-  Scene scene = SceneFromModel(model, options);
+  Scene scene = SceneFromModel(model, folder, options);
   const Subject subject = FindSubject(scene);
   MoveToSubject(scene, subject);
   stage.Output("images");

@@ -4,8 +4,10 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "core/short_list.h"
 #include "geometry/rotation.h"
 #include "scene/checked_json.h"
+#include "scene/missing_pictures.h"
 #include "scene/scene_points.h"
 
 #include <fmt/format.h>
@@ -43,14 +45,80 @@ constexpr double kDegree_rad = std::numbers::pi / 180;
 // Tried in this order behind a file path that names no file.
 constexpr const char* kExtensions[] = {".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG", ".exr"};
 
+// Lens distortion, in the order of nerfstudio's distortion_params.
+constexpr std::array kCoefficients = {"k1", "k2", "k3", "k4", "p1", "p2"};
+constexpr const char* kCoefficientList = "distortion_params";
+
+// What is read here or refused by name; other fields are listed as unused.
+constexpr std::array kLensFields = {"w",
+                                    "h",
+                                    "fl_x",
+                                    "fl_y",
+                                    "cx",
+                                    "cy",
+                                    "camera_angle_x",
+                                    "camera_angle_y",
+                                    "x_fov",
+                                    "y_fov",
+                                    "k1",
+                                    "k2",
+                                    "k3",
+                                    "k4",
+                                    "k5",
+                                    "k6",
+                                    "p1",
+                                    "p2",
+                                    "distortion_params",
+                                    "camera_model",
+                                    "is_fisheye",
+                                    "ftheta_p0",
+                                    "latlong",
+                                    "equirectangular",
+                                    "rolling_shutter"};
+constexpr std::array kFileFields = {"frames",           "aabb",
+                                    "aabb_scale",       "scale",
+                                    "offset",           "ply_file_path",
+                                    "train_filenames",  "val_filenames",
+                                    "test_filenames",   "normal_mts_args",
+                                    "from_na",          "white_transparent",
+                                    "black_transparent"};
+constexpr std::array kFrameFields = {"file_path", "transform_matrix", "mask_path",
+                                     "depth_file_path", "depth_path"};
+
+template <size_t kCount>
+bool Holds(const std::array<const char*, kCount>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 // A frame, with the fields that it does not have itself taken from the file.
 struct FrameFields {
   CheckedJson frame, file;
 
   bool Has(const std::string& name) const { return TellerOf(name).Has(name); }
   CheckedJson operator[](const std::string& name) const { return TellerOf(name).Field(name); }
+  // Of the lens distortion; none where it is not told. A list comes before single ones, as in
+  // nerfstudio; the file's list does not count for a frame with words of its own.
+  std::optional<CheckedJson> FindCoefficient(const std::string& name) const {
+    const bool frame_tells =
+        frame.Has(kCoefficientList) ||
+        std::any_of(kCoefficients.begin(), kCoefficients.end(),
+                    [&](const char* coefficient) { return frame.Has(coefficient); });
+    const CheckedJson& teller = frame_tells ? frame : file;
+    if (Holds(kCoefficients, name) && teller.Has(kCoefficientList)) {
+      const CheckedJson list = teller.Field(kCoefficientList);
+      if (list.Size() != kCoefficients.size()) {
+        list.Fail(fmt::format("has {} items; expected {}", list.Size(),
+                              fmt::join(kCoefficients.begin(), kCoefficients.end(), ", ")));
+      }
+      const auto place = std::find(kCoefficients.begin(), kCoefficients.end(), name);
+      return list.Item(size_t(place - kCoefficients.begin()));
+    }
+    if (!Has(name)) return std::nullopt;
+    return (*this)[name];
+  }
   double Coefficient(const std::string& name) const {
-    return Has(name) ? (*this)[name].NumberIn(-kLargestCoefficient, kLargestCoefficient) : 0.0;
+    const std::optional<CheckedJson> told = FindCoefficient(name);
+    return told ? told->NumberIn(-kLargestCoefficient, kLargestCoefficient) : 0.0;
   }
 
  private:
@@ -58,7 +126,7 @@ struct FrameFields {
   const CheckedJson& TellerOf(const std::string& name) const {
     constexpr std::array kFocal = {"fl_x",           "fl_y",  "camera_angle_x",
                                    "camera_angle_y", "x_fov", "y_fov"};
-    const bool is_focal = std::find(kFocal.begin(), kFocal.end(), name) != kFocal.end();
+    const bool is_focal = Holds(kFocal, name);
     const bool frame_tells_focal = std::any_of(kFocal.begin(), kFocal.end(),
                                                [&](const char* focal) { return frame.Has(focal); });
     return frame.Has(name) || (is_focal && frame_tells_focal) ? frame : file;
@@ -153,7 +221,8 @@ void RefuseCoefficients(const FrameFields& fields, std::initializer_list<const c
                         const char* kind) {
   for (const char* name : names) {
     const double value = fields.Coefficient(name);
-    if (value != 0) fields[name].Fail(fmt::format("is {}; expected 0 for a {} lens", value, kind));
+    if (value == 0) continue;
+    fields.FindCoefficient(name)->Fail(fmt::format("is {}; expected 0 for a {} lens", value, kind));
   }
 }
 
@@ -163,7 +232,7 @@ void SetDistortion(const FrameFields& fields, ColmapCamera& lens) {
     for (const char* name : names) lens.params.push_back(fields.Coefficient(name));
   };
   if (IsFisheye(fields)) {
-    RefuseCoefficients(fields, {"p1", "p2"}, "fisheye");
+    RefuseCoefficients(fields, {"p1", "p2", "k5", "k6"}, "fisheye");
     lens.model = kColmapOpenCvFisheye;
     append({"k1", "k2", "k3", "k4"});
     return;
@@ -212,9 +281,10 @@ void ReadFieldOfView(const FrameFields& fields, PosedPicture& picture) {
     if (fields.Has(name)) fields[name].Fail("is in pixels of a picture of w x h; add w and h");
   }
   if (IsFisheye(fields)) fields.frame.Fail("has a fisheye lens but no picture size; add w and h");
-  for (const char* name : {"k1", "k2", "k3", "k4", "p1", "p2"}) {
+  for (const char* name : kCoefficients) {
     if (fields.Coefficient(name) != 0) {
-      fields[name].Fail("is the lens distortion of a picture of w x h; add w and h");
+      fields.FindCoefficient(name)->Fail(
+          "is the lens distortion of a picture of w x h; add w and h");
     }
   }
   const std::optional<double> x = FieldOfView_rad(fields, "x"), y = FieldOfView_rad(fields, "y");
@@ -238,33 +308,127 @@ bool IsFile(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, unusable);
 }
 
-// The picture that "file_path" means: as written, else with an extension.
-std::filesystem::path FindPicture(const std::filesystem::path& as_written,
-                                  const CheckedJson& json) {
+// The picture that "file_path" means: as written, else with an extension; empty where neither is
+// there.
+std::filesystem::path FindPicture(const std::filesystem::path& as_written) {
   if (IsFile(as_written)) return as_written;
   for (const char* extension : kExtensions) {
     const std::filesystem::path extended = as_written.string() + extension;
     if (IsFile(extended)) return extended;
   }
-  json.Fail(fmt::format("names a missing picture: {} is not there, nor is it with {}",
-                        as_written.string(),
-                        fmt::join(std::begin(kExtensions), std::end(kExtensions), ", ")));
+  return {};
+}
+
+// What instant-ngp or nerfstudio may make something of and this reader does not, gathered over the
+// files of a data set.
+struct Unused {
+  std::set<std::string> fields;
+  std::set<std::string> transparencies;
+  size_t depths = 0, alphas = 0, dynamic_masks = 0, rays = 0;
+};
+
+// Names come from outside and go into the log.
+std::string Shown(std::string name) {
+  constexpr size_t kLongest = 60;
+  if (name.size() > kLongest) name = name.substr(0, kLongest) + "...";
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return uint8_t(c) < 0x20 || c == 0x7F; }, '?');
+  return name;
+}
+
+// Where each row of pixels has a pose of its own, no single one is right.
+void RefuseRollingShutter(const CheckedJson& json) {
+  if (!json.Has("rolling_shutter")) return;
+  const CheckedJson times = json.Field("rolling_shutter");
+  bool is_off = times.IsArray() || times.IsOff();
+  for (size_t i = 0; times.IsArray() && i < times.Size(); ++i) {
+    is_off = is_off && times.Item(i).Number() == 0;
+  }
+  if (!is_off) {
+    times.Fail(
+        "is not 0: pictures whose rows were taken one after the other are not read; give them "
+        "rectified, with rolling_shutter 0");
+  }
+}
+
+// Marks of instant-ngp's for poses along other axes than OpenGL's.
+void RefuseOtherAxes(const CheckedJson& json) {
+  for (const char* mark : {"normal_mts_args", "from_na"}) {
+    if (!json.Has(mark) || json.Field(mark).IsOff()) continue;
+    json.Field(mark).Fail(
+        "tells that the poses follow axes other than OpenGL's (x right, y up, z back), which are "
+        "not read; convert them and take it out");
+  }
+}
+
+void NoteFieldsOfFile(const CheckedJson& json, Unused& unused) {
+  for (const std::string& name : json.Names()) {
+    if (!Holds(kLensFields, name) && !Holds(kFileFields, name)) unused.fields.insert(Shown(name));
+  }
+  for (const char* flag : {"white_transparent", "black_transparent"}) {
+    if (json.Has(flag) && !json.Field(flag).IsOff()) unused.transparencies.insert(flag);
+  }
+}
+
+void NoteFieldsOfFrame(const CheckedJson& json, Unused& unused) {
+  for (const std::string& name : json.Names()) {
+    if (!Holds(kLensFields, name) && !Holds(kFrameFields, name)) {
+      unused.fields.insert("frames[]." + Shown(name));
+    }
+  }
+  unused.depths += json.Has("depth_file_path") || json.Has("depth_path");
+}
+
+// What instant-ngp takes from files beside a picture.
+void NoteFilesBeside(const std::filesystem::path& picture, const std::filesystem::path& as_written,
+                     Unused& unused) {
+  const std::filesystem::path folder = picture.parent_path();
+  const std::string stem = picture.stem().string(), extension = picture.extension().string();
+  unused.alphas += IsFile(as_written.string() + ".alpha" + extension) ||
+                   IsFile(folder / (stem + ".alpha" + extension)) ||
+                   IsFile(folder / (stem + ".alpha.png"));
+  unused.dynamic_masks += IsFile(folder / ("dynamic_mask_" + stem + ".png"));
+  unused.rays += IsFile(folder / ("rays_" + stem + ".dat"));
+}
+
+// Once for a data set.
+void TellUnused(const std::string& name, const Unused& unused) {
+  const auto warn = [&](size_t count, const char* what) {
+    if (count > 0) LogWarning("{}: {}: {}; not used", name, what, count);
+  };
+  warn(unused.alphas, "pictures with their alpha in a file beside them (NAME.alpha.png)");
+  warn(unused.dynamic_masks, "pictures with a mask of what moves beside them (dynamic_mask_NAME)");
+  warn(unused.rays, "pictures with the rays of their pixels beside them (rays_NAME.dat)");
+  if (!unused.transparencies.empty()) {
+    LogWarning("{}: {} is not used: colours stay as they are; give the pictures alpha", name,
+               fmt::join(unused.transparencies, ", "));
+  }
+  if (unused.depths > 0) {
+    LogInfo("{}: depth pictures named by frames: {}; not used", name, unused.depths);
+  }
+  if (!unused.fields.empty()) {
+    constexpr size_t kMost = 50;
+    const std::vector<std::string> fields(unused.fields.begin(), unused.fields.end());
+    LogInfo("{}: fields that nothing here depends on: {}", name, ShortList(fields, kMost));
+  }
 }
 
 // A frame's picture, and its file_path, normalised.
 struct Frame {
   PosedPicture picture;
   std::filesystem::path relative;
-  bool has_depth = false;
 };
 
-Frame ReadFrame(const FrameFields& fields, const std::filesystem::path& folder) {
+// A picture that is not there has no file; then its mask need not be there either.
+Frame ReadFrame(const FrameFields& fields, const std::filesystem::path& folder, Unused& unused) {
   const CheckedJson& json = fields.frame;
-  const CheckedJson file_path = json.Field("file_path");
   Frame frame;
-  frame.relative = PathInside(file_path, folder);
+  frame.relative = PathInside(json.Field("file_path"), folder);
+  RefuseRollingShutter(json);
+  NoteFieldsOfFrame(json, unused);
   PosedPicture& picture = frame.picture;
-  picture.file = FindPicture(folder / frame.relative, file_path);
+  picture.file = FindPicture(folder / frame.relative);
+  if (!picture.file.empty()) NoteFilesBeside(picture.file, folder / frame.relative, unused);
   const bool has_extension = picture.file == folder / frame.relative;
   std::filesystem::path name = frame.relative;
   if (has_extension) name.replace_extension();
@@ -272,7 +436,7 @@ Frame ReadFrame(const FrameFields& fields, const std::filesystem::path& folder) 
   picture.cam_from_input = CamFromInput(json.Field("transform_matrix"));
   if (json.Has("mask_path")) {
     picture.mask = folder / PathInside(json.Field("mask_path"), folder);
-    if (!IsFile(picture.mask)) {
+    if (!picture.file.empty() && !IsFile(picture.mask)) {
       json.Field("mask_path")
           .Fail(fmt::format("names a missing mask: {} is not there", picture.mask.string()));
     }
@@ -282,21 +446,28 @@ Frame ReadFrame(const FrameFields& fields, const std::filesystem::path& folder) 
   } else {
     ReadFieldOfView(fields, picture);
   }
-  frame.has_depth = json.Has("depth_file_path") || json.Has("depth_path");
   return frame;
 }
 
-std::vector<Frame> ReadFrames(const CheckedJson& json, const std::filesystem::path& path) {
+std::vector<Frame> ReadFrames(const CheckedJson& json, const std::filesystem::path& path,
+                              Unused& unused) {
+  RefuseRollingShutter(json);
+  RefuseOtherAxes(json);
+  NoteFieldsOfFile(json, unused);
   const CheckedJson items = json.Field("frames");
   std::vector<Frame> frames;
   for (size_t i = 0; i < items.Size(); ++i) {
-    frames.push_back(ReadFrame({items.Item(i), json}, path.parent_path()));
+    frames.push_back(ReadFrame({items.Item(i), json}, path.parent_path(), unused));
   }
-  const auto depths = std::count_if(frames.begin(), frames.end(),
-                                    [](const Frame& frame) { return frame.has_depth; });
-  if (depths > 0)
-    LogInfo("{}: depth pictures named by frames: {}; not used", path.string(), depths);
   return frames;
+}
+
+void HandleMissingFrames(const std::filesystem::path& folder, MissingPictures missing,
+                         Dataset& set) {
+  HandleMissingPictures(
+      folder, missing, set,
+      fmt::format(", as they are written or with {}",
+                  fmt::join(std::begin(kExtensions), std::end(kExtensions), ", ")));
 }
 
 // Which file a picture's name came from; a view may be listed once.
@@ -407,7 +578,7 @@ void ReadPoints(const CheckedJson& json, const std::filesystem::path& folder, Da
 
 }  // namespace
 
-Dataset ReadNerfSynthetic(const std::filesystem::path& folder) {
+Dataset ReadNerfSynthetic(const std::filesystem::path& folder, MissingPictures missing) {
   if (!std::filesystem::is_directory(folder)) {
     throw DataError(
         fmt::format("{}: no such folder; expected a NeRF-synthetic data set", folder.string()));
@@ -415,6 +586,7 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder) {
   Dataset set;
   set.has_split = true;
   FileOfName files;
+  Unused unused;
   for (const SplitFile& split_file : kSplitFiles) {
     const std::filesystem::path path = folder / split_file.name;
     if (!std::filesystem::exists(path)) {
@@ -427,7 +599,7 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder) {
     }
     const nlohmann::json file = ReadJson(path);
     const CheckedJson json(file, path);
-    for (Frame& frame : ReadFrames(json, path)) {
+    for (Frame& frame : ReadFrames(json, path, unused)) {
       frame.picture.split = split_file.split;
       AddPicture(frame.picture, path, files, set);
     }
@@ -436,14 +608,17 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder) {
       throw DataError(fmt::format("{}: frames is empty; expected training views", path.string()));
     }
   }
+  HandleMissingFrames(folder, missing, set);
+  TellUnused(folder.string(), unused);
   return set;
 }
 
-Dataset ReadTransforms(const std::filesystem::path& folder) {
+Dataset ReadTransforms(const std::filesystem::path& folder, MissingPictures missing) {
   const std::filesystem::path path = folder / "transforms.json";
   const nlohmann::json file = ReadJson(path);
   const CheckedJson json(file, path);
-  std::vector<Frame> frames = ReadFrames(json, path);
+  Unused unused;
+  std::vector<Frame> frames = ReadFrames(json, path, unused);
   Dataset set;
   for (const SplitList& list : kSplitLists) set.has_split |= json.Has(list.name);
   if (set.has_split) ApplySplitLists(json, path, frames);
@@ -455,8 +630,10 @@ Dataset ReadTransforms(const std::filesystem::path& folder) {
   if (!has_training) {
     throw DataError(fmt::format("{}: frames has no training view; expected some", path.string()));
   }
+  HandleMissingFrames(folder, missing, set);
   set.box_in_input = ReadBox(json);
   ReadPoints(json, folder, set);
+  TellUnused(path.string(), unused);
   return set;
 }
 

@@ -139,6 +139,12 @@ TEST(Ply, CountsBeyondTheFileAreRefusedBeforeMemoryIsTaken) {
   const std::string list =
       "ply\nformat ascii 1.0\nelement face 1\nproperty list uint int x\nend_header\n4294967295 0 1";
   EXPECT_THAT(MessageOf<DataError>([&] { Parse(list); }), HasSubstr("do not fit"));
+  EXPECT_THAT(MessageOf<DataError>([&] {
+                Parse(
+                    "ply\nformat ascii 1.0\nelement face 1\nproperty list int int x\n"
+                    "end_header\n-1 0");
+              }),
+              HasSubstr("test.ply: a list of x has the length -1"));
 }
 
 TEST(Ply, WrongHeadersAndNumbersAreNamed) {

@@ -77,6 +77,10 @@ def transforms_seeds():
                              "k4": 0.1, "train_filenames": ["train/r_1.png"],
                              "val_filenames": ["train/r_0"], "test_filenames": ["./train/r_0"],
                              "frames": [first, second]}),
+        "more": ("t", {"w": 40, "h": 30, "fl_x": 50.0, "distortion_params": [0.1, 0, 0, 0, 0, 0.01],
+                       "rolling_shutter": [0, 0, 0], "from_na": False, "white_transparent": True,
+                       "unread": 1, "frames": [first | {"sharpness": 9.5, "k1": 0.2},
+                                               second | {"file_path": "gone"}]}),
         "box": ("t", {"camera_angle_x": 0.69, "aabb": [[0, 0, 0], [1, 1, 1]], "frames": [first]}),
     }
     for name, (kind, content) in files.items():

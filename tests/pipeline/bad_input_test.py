@@ -68,7 +68,19 @@ class BadInputTest(StageCase):
         write_tiny_dataset(self.folder / "ball")
         (self.folder / "ball" / "test" / "r_1.png").unlink()
         result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "out")
-        self.assert_fails(result, 3, "r_1")
+        self.assert_fails(result, 3, "test/r_1", "1 of 46 pictures are not there", "--skip-missing", "tetrec-sfm")
+
+    def test_missing_pictures_are_skipped_and_counted(self):
+        write_tiny_dataset(self.folder / "ball", train=8)
+        (self.folder / "ball" / "train" / "r_1.png").unlink()
+        out = self.folder / "out"
+        result = self.run_stage("import", self.folder / "ball", "-o", out, "--skip-missing")
+        self.assert_done(result)
+        self.assertIn("left out: 1: train/r_1", result.stderr)
+        counts = self.manifest(out)["counts"]
+        self.assertEqual((counts["pictures_skipped"], counts["train_views"]), (1, 7))
+        # Part of the key: without it the folder is not up to date.
+        self.assert_fails(self.run_stage("import", self.folder / "ball", "-o", out), 3, "train/r_1")
 
     def test_import_of_broken_json_tells_where(self):
         write_tiny_dataset(self.folder / "ball")

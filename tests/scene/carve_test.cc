@@ -168,12 +168,12 @@ TEST(FindSubjectBounds, SaysWhyThereAreNone) {
   ExpectError<DataError>([&] { FindSubjectBounds(masks); },
                          {"40 training views", "nothing in common"});
   for (AlphaMask& mask : masks) mask.cam_from_world.rotation = glm::dmat3(1.0);
-  ExpectError<DataError>([&] { FindSubjectBounds(masks); }, {"along one line"});
+  ExpectError<DataError>([&] { FindSubjectBounds(masks); }, {"along one line", "--bounds"});
 }
 
 TEST(BoxSeenByAll, LiesInEveryPicture) {
   const std::vector<AlphaMask> masks = MasksOf(SomeScene(SyntheticKind::kBall));
-  const Bounds3 box = BoxSeenByAll(masks);
+  const Bounds3 box = BoxSeenByAll(masks).value();
   EXPECT_GT(box.Size().x, 1.0);  // the views see a ball of radius 1.15: a cube of side 1.33
   for (const AlphaMask& mask : masks) {
     for (int corner = 0; corner < 8; ++corner) {
@@ -183,6 +183,36 @@ TEST(BoxSeenByAll, LiesInEveryPicture) {
       EXPECT_TRUE(in_cam.z > 0 && pixel.x > 0 && pixel.y > 0 && pixel.x < 100 && pixel.y < 100);
     }
   }
+}
+
+TEST(BoxSeenByAll, IsNoneWhereTheCamerasDoNotLookAtOnePlace) {
+  std::vector<AlphaMask> outwards = MasksOf(SomeScene(SyntheticKind::kBall));
+  std::vector<AlphaMask> parallel = outwards;
+  for (AlphaMask& mask : outwards) {
+    const Rigid3 place = mask.cam_from_world.Inverse();
+    // Half a turn about the camera's own y axis.
+    const Rigid3 turned{place.rotation * glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, -1),
+                        place.translation};
+    mask.cam_from_world = turned.Inverse();
+  }
+  for (AlphaMask& mask : parallel) mask.cam_from_world.rotation = glm::dmat3(1.0);
+  EXPECT_FALSE(BoxSeenByAll(outwards));
+  EXPECT_FALSE(BoxSeenByAll(parallel));
+  ExpectError<DataError>([&] { FindSubjectBounds(outwards); },
+                         {"away from each other", "--bounds", "--triangulate"});
+}
+
+TEST(BoxAroundCameras, GrowsTheirBoxByItsLongestSide) {
+  std::vector<AlphaMask> masks;
+  for (const glm::dvec3& place : {glm::dvec3(1, 2, 3), glm::dvec3(5, 2, 4)}) {
+    masks.push_back({Camera{10, 10, 10, 10, 5, 5}, Rigid3{glm::dmat3(1.0), -place}, {}});
+  }
+  const Bounds3 box = BoxAroundCameras(masks);
+  EXPECT_LT(glm::length(box.min - glm::dvec3(-3, -2, -1)), 1e-12);
+  EXPECT_LT(glm::length(box.max - glm::dvec3(9, 6, 8)), 1e-12);
+  masks[1] = masks[0];
+  ExpectError<DataError>([&] { BoxAroundCameras(masks); },
+                         {"cameras (2) are all at one place", "--bounds", "--triangulate"});
 }
 
 TEST(ReadTrainingMasks, ReadsTheTrainingViewsAlphaAndNoOther) {

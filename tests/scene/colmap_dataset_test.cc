@@ -126,8 +126,41 @@ TEST(ColmapDataset, PicturesThatAreMissingAreCountedAndNamed) {
   const ScratchFolder folder;
   WriteModel(folder, "sparse", kNames, kPinhole);
   WritePictures(folder, "images", {"c.png"}, 64, 48);
-  ExpectError<DataError>([&] { ReadColmapDataset(folder.path()); },
-                         {"2 of the model's 3 pictures", "a.jpg", "sub folder/b.jpg"});
+  ExpectError<DataError>(
+      [&] { ReadColmapDataset(folder.path()); },
+      {"2 of 3 pictures are not there", "a.jpg, sub folder/b.jpg", "--skip-missing", "tetrec-sfm"});
+}
+
+TEST(ColmapDataset, PicturesThatAreMissingAreLeftOutWhereThatIsWished) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse", kNames, kPinhole);
+  WritePictures(folder, "images", {"c.png"}, 64, 48);
+  WritePictures(folder, "masks", {"c.png"}, 64, 48);
+  const Dataset set = ReadDataset(folder.path(), DatasetFormat::kAuto, "", MissingPictures::kSkip);
+  ASSERT_EQ(set.pictures.size(), 1u);
+  EXPECT_EQ(set.pictures[0].name, "c.png");
+  EXPECT_EQ(set.pictures[0].mask, folder / "masks/c.png");
+  EXPECT_EQ(set.skipped, (std::vector<std::string>{"a.jpg", "sub folder/b.jpg"}));
+  EXPECT_EQ(set.points.size(), 200u);
+  std::filesystem::remove(folder / "images/c.png");
+  ExpectError<DataError>(
+      [&] { ReadDataset(folder.path(), DatasetFormat::kAuto, "", MissingPictures::kSkip); },
+      {"3 of 3 pictures are not there"});
+}
+
+TEST(ColmapDataset, ALensThatFoldsOverIsNamedWithItsPicture) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse", kNames, "1 SIMPLE_RADIAL 64 48 60 32 24 -30\n");
+  WritePictures(folder, "images", kNames, 64, 48);
+  try {
+    ImportDataset(folder.path(), folder / "scene", {});
+    ADD_FAILURE() << "no error";
+  } catch (const DataError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr((folder / "images").string()));
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr(" (lens SIMPLE_RADIAL): the lens distortion cannot be undone"));
+    EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("--camera-model")));
+  }
 }
 
 TEST(ColmapDataset, WhatIsNoDataSetIsSaid) {

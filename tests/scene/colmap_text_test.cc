@@ -69,7 +69,6 @@ TEST(ColmapText, WhatIsWrongIsNamedWithItsLine) {
   cameras("1 PINHOLE 64 48 100 nan 32 24\n", {"line 1", "is nan"});
   cameras("1 PINHOLE 64 48 100 1e300 32 24\n", {"line 1", "is 1e+300"});
   cameras("1 PINHOLE 64 48 100 1e999 32 24\n", {"\"1e999\""});
-  cameras("1 FISHY 64 48 100", {"line 1", "\"FISHY\" is not known", "OPENCV, "});
   cameras("1 PINHOLE -64 48 100", {"line 1", "a width is \"-64\"", "a whole number"});
   cameras("1 PINHOLE 0 48 100", {"line 1", "0 x 48"});
   cameras("99999999999 PINHOLE 0 48 100", {"line 1", "an id is \"99999999999\""});
@@ -99,6 +98,16 @@ TEST(ColmapText, ReferencesAreCheckedAsInBinaryModels) {
   ExpectError<DataError>([] { Read("", kImages, kPoints); }, {"camera 7"});
   ExpectError<DataError>([] { Read(kCameras, kImages, ""); }, {"point 5"});
   ExpectError<DataError>([] { Read(kCameras, "", kPoints); }, {"image 1"});
+}
+
+TEST(ColmapText, AnUnknownLensMattersOnlyWhereAPictureHasIt) {
+  const std::string with_unknown = std::string(kCameras) + "\n11 NEW_LENS 64 48 1 2 3 4 5\n";
+  EXPECT_EQ(Read(with_unknown, kImages, kPoints).cameras.size(), 2u);
+  std::string images = kImages;
+  images.replace(images.find("9 d.jpg"), 1, "11");
+  ExpectError<DataError>([&] { Read(with_unknown, images, kPoints); },
+                         {"image d.jpg has camera 11", "camera model \"NEW_LENS\" is not known",
+                          "up to 3.10", "OPENCV, ", "image_undistorter"});
 }
 
 TEST(ColmapText, APartOfAModelIsNoModel) {

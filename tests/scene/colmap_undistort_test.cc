@@ -295,6 +295,66 @@ TEST(Undistort, EveryModelIsUndistortedAsColmapDoesIt) {
   }
 }
 
+// Every direction of the pinhole picture has its pixel in the photo, and so far only one.
+void ExpectUnfolded(const ColmapCamera& from, const Camera& to) {
+  for (int y = 0; y <= to.height; y += 10) {
+    for (int x = 0; x <= to.width; x += 10) {
+      const glm::dvec3 direction = to.CamFromImage({x, y});
+      const glm::dvec2 pixel = DistortedImageFromCam(from, {direction.x, direction.y});
+      EXPECT_TRUE(pixel.x > -0.5 && pixel.x < double(from.width) + 0.5 && pixel.y > -0.5 &&
+                  pixel.y < double(from.height) + 0.5)
+          << x << " " << y;
+      const glm::dvec2 back = CamFromDistortedImage(from, pixel);
+      EXPECT_LT(glm::distance(back, glm::dvec2(direction)), 1e-6) << x << " " << y;
+    }
+  }
+}
+
+TEST(Undistort, FisheyesMayFoldOverBeyondWhatIsKept) {
+  // Folds at 114 degrees, 1.574 focal lengths from the middle; the corners are at 1.71.
+  const ColmapCamera wide{
+      kColmapOpenCvFisheye, 820, 820, {340, 340, 410, 410, -0.03, 0.003, -0.003, 0.0002}};
+  const Camera to = UndistortedCamera(wide, 820);
+  EXPECT_TRUE(IsTooWideForPlane(wide));
+  EXPECT_NEAR(to.CamFromImage({0, 0}).x, -std::sqrt(3.0), 1e-9);
+  ExpectUnfolded(wide, to);
+  ExpectError<DataError>([&] { CamFromDistortedImage(wide, {0, 60}); }, {"(0, 60)", "folds over"});
+
+  // theta (1 - k theta^2) folds at theta = 1 / sqrt(3 k): at 64 degrees, beyond 60 to the side but
+  // before the corners of those, at 68. These end at 60 then.
+  const double fold = 64 * std::numbers::pi / 180;
+  const ColmapCamera narrow{
+      kColmapSimpleRadialFisheye, 640, 480, {300, 320, 240, -1 / (3 * fold * fold)}};
+  const Camera cut = UndistortedCamera(narrow, 640);
+  EXPECT_TRUE(IsTooWideForPlane(narrow));
+  EXPECT_LE(glm::length(glm::dvec2(cut.CamFromImage({0, 0}))), std::sqrt(3.0) + 1e-9);
+  ExpectUnfolded(narrow, cut);
+}
+
+TEST(Undistort, FisheyesThatFoldOverWithinWhatIsKeptAreRefused) {
+  const double fold = 40 * std::numbers::pi / 180;
+  const ColmapCamera camera{
+      kColmapSimpleRadialFisheye, 640, 480, {300, 320, 240, -1 / (3 * fold * fold)}};
+  ExpectError<DataError>([&] { UndistortedCamera(camera, 640); },
+                         {"cannot be undone at pixel", "folds over"});
+  // Folded twice nearly everywhere: turned by half a turn, not mirrored.
+  ExpectError<DataError>(
+      [] {
+        UndistortedCamera({kColmapSimpleRadialFisheye, 640, 480, {300, 320.5, 240.5, -3000}}, 640);
+      },
+      {"cannot be undone at pixel", "folds over"});
+}
+
+TEST(Undistort, ComplaintsNamePictureLensAndAdvice) {
+  const ColmapCamera camera{kColmapSimpleRadial, 640, 480, {300, 320, 240, -3.0}};
+  ExpectError<DataError>(
+      [&] {
+        NamingLens(
+            "photos/a.jpg", camera, [&] { UndistortedCamera(camera, 640); }, "try another");
+      },
+      {"photos/a.jpg (lens SIMPLE_RADIAL): the lens distortion", "folds over; try another"});
+}
+
 TEST(Undistort, LensesThatFoldOverOrAreUnknownAreRefused) {
   ExpectError<DataError>(
       [] {

@@ -6,6 +6,7 @@ full: the disk is full while features are written.  killed: the extractor dies b
 newer: good, as COLMAP 3.11, whose tables lack poses. rigs: as COLMAP 3.12, which puts pictures into frames.
 renamed COMMAND: as COLMAP 4.0, with other options.  unknown COMMAND: as COLMAP 4.0, without the command.
 idle COMMAND: as COLMAP 4.0, which does nothing and says nothing.
+folded: as good, but the lens model folds over inside the pictures.
 """
 import math
 import os
@@ -83,10 +84,12 @@ def ring_pose(k, count):
     return [v / length for v in q], t
 
 
-def write_model(folder, names, point_count):
+def write_model(folder, names, point_count, folded=False):
+    camera = (2, WIDTH, HEIGHT, FOCAL, WIDTH / 2, HEIGHT / 2, -30.0) if folded else \
+        (1, WIDTH, HEIGHT, FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2)  # SIMPLE_RADIAL or PINHOLE
     os.makedirs(folder)
     with open(os.path.join(folder, "cameras.bin"), "wb") as f:
-        f.write(struct.pack("<QIiQQ4d", 1, 1, 1, WIDTH, HEIGHT, FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2))
+        f.write(struct.pack("<QIiQQ4d", 1, 1, *camera))
     with open(os.path.join(folder, "images.bin"), "wb") as f:
         f.write(struct.pack("<Q", len(names)))
         for k, name in enumerate(names):
@@ -118,7 +121,7 @@ def map_scene(options):
         write_model(folder, names[::2], 300)
     else:
         write_model(os.path.join(options["output_path"], "0"), names[:2], 61)  # the first is not the largest
-        write_model(os.path.join(options["output_path"], "1"), names, 300)
+        write_model(os.path.join(options["output_path"], "1"), names, 300, mode == "folded")
 
 
 def main():

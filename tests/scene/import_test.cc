@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/log.h"
 #include "expect_error.h"
 #include "scene/image.h"
 #include "scene/scene_points.h"
@@ -9,6 +10,7 @@
 #include "scratch_folder.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -360,6 +362,56 @@ TEST(Import, TakesTheBoxThatIsGiven) {
   EXPECT_EQ(place().translation, glm::dvec3(0.5, 1.5, 4));
   const Bounds3 bounds = import().subject_bounds;
   EXPECT_LT(glm::length(bounds.max - glm::dvec3(0.25, 0.25, 1)), 1e-12);
+}
+
+// Turns cameras that look at a room's middle around, or all the same way.
+TEST(Import, TakesABoxAroundCamerasThatDoNotLookAtOnePlace) {
+  const ScratchFolder folder;
+  Json json = WriteTransforms(folder, SomeScene(SyntheticKind::kRoom));
+  Bounds3 cameras;
+  const Json parallel = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (size_t i = 0; i < json["frames"].size(); ++i) {
+    Json& rows = json["frames"][i]["transform_matrix"];
+    for (size_t row = 0; row < 3; ++row) {
+      for (size_t k = 0; k < 3; ++k) rows[row][k] = parallel[row][k];
+    }
+    if (i % 8 > 0) {  // the others are held out
+      cameras.Add({rows[0][3].get<double>(), rows[1][3].get<double>(), rows[2][3].get<double>()});
+    }
+  }
+  folder.Write("transforms.json", json.dump());
+  TakeWarnings();
+  const Scene scene = ImportDataset(folder.path(), folder / "scene", AtSize(10)).scene;
+  EXPECT_THAT(TakeWarnings(),
+              testing::ElementsAre(testing::AllOf(testing::HasSubstr("a box around the cameras"),
+                                                  testing::HasSubstr("--bounds"),
+                                                  testing::HasSubstr("--triangulate"))));
+  const glm::dvec3 size = cameras.Size();
+  const double longest = std::max({size.x, size.y, size.z});
+  EXPECT_LT(glm::length(scene.input_from_world.translation - cameras.Center()), 1e-9);
+  EXPECT_NEAR(scene.input_from_world.scale, 1.5 * longest, 1e-9);
+
+  for (Json& frame : json["frames"]) {
+    for (size_t row = 0; row < 3; ++row) frame["transform_matrix"][row][3] = 1;
+  }
+  folder.Write("transforms.json", json.dump());
+  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", AtSize(10)); },
+                         {"all at one place", "--bounds", "--triangulate"});
+}
+
+TEST(Import, LeavesMissingPicturesOutWhereThatIsWished) {
+  const ScratchFolder folder;
+  WriteNerf(folder, SomeScene());
+  std::filesystem::remove(folder / "train/r_3.png");
+  std::filesystem::remove(folder / "test/r_1.png");
+  ImportOptions options = AtSize(10);
+  ExpectError<DataError>([&] { ImportDataset(folder.path(), folder / "scene", options); },
+                         {"2 of 29 pictures are not there", "train/r_3, test/r_1"});
+  options.skip_missing = true;
+  const ImportedScene imported = ImportDataset(folder.path(), folder / "scene", options);
+  EXPECT_EQ(imported.skipped, (std::vector<std::string>{"train/r_3", "test/r_1"}));
+  EXPECT_EQ(imported.scene.ViewsOf(Split::kTrain).size(), 23u);
+  EXPECT_EQ(TestViews(imported.scene), std::vector<std::string>{"test/r_0"});
 }
 
 TEST(Import, CountsTheViewsThatMaySeeNerfstudiosPoints) {

@@ -197,6 +197,14 @@ TEST_F(SfmTest, WhatColmapCallsSuccessIsJudged) {
   EXPECT_FALSE(fs::exists(fs::path(scene_) / "scene.json"));
 }
 
+TEST_F(SfmTest, ALensThatFoldsOverIsNamedWithAPhotoAndAdvice) {
+  WritePhotos(12);
+  const Outcome outcome = Run("folded");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("photo 00.png (lens SIMPLE_RADIAL): the lens distortion"));
+  EXPECT_THAT(outcome.err, HasSubstr("; try --camera-model SIMPLE_RADIAL or PINHOLE"));
+}
+
 TEST_F(SfmTest, AMissingColmapAFullDiskAndAKilledColmapAreEnvironmentErrors) {
   WritePhotos(3);
   Outcome outcome = Run("missing");

@@ -7,9 +7,11 @@
 #include "geometry/rotation.h"
 #include "scratch_folder.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -109,9 +111,9 @@ TEST(NerfSynthetic, RefusesEveryBrokenFieldByName) {
       {"frames is empty", [](Json& j) { j["frames"] = Json::array(); }},
       {"frames is an object", [](Json& j) { j["frames"] = Json::object(); }},
       {"frames[1].file_path is missing", [](Json& j) { j["frames"][1].erase("file_path"); }},
-      {"frames[1].file_path names a missing picture",
+      {"1 of 4 pictures are not there, as they are written or with .png, .jpg",
        [](Json& j) { j["frames"][1]["file_path"] = "./train/r_7"; }},
-      {"frames[1].file_path names a missing picture",
+      {"1 of 4 pictures are not there, as they are written or with .png, .jpg",
        [](Json& j) { j["frames"][1]["file_path"] = std::string(5000, 'x'); }},
       {"frames[1].file_path is \"../secret\"",
        [](Json& j) { j["frames"][1]["file_path"] = "./train/../../secret"; }},
@@ -145,6 +147,47 @@ TEST(NerfSynthetic, RefusesEveryBrokenFieldByName) {
     folder.Write("transforms_train.json", json.dump());
     ExpectError<DataError>([&] { ReadNerfSynthetic(folder.path()); },
                            {folder.path().string(), broken.message});
+  }
+}
+
+TEST(NerfSynthetic, NamesAllMissingPicturesOfAllFilesAtOnce) {
+  const ScratchFolder folder;
+  WriteGoodSet(folder);
+  std::filesystem::remove(folder / "train/r_1.png");
+  std::filesystem::remove(folder / "val/r_0.jpg");
+  ExpectError<DataError>(
+      [&] { ReadNerfSynthetic(folder.path()); },
+      {"2 of 4 pictures are not there", ": train/r_1, val/r_0.jpg; ",
+       "--skip-missing leaves them out",
+       "tetrec-sfm finds new cameras for the pictures in " + (folder / "train").string()});
+  const Dataset set = ReadNerfSynthetic(folder.path(), MissingPictures::kSkip);
+  ASSERT_EQ(set.pictures.size(), 2u);
+  EXPECT_EQ(set.pictures[0].name, "train/r_0");
+  EXPECT_EQ(set.pictures[1].name, "test/r_0");
+  EXPECT_EQ(set.skipped, (std::vector<std::string>{"train/r_1", "val/r_0.jpg"}));
+}
+
+TEST(NerfSynthetic, SkippingLeavesATrainingView) {
+  const ScratchFolder folder;
+  WriteGoodSet(folder);
+  for (const char* file : {"train/r_0.png", "train/r_1.png"}) {
+    std::filesystem::remove(folder / file);
+  }
+  const auto skip = [&] { ReadNerfSynthetic(folder.path(), MissingPictures::kSkip); };
+  ExpectError<DataError>(
+      skip, {"--skip-missing leaves no view to train on", "2 of 4", "train/r_0, train/r_1"});
+  // Where nothing that is named is there, other pictures may be.
+  for (const char* file : {"val/r_0.jpg", "test/r_0.png", "test/r_0_depth_0001.png"}) {
+    std::filesystem::remove(folder / file);
+  }
+  ExpectError<DataError>(
+      skip, {"4 of 4 pictures are not there", "copy them there", "--skip-missing", "tetrec-sfm"});
+  std::filesystem::remove(folder / "train/not_listed.png");
+  try {
+    skip();
+    ADD_FAILURE() << "no error";
+  } catch (const DataError& error) {
+    EXPECT_THAT(error.what(), ::testing::Not(::testing::HasSubstr("tetrec-sfm")));
   }
 }
 
@@ -274,6 +317,91 @@ TEST(Transforms, GiveEachDistortionItsModel) {
     EXPECT_EQ(lens(c.fields).model, c.model);
     EXPECT_EQ(lens(c.fields).params, params);
   }
+}
+
+TEST(Transforms, TakeNerfstudiosListOfCoefficients) {
+  const ScratchFolder folder;
+  const Json list = {0.1, 0.2, 0.3, 0, 0.4, 0.5};  // k1 k2 k3 k4 p1 p2
+  Json json = With(OneFile(), {{"distortion_params", list}, {"k1", 0.9}});
+  json["frames"][1]["k2"] = 0.7;  // words of its own: the file's list does not count
+  const Dataset set = ReadOneFile(folder, json);
+  EXPECT_EQ(set.pictures[0].lens.model, kColmapFullOpenCv);
+  EXPECT_EQ(set.pictures[0].lens.params,
+            (std::vector<double>{50, 51, 19, 16, 0.1, 0.2, 0.4, 0.5, 0.3, 0, 0, 0}));
+  EXPECT_EQ(set.pictures[1].lens.params, (std::vector<double>{50, 51, 19, 16, 0.9, 0.7, 0, 0}));
+
+  json["camera_model"] = "OPENCV_FISHEYE";
+  json["distortion_params"] = {0.1, 0.2, 0.3, 0.4, 0, 0};
+  json["frames"][1]["distortion_params"] = {0.5, 0.6, 0.7, 0.8, 0, 0};
+  const Dataset fisheyes = ReadOneFile(folder, json);
+  EXPECT_EQ(fisheyes.pictures[0].lens.model, kColmapOpenCvFisheye);
+  EXPECT_EQ(fisheyes.pictures[0].lens.params,
+            (std::vector<double>{50, 51, 19, 16, 0.1, 0.2, 0.3, 0.4}));
+  EXPECT_EQ(fisheyes.pictures[1].lens.params,
+            (std::vector<double>{50, 51, 19, 16, 0.5, 0.6, 0.7, 0.8}));
+}
+
+// The lines that a call logs.
+template <class Body>
+std::string LogOf(const Body& body) {
+  ::testing::internal::CaptureStderr();
+  body();
+  return ::testing::internal::GetCapturedStderr();
+}
+
+TEST(Transforms, ListUnreadFieldsOnce) {
+  const ScratchFolder folder;
+  Json json = With(OneFile(), {{"applied_scale", 0.5},
+                               {"aabb_scale", 4},
+                               {"rolling_shutter", {0, 0, 0.0}},
+                               {"from_na", false},
+                               {"normal_mts_args", nullptr},
+                               {"white_transparent", false},
+                               {"bad\nname", 1}});
+  for (Json& frame : json["frames"]) frame.update({{"sharpness", 2}, {"colmap_im_id", 1}});
+  TakeWarnings();
+  const std::string log = LogOf([&] { ReadOneFile(folder, json); });
+  EXPECT_THAT(log, ::testing::HasSubstr("nothing here depends on: applied_scale, bad?name, "
+                                        "frames[].colmap_im_id, frames[].sharpness\n"));
+  EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log;
+  EXPECT_TRUE(TakeWarnings().empty());
+  EXPECT_EQ(LogOf([&] { ReadOneFile(folder, OneFile()); }), "");
+}
+
+TEST(Transforms, WarnOfTransparencyThatIsNotRead) {
+  const ScratchFolder folder;
+  folder.Write("images/a.alpha.jpg", "");
+  folder.Write("images/b.jpg.alpha.jpg", "");
+  folder.Write("images/dynamic_mask_b.png", "");
+  folder.Write("images/rays_a.dat", "");
+  TakeWarnings();
+  ReadOneFile(folder, With(OneFile(), {{"white_transparent", true}, {"black_transparent", true}}));
+  using ::testing::HasSubstr;
+  EXPECT_THAT(TakeWarnings(), ::testing::ElementsAre(
+                                  HasSubstr("(NAME.alpha.png): 2; not used"),
+                                  HasSubstr("(dynamic_mask_NAME): 1; not used"),
+                                  HasSubstr("(rays_NAME.dat): 1; not used"),
+                                  HasSubstr("black_transparent, white_transparent is not used")));
+}
+
+TEST(Transforms, SkipMissingPicturesAlsoOfSplitListsAndMasks) {
+  const ScratchFolder folder;
+  Json json = OneFile();
+  json["frames"].push_back(json["frames"][0]);
+  json["frames"][2].update({{"file_path", "images/gone.jpg"}, {"mask_path", "masks/gone.png"}});
+  json.update({{"train_filenames", {"images/a.jpg", "images/gone.jpg"}},
+               {"test_filenames", {"images/b.jpg"}}});
+  ExpectError<DataError>([&] { ReadOneFile(folder, json); },
+                         {"1 of 3 pictures are not there", ": images/gone.jpg; --skip-missing"});
+  const Dataset set = ReadTransforms(folder.path(), MissingPictures::kSkip);
+  ASSERT_EQ(set.pictures.size(), 2u);
+  EXPECT_EQ(set.pictures[1].split, Split::kTest);
+  EXPECT_EQ(set.skipped, std::vector<std::string>{"images/gone.jpg"});
+  // The mask of a picture that is there must be there.
+  json["frames"][0]["mask_path"] = "masks/gone.png";
+  folder.Write("transforms.json", json.dump());
+  ExpectError<DataError>([&] { ReadTransforms(folder.path(), MissingPictures::kSkip); },
+                         {"frames[0].mask_path names a missing mask"});
 }
 
 TEST(Transforms, ThreeRowsOfAMatrixAreEnough) {
@@ -436,6 +564,23 @@ TEST(Transforms, AreRefusedFieldByField) {
       {"k2 is 1e+300", {{"k2", 1e300}}},
       {"k4 is 0.1; expected 0 for a perspective lens", {{"k4", 0.1}}},
       {"p1 is 0.1; expected 0 for a fisheye lens", {{"is_fisheye", true}, {"p1", 0.1}}},
+      {"k5 is 0.1; expected 0 for a fisheye lens", {{"is_fisheye", true}, {"k5", 0.1}}},
+      {"distortion_params has 4 items; expected k1, k2, k3, k4, p1, p2",
+       {{"distortion_params", {0.1, 0, 0, 0}}}},
+      {"distortion_params[3] is 0.1; expected 0 for a perspective lens",
+       {{"distortion_params", {0, 0, 0, 0.1, 0, 0}}}},
+      {"distortion_params[1] is \"x\"; expected a number",
+       {{"distortion_params", {0, "x", 0, 0, 0, 0}}}},
+      {"rolling_shutter is not 0", {{"rolling_shutter", {0, 0, 0.5, 0}}}},
+      {"rolling_shutter is not 0", {{"rolling_shutter", 0.5}}},
+      {"frames[0].rolling_shutter is not 0",
+       {{"frames",
+         {{{"file_path", "images/a.jpg"},
+           {"transform_matrix", pose},
+           {"rolling_shutter", {0, 1, 0}}}}}}},
+      {"normal_mts_args tells that the poses follow axes other than OpenGL's",
+       {{"normal_mts_args", {"-o", "x"}}}},
+      {"from_na tells that the poses follow axes other than OpenGL's", {{"from_na", true}}},
       {"is_fisheye is 1; expected true or false", {{"is_fisheye", 1}}},
       {"camera_model is \"EQUIRECTANGULAR\"; expected PERSPECTIVE, ",
        {{"camera_model", "EQUIRECTANGULAR"}}},
@@ -485,6 +630,8 @@ TEST(Transforms, WithoutASizeRefuseWhatIsInPixels) {
   message({{"fl_x", 50}}, "fl_x is in pixels of a picture of w x h; add w and h");
   message({{"cy", 50}}, "cy is in pixels");
   message({{"k1", 0.1}}, "k1 is the lens distortion of a picture of w x h; add w and h");
+  message({{"distortion_params", {0, 0.1, 0, 0, 0, 0}}},
+          "distortion_params[1] is the lens distortion of a picture of w x h");
   message({{"is_fisheye", true}}, "frames[0] has a fisheye lens but no picture size");
   message({{"w", 50}}, "h is missing");
   message({{"x_fov", 180}, {"camera_angle_x", 3.5}}, "camera_angle_x is 3.5; expected a field");
