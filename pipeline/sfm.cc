@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
                  "Which pairs are matched: exhaustive (all), sequential (neighbours in the order "
                  "of names), auto (all "
                  "up to 80 photos, then neighbours and what looks alike)");
-  app.add_option("--max-features", options.max_features, "SIFT features a picture, about");
+  app.add_option("--max-features", options.max_features,
+                 "SIFT features a picture: those of the largest scales");
   app.add_option("--camera-sharing", options.camera_sharing,
                  "Photos with the same lens parameters: auto (those of one size), single, "
                  "per-folder, per-image");

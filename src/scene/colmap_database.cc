@@ -152,16 +152,22 @@ std::vector<float> ColmapDatabase::ReadScales(uint32_t image_id) const {
   return scales;
 }
 
-Descriptors ColmapDatabase::ReadCoarsestDescriptors(uint32_t image_id, size_t count) const {
-  const Descriptors all = ReadDescriptors(image_id);
+// Of the features with the largest scales, from coarse to fine.
+std::vector<size_t> ColmapDatabase::CoarsestRows(uint32_t image_id, size_t count) const {
   const std::vector<float> scales = ReadScales(image_id);
-  std::vector<size_t> order(std::min(scales.size(), all.size() / kDescriptorBytes));
+  std::vector<size_t> order(scales.size());
   std::iota(order.begin(), order.end(), size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](size_t a, size_t b) { return scales[a] > scales[b]; });
   order.resize(std::min(order.size(), count));
+  return order;
+}
+
+Descriptors ColmapDatabase::ReadCoarsestDescriptors(uint32_t image_id, size_t count) const {
+  const Descriptors all = ReadDescriptors(image_id);
   Descriptors coarse;
-  for (const size_t row : order) {
+  for (const size_t row : CoarsestRows(image_id, count)) {
+    if ((row + 1) * kDescriptorBytes > all.size()) continue;
     const auto start = all.begin() + std::ptrdiff_t(row * kDescriptorBytes);
     coarse.insert(coarse.end(), start, start + kDescriptorBytes);
   }
@@ -291,6 +297,47 @@ void ColmapDatabase::NumberByName(bool camera_per_folder) {
       "DROP TABLE image_order; DROP TABLE camera_order;"
       "COMMIT;"
       "PRAGMA ignore_check_constraints = 0;");
+}
+
+void ColmapDatabase::KeepRows(const char* table, uint32_t image_id, std::span<const size_t> rows) {
+  const std::string selection = fmt::format("SELECT rows, data FROM {} WHERE image_id = ?", table);
+  std::vector<uint8_t> all;
+  size_t row_bytes = 0;
+  {
+    Statement select(file_, database_.get(), selection.c_str());
+    select.Bind(1, image_id);
+    if (!select.Step() || select.Integer(0) <= 0) return;
+    all = select.Blob(1);
+    row_bytes = all.size() / size_t(select.Integer(0));
+  }
+  std::vector<uint8_t> kept;
+  for (const size_t row : rows) {
+    if ((row + 1) * row_bytes > all.size()) {
+      throw DataError(fmt::format("{}: {} of image {} have no row {}{}", file_.path.string(), table,
+                                  image_id, row, kMakeAnew));
+    }
+    const auto start = all.begin() + std::ptrdiff_t(row * row_bytes);
+    kept.insert(kept.end(), start, start + std::ptrdiff_t(row_bytes));
+  }
+  const std::string sql = fmt::format("UPDATE {} SET rows = ?, data = ? WHERE image_id = ?", table);
+  Statement update(file_, database_.get(), sql.c_str());
+  update.Bind(1, int64_t(rows.size()));
+  update.BindBlob(2, kept.data(), kept.size());
+  update.Bind(3, image_id);
+  update.Step();
+}
+
+void ColmapDatabase::KeepCoarsest(size_t count) {
+  TETREC_CHECK(MatchedPairs().empty() && VerifiedPairs().empty(), "pictures are matched already");
+  Execute("BEGIN IMMEDIATE");
+  for (const DatabaseImage& image : Images()) {
+    if (image.features <= count) continue;
+    std::vector<size_t> rows = CoarsestRows(image.id, count);
+    std::sort(rows.begin(), rows.end());
+    KeepRows("keypoints", image.id, rows);
+    KeepRows("descriptors", image.id, rows);
+  }
+  Execute("COMMIT");
 }
 
 void ColmapDatabase::WriteMatches(

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,6 +56,10 @@ class ColmapDatabase {
   // first by name. Only while nothing is matched.
   void NumberByName(bool camera_per_folder);
 
+  // Keeps of every picture the `count` features of the largest scale, in the order that they have:
+  // COLMAP's own bound is loose. Only while nothing is matched.
+  void KeepCoarsest(size_t count);
+
   // Writes raw matches of several pairs in one transaction; `second` holds matches from the lower
   // to the higher id.
   void WriteMatches(const std::vector<std::pair<ImagePair, std::vector<FeatureMatch>>>& pairs);
@@ -66,6 +71,8 @@ class ColmapDatabase {
                       const std::filesystem::path& other) const;
   void RefuseFrames(const char* schema, const std::filesystem::path& path) const;
   std::vector<float> ReadScales(uint32_t image_id) const;
+  std::vector<size_t> CoarsestRows(uint32_t image_id, size_t count) const;
+  void KeepRows(const char* table, uint32_t image_id, std::span<const size_t> rows);
   std::set<ImagePair> PairsOf(const char* table) const;
 
   DatabaseFile file_;

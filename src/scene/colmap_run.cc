@@ -299,6 +299,7 @@ void ExtractFeatures(const ColmapProgram& colmap, const fs::path& photos,
         colmap.version);  // closed before it gets its name: only then is all of it in the file
     for (size_t part = 1; part < part_count; ++part) merged.Append(part_files[part]);
     merged.NumberByName(!options.camera_per_image);
+    merged.KeepCoarsest(size_t(options.max_features));
     for (const DatabaseImage& image : merged.Images()) found.insert(image.name);
   }
   for (const std::string& name : names) {
@@ -372,7 +373,10 @@ std::vector<fs::path> MapScene(const ColmapProgram& colmap, const fs::path& phot
            // All cameras are adjusted each time that the model has grown by 40 % (COLMAP: 10 %), in
            // fewer rounds: a quarter less time; the last adjustment, of all, decides the result.
            "--Mapper.ba_global_images_ratio", "1.4", "--Mapper.ba_global_points_ratio", "1.4",
-           "--Mapper.ba_global_max_refinements", "2", "--Mapper.ba_local_max_num_iterations", "16"},
+           "--Mapper.ba_global_max_refinements", "2", "--Mapper.ba_local_max_num_iterations", "16",
+           // COLMAP goes on as long as anything gets better at all; a third less time.
+           "--Mapper.ba_global_function_tolerance", "1e-5", "--Mapper.ba_local_function_tolerance",
+           "1e-3"},
           [&](const std::string& line) {
             std::smatch match;
             if (std::regex_search(line, match, registering)) progress.Update(std::stod(match[1]));

@@ -22,7 +22,7 @@ ColmapProgram FindColmap(const std::filesystem::path& log);
 struct ExtractOptions {
   std::string camera_model;       // COLMAP's name
   bool camera_per_image = false;  // else one a folder
-  int max_features = 4096;        // a picture; COLMAP keeps somewhat more
+  int max_features = 3072;        // a picture
 };
 
 // Features of `names` (relative to `photos`) into a new database with ids in the order of the

@@ -12,6 +12,8 @@ namespace {
 // 32-bit lane.
 constexpr size_t kTileRows = 4, kLanes = 8, kTileColumns = 2 * kLanes;
 constexpr size_t kSteps = kDescriptorBytes / 2;
+// All rows pass by this many columns, which stay in the nearest cache meanwhile (16 KiB).
+constexpr size_t kBlockColumns = 64;
 
 // Two neighbouring entries of a descriptor as one lane; 0 behind the last descriptor.
 int32_t PairOfEntries(std::span<const uint8_t> descriptors, size_t row, size_t step) {
@@ -42,9 +44,12 @@ __attribute__((target("avx2"), always_inline)) inline void OfferLanes(Lanes& lan
   auto* best = reinterpret_cast<__m256i*>(lanes.best);
   auto* second = reinterpret_cast<__m256i*>(lanes.second);
   auto* index = reinterpret_cast<__m256i*>(lanes.index);
+  // Seldom is any among the best two.
+  const __m256i old_second = _mm256_loadu_si256(second);
+  if (_mm256_testz_si256(_mm256_cmpgt_epi32(dots, old_second), _mm256_set1_epi32(-1)) != 0) return;
   const __m256i old = _mm256_loadu_si256(best), better = _mm256_cmpgt_epi32(dots, old);
   const __m256i loser = _mm256_min_epi32(old, dots);
-  _mm256_storeu_si256(second, _mm256_max_epi32(_mm256_loadu_si256(second), loser));
+  _mm256_storeu_si256(second, _mm256_max_epi32(old_second, loser));
   _mm256_storeu_si256(best, _mm256_max_epi32(old, dots));
   _mm256_storeu_si256(index, _mm256_blendv_epi8(_mm256_loadu_si256(index), indices, better));
 }
@@ -85,26 +90,27 @@ __attribute__((target("avx2"))) BestOfPair FindBestAvx2(std::span<const uint8_t>
   const std::vector<int32_t> columns = Interleave(second, kTileColumns);
   const size_t row_count = rows.size() / kSteps, column_count = columns.size() / kSteps;
   const __m256i count_up = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-  std::vector<Lanes> of_column(column_count / kLanes);
-
-  BestOfPair result;
-  for (size_t row = 0; row < row_count; row += kTileRows) {
-    Lanes of_row[kTileRows];
-    for (size_t column = 0; column < column_count; column += kTileColumns) {
-      __m256i dots[kTileRows][2];
-      DotTile(&rows[row * kSteps], &columns[column * kSteps], dots);
-      for (size_t half = 0; half < 2; ++half) {
-        const __m256i column_ids =
-            _mm256_add_epi32(_mm256_set1_epi32(int32_t(column + half * kLanes)), count_up);
-        Lanes& below = of_column[column / kLanes + half];
-        for (size_t r = 0; r < kTileRows; ++r) {
-          OfferLanes(of_row[r], dots[r][half], column_ids);
-          OfferLanes(below, dots[r][half], _mm256_set1_epi32(int32_t(row + r)));
+  std::vector<Lanes> of_row(row_count), of_column(column_count / kLanes);
+  for (size_t first_column = 0; first_column < column_count; first_column += kBlockColumns) {
+    const size_t end_column = std::min(first_column + kBlockColumns, column_count);
+    for (size_t row = 0; row < row_count; row += kTileRows) {
+      for (size_t column = first_column; column < end_column; column += kTileColumns) {
+        __m256i dots[kTileRows][2];
+        DotTile(&rows[row * kSteps], &columns[column * kSteps], dots);
+        for (size_t half = 0; half < 2; ++half) {
+          const __m256i column_ids =
+              _mm256_add_epi32(_mm256_set1_epi32(int32_t(column + half * kLanes)), count_up);
+          Lanes& below = of_column[column / kLanes + half];
+          for (size_t r = 0; r < kTileRows; ++r) {
+            OfferLanes(of_row[row + r], dots[r][half], column_ids);
+            OfferLanes(below, dots[r][half], _mm256_set1_epi32(int32_t(row + r)));
+          }
         }
       }
     }
-    for (const Lanes& lanes : of_row) result.of_first.push_back(Reduce(lanes));
   }
+  BestOfPair result;
+  for (const Lanes& lanes : of_row) result.of_first.push_back(Reduce(lanes));
   result.of_second = Unpack(of_column);
   CutToSize(result, first, second);
   return result;

@@ -20,6 +20,8 @@ namespace {
 // products stay in registers. Four neighbouring entries make one 32-bit lane.
 constexpr size_t kTileRows = 4, kLanes = 16, kTileVectors = 4, kTileColumns = kTileVectors * kLanes;
 constexpr size_t kSteps = kDescriptorBytes / 4;
+// All rows pass by this many columns, which stay in the nearest cache meanwhile (16 KiB).
+constexpr size_t kBlockColumns = 128;
 using Lanes = BestTwoLanes<kLanes>;
 
 // Four neighbouring entries of a descriptor as one lane; 0 behind the last descriptor.
@@ -116,26 +118,27 @@ __attribute__((TETREC_VNNI)) BestOfPair FindBestVnni(std::span<const uint8_t> fi
   const std::vector<int32_t> made_good = MakeGood(second);
   const size_t row_count = rows.size() / kSteps, column_count = columns.size() / kSteps;
   const __m512i count_up = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  std::vector<Lanes> of_column(column_count / kLanes);
-
-  BestOfPair result;
-  for (size_t row = 0; row < row_count; row += kTileRows) {
-    Lanes of_row[kTileRows];
-    for (size_t column = 0; column < column_count; column += kTileColumns) {
-      __m512i dots[kTileRows][kTileVectors];
-      DotTile(&rows[row * kSteps], &columns[column * kSteps], &made_good[column], dots);
-      for (size_t k = 0; k < kTileVectors; ++k) {
-        const __m512i column_ids =
-            _mm512_add_epi32(_mm512_set1_epi32(int32_t(column + k * kLanes)), count_up);
-        Lanes& below = of_column[column / kLanes + k];
-        for (size_t r = 0; r < kTileRows; ++r) {
-          OfferLanes(of_row[r], dots[r][k], column_ids);
-          OfferLanes(below, dots[r][k], _mm512_set1_epi32(int32_t(row + r)));
+  std::vector<Lanes> of_row(row_count), of_column(column_count / kLanes);
+  for (size_t first_column = 0; first_column < column_count; first_column += kBlockColumns) {
+    const size_t end_column = std::min(first_column + kBlockColumns, column_count);
+    for (size_t row = 0; row < row_count; row += kTileRows) {
+      for (size_t column = first_column; column < end_column; column += kTileColumns) {
+        __m512i dots[kTileRows][kTileVectors];
+        DotTile(&rows[row * kSteps], &columns[column * kSteps], &made_good[column], dots);
+        for (size_t k = 0; k < kTileVectors; ++k) {
+          const __m512i column_ids =
+              _mm512_add_epi32(_mm512_set1_epi32(int32_t(column + k * kLanes)), count_up);
+          Lanes& below = of_column[column / kLanes + k];
+          for (size_t r = 0; r < kTileRows; ++r) {
+            OfferLanes(of_row[row + r], dots[r][k], column_ids);
+            OfferLanes(below, dots[r][k], _mm512_set1_epi32(int32_t(row + r)));
+          }
         }
       }
     }
-    for (const Lanes& lanes : of_row) result.of_first.push_back(Reduce(lanes));
   }
+  BestOfPair result;
+  for (const Lanes& lanes : of_row) result.of_first.push_back(Reduce(lanes));
   result.of_second = Unpack(of_column);
   CutToSize(result, first, second);
   return result;

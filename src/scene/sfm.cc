@@ -133,7 +133,8 @@ std::string FeaturesKey(const std::vector<Photo>& photos, const LinkedPhotos& li
   nlohmann::json key = {{"colmap", colmap_version},
                         {"model", extract.camera_model},
                         {"per_image", extract.camera_per_image},
-                        {"features", extract.max_features}};
+                        {"features", extract.max_features},
+                        {"format", 2}};  // 1: as many as COLMAP left
   for (size_t i = 0; i < photos.size(); ++i)
     key["photos"].push_back({linked.names[i], photos[i].sha256});
   const std::string text = key.dump();

@@ -16,7 +16,7 @@ struct SfmOptions {
   std::string camera_sharing = "auto";  // auto (one a picture size), single, per-folder, per-image
   std::string camera_model =
       "auto";               // auto, OPENCV, RADIAL, SIMPLE_RADIAL, PINHOLE, SIMPLE_PINHOLE
-  int max_features = 4096;  // features a picture, about
+  int max_features = 3072;  // features a picture; those of the largest scales
   int max_size = 640;       // [px] longer side of the scene's pictures
   int holdout = 8;          // every N-th view is held out as test; 0: none
   int seed = 0;             // of COLMAP's mapper

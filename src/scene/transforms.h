@@ -13,13 +13,13 @@
 //   k1 k2 k3 p1 p2                 lens distortion as OpenCV (k1 to k4 of fisheyes)
 //   distortion_params              all of it in one list, as nerfstudio: k1 k2 k3 k4 p1 p2
 //   camera_model, is_fisheye       OPENCV_FISHEYE or one of the perspective models
-// A frame may name a mask (mask_path). What else of these programs would change the result is warned
-// of (alpha and masks that only lie beside a picture, colours that mean transparency) or refused
-// (rolling_shutter; normal_mts_args and from_na, which mean other axes); depth pictures and all
-// other fields are listed in the log as unused. The file may name sparse points (ply_file_path). The
-// input's coordinates are those of transform_matrix and of the points: what nerfstudio's
-// applied_transform and applied_scale or instant-ngp's scale and offset would do to them is not done
-// or undone.
+// A frame may name a mask (mask_path). What else of these programs would change the result is
+// warned of (alpha and masks that only lie beside a picture, colours that mean transparency) or
+// refused (rolling_shutter; normal_mts_args and from_na, which mean other axes); depth pictures and
+// all other fields are listed in the log as unused. The file may name sparse points
+// (ply_file_path). The input's coordinates are those of transform_matrix and of the points: what
+// nerfstudio's applied_transform and applied_scale or instant-ngp's scale and offset would do to
+// them is not done or undone.
 #pragma once
 
 #include "scene/dataset.h"

@@ -12,7 +12,9 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <iterator>
 #include <random>
 
 namespace tetrec {
@@ -210,6 +212,36 @@ TEST(ColmapDatabase, PicturesAreNumberedByNameWithTheirFeatures) {
     EXPECT_EQ(images[i].features, 1u);
     EXPECT_EQ(database.ReadDescriptors(images[i].id)[0], uint8_t(expected[i].back()));
   }
+}
+
+TEST(ColmapDatabase, TheCoarsestFeaturesAreKeptInTheirOrder) {
+  const ScratchFolder folder;
+  MakeDatabase(folder / "a.db", {"0/a", "0/b"});
+  // Keypoints x, y, scale, angle; x and the descriptor's first byte are the feature's number.
+  const float scales[] = {3, 9, 1, 9, 2, 8};
+  std::string keypoints, descriptors;
+  for (size_t i = 0; i < std::size(scales); ++i) {
+    for (const float value : {float(i), 0.0f, scales[i], 0.0f}) {
+      for (int byte = 0; byte < 4; ++byte) {
+        keypoints += fmt::format("{:02x}", std::bit_cast<uint32_t>(value) >> (8 * byte) & 255);
+      }
+    }
+    descriptors += fmt::format("{:02x}{:0254}", i, 0);
+  }
+  NumberOf(folder / "a.db",
+           fmt::format("UPDATE keypoints SET rows = 6, cols = 4, data = X'{}' WHERE image_id = 1;"
+                       "UPDATE descriptors SET rows = 6, data = X'{}' WHERE image_id = 1;",
+                       keypoints, descriptors));
+  ColmapDatabase database(folder / "a.db");
+  database.KeepCoarsest(4);
+  const Descriptors kept = database.ReadDescriptors(1);
+  ASSERT_EQ(kept.size(), 4 * kDescriptorBytes);
+  const uint8_t expected[] = {0, 1, 3, 5};
+  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(kept[i * kDescriptorBytes], expected[i]);
+  EXPECT_EQ(NumberOf(folder / "a.db", "SELECT rows * length(data) FROM keypoints WHERE image_id=1"),
+            4 * 4 * 16);
+  EXPECT_EQ(database.ReadDescriptors(2).size(), kDescriptorBytes);
+  EXPECT_EQ(database.ReadCoarsestDescriptors(1, 2)[0], 1);
 }
 
 TEST(ColmapDatabase, AppendedPartsAreOneDatabaseWhateverTheParts) {

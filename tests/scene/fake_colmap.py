@@ -121,7 +121,7 @@ def map_scene(options):
         write_model(folder, names[::2], 300)
     else:
         write_model(os.path.join(options["output_path"], "0"), names[:2], 61)  # the first is not the largest
-        write_model(os.path.join(options["output_path"], "1"), names, 300, mode == "folded")
+        write_model(os.path.join(options["output_path"], "1"), names, 300, MODE == "folded")
 
 
 def main():
