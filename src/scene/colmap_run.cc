@@ -374,6 +374,7 @@ std::vector<fs::path> MapScene(const ColmapProgram& colmap, const fs::path& phot
            // fewer rounds: a quarter less time; the last adjustment, of all, decides the result.
            "--Mapper.ba_global_images_ratio", "1.4", "--Mapper.ba_global_points_ratio", "1.4",
            "--Mapper.ba_global_max_refinements", "2", "--Mapper.ba_local_max_num_iterations", "16",
+           "--Mapper.ba_local_max_refinements", "1",
            // COLMAP goes on as long as anything gets better at all; a third less time.
            "--Mapper.ba_global_function_tolerance", "1e-5", "--Mapper.ba_local_function_tolerance",
            "1e-3"},
