@@ -106,6 +106,9 @@ json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& s
     ++foreground_count;
   }
   const double mean_mse = MeanOf(scores, [](const ViewScore& s) { return s.mse; });
+  // Views of which only the pixels that a mask leaves are judged.
+  const auto masked_count = std::count_if(rendered.views.begin(), rendered.views.end(),
+                                          [](const RenderedView& view) { return bool(view.seen); });
   // No mask anywhere: 0 / 0, which Finite writes as null.
   const double mean_foreground = foreground_sum / double(foreground_count);
   return {
@@ -114,6 +117,7 @@ json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& s
       {"psnr_of_mean_mse", Finite(PsnrFromMse(mean_mse))},
       {"foreground_psnr", Finite(mean_foreground)},
       {"foreground_views", foreground_count},
+      {"masked_views", masked_count},
       {"identical_views", identical},
       {"ssim", MeanOf(scores, [](const ViewScore& s) { return s.ssim; })},
       {"ssim_window", "gaussian 11x11 sigma 1.5, K 0.01 0.03, range 1, zero padding, mean of RGB"},

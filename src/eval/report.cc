@@ -164,6 +164,10 @@ std::string KeyNumbers(const ReportContent& content) {
   }
   rows += Row("SSIM", NumberOr(m["ssim"], "{:.4f}"),
               "Gaussian 11×11, σ 1.5, K 0.01 and 0.03, zero padding, mean of RGB");
+  if (const int masked = m.value("masked_views", 0); masked > 0) {
+    rows += Row("Views with masks", std::to_string(masked),
+                "of these all numbers are of the pixels that the masks leave");
+  }
   rows += Row("LPIPS", "–", "not computed: it needs a trained network");
   rows +=
       Row("Tets / vertices", CountOr(m["tets"]) + " / " + CountOr(m["vertices"]), "of the field");

@@ -126,7 +126,9 @@ class EndToEndTest(StageCase):
                                             "--background", "scene"))
             self.assert_done(self.run_stage("render", run / "3_field", "-o", run / "4_views"))
             self.assert_done(self.run_stage("evaluate", run / "4_views", "-o", run / "6_report"))
-            psnr[masks] = json.loads((run / "6_report" / "metrics.json").read_text())["psnr"]
+            metrics = json.loads((run / "6_report" / "metrics.json").read_text())
+            psnr[masks] = metrics["psnr"]
+            self.assertEqual(metrics["masked_views"], 4 if masks == "ignore" else 0)
             views = json.loads((run / "4_views" / "views.json").read_text())["views"]
             for view in views:
                 self.assertEqual("seen" in view, masks == "ignore")
