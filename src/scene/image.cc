@@ -17,6 +17,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <string_view>
 
 namespace tetrec {
 namespace {
@@ -242,6 +243,17 @@ std::vector<Coverage> CoverAxis(int source_size, int target_size) {
 
 uint8_t ToByte(double value) { return uint8_t(std::clamp(value + 0.5, 0.0, 255.0)); }
 
+// OpenCV would give a file with this word here to its reader of medical pictures, which believes
+// the lengths that it finds, whatever the file begins with.
+void RefuseDicom(std::span<const uint8_t> bytes, const std::string& name) {
+  constexpr size_t kPlace = 128;
+  constexpr std::string_view kWord = "DICM";
+  if (bytes.size() < kPlace + kWord.size()) return;
+  if (std::memcmp(&bytes[kPlace], kWord.data(), kWord.size()) != 0) return;
+  throw DataError(
+      fmt::format("{}: EXR with the mark of a DICOM file at byte 128; save it anew", name));
+}
+
 }  // namespace
 
 bool HasPhotoExtension(const std::filesystem::path& path) {
@@ -272,6 +284,7 @@ Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name, ExifR
   if (is_jpeg) CheckJpeg(bytes, name);
 
   if (is_exr) {
+    RefuseDicom(bytes, name);
     const glm::u64vec2 size = CheckExrHeader(bytes, name);
     CheckSize(size.x, size.y, name);
     CheckAgainstFile(size.x * size.y, bytes.size(), name);

@@ -145,6 +145,10 @@ def image_seeds():
     yield "grey.jpg", jpeg()
     yield "rgba.exr", exr([b"A", b"B", b"G", b"R"], 0, struct.pack("<8e", *(i / 8 for i in range(8))))
     yield "grey.exr", exr([b"Y"], 0, struct.pack("<2e", 0.5, 2))
+    # A find: the mark of another format, which a decoder took for its own.
+    dicom = bytearray(exr([b"Y"], 0, struct.pack("<2e", 0.5, 2)))
+    dicom[128:132] = b"DICM"
+    yield "dicom.exr", bytes(dicom)
 
 
 def colmap_seeds():

@@ -337,6 +337,16 @@ TEST(ImageFiles, ExrsThatAreNoPlainPictureAreRefused) {
                    "EXR texts: byte 4: 5 bytes of a text do not fit in the 4 bytes");
 }
 
+// Found by fuzzing: OpenCV took it for a DICOM file and believed a length of 1.9 GB.
+TEST(ImageFiles, AnExrWithTheMarkOfADicomFileIsRefused) {
+  std::vector<uint8_t> exr = SomeExr(3, std::vector<float>(12, 0.5f));
+  ASSERT_GT(exr.size(), 132u);
+  const std::string mark = "DICM";
+  std::copy(mark.begin(), mark.end(), exr.begin() + 128);
+  ExpectError<DataError>([&] { DecodeImage(exr, "a.exr"); },
+                         {"a.exr: EXR with the mark of a DICOM file at byte 128"});
+}
+
 TEST(ImageFiles, WithoutRoomForATemporaryFileAnExrIsNotCalledDamaged) {
   const std::vector<uint8_t> exr = SomeExr(3, std::vector<float>(12, 0.5f));
   const ScratchFolder folder;
