@@ -177,8 +177,10 @@ StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::p
   WriteImage(path, image);
   stored.has_mask = is_masked && options.masks == MaskUse::kIgnore;
   stored.has_alpha = image.channels == 4 && !stored.has_mask;
-  if (image.channels == 4) CountHidden(AlphaOf(image), stored);
-  if (stored.has_alpha && picture.split == Split::kTrain) stored.alpha = AlphaOf(image);
+  if (image.channels != 4) return stored;
+  std::vector<uint8_t> alpha = AlphaOf(image);
+  CountHidden(alpha, stored);
+  if (stored.has_alpha && picture.split == Split::kTrain) stored.alpha = std::move(alpha);
   return stored;
 }
 
@@ -412,21 +414,24 @@ void MoveToBounds(Scene& scene, const Bounds3& bounds_in_input) {
   for (ScenePoint& point : scene.points) point.position = world_from_input * point.position;
 }
 
+ViewAlphas AlphasOf(const std::vector<StoredPicture>& stored) {
+  ViewAlphas alphas;
+  for (const StoredPicture& picture : stored) alphas.push_back(picture.alpha);
+  return alphas;
+}
+
 Triangulation Triangulate(const std::filesystem::path& folder, const Scene& scene,
                           const std::vector<StoredPicture>& stored, const ColmapPlace& place) {
   if (!scene.points.empty()) {
     LogWarning("the data set has {} points of its own; --triangulate replaces them",
                scene.points.size());
   }
-  ViewAlphas alphas;
-  for (const StoredPicture& picture : stored) alphas.push_back(picture.alpha);
-  return TriangulatePoints(folder, scene, alphas, place);
+  return TriangulatePoints(folder, scene, AlphasOf(stored), place);
 }
 
 // Points of the data set that some training view sees through.
 size_t DropTransparentPoints(const std::vector<StoredPicture>& stored, Scene& scene) {
-  ViewAlphas alphas;
-  for (const StoredPicture& picture : stored) alphas.push_back(picture.alpha);
+  const ViewAlphas alphas = AlphasOf(stored);
   return std::erase_if(scene.points, [&](const ScenePoint& point) {
     return IsSeenThrough(scene, alphas, point.position);
   });
