@@ -6,6 +6,7 @@
 #include "core/option_checks.h"
 #include "core/plain_command.h"
 #include "core/stage.h"
+#include "core/word_option.h"
 #include "scene/scene.h"
 
 #include <fmt/format.h>
@@ -50,7 +51,6 @@ int main(int argc, char** argv) {
   app.option_defaults()->always_capture_default();
   std::filesystem::path field, out;
   tetrec::BenchOptions options;
-  std::string storage;
   uint64_t fragment_memory_mib = options.renderer.fragment_memory >> 20;
   app.add_option("FIELD", field,
                  "Folder of tetrec-optimize; without: a soft ball in a cube, seen from outside");
@@ -59,20 +59,19 @@ int main(int argc, char** argv) {
     return app.add_option(name, values, help)->delimiter(',');
   };
   list("--renderer", options.renderers, "march, ppll, projection, reference")
-      ->check(CLI::IsMember({"march", "ppll", "projection", "reference"}));
+      ->check(CLI::IsMember(tetrec::NamesOf<tetrec::RendererKind>()));
   list("--order", options.orders, "of projection: exact, centroid")
-      ->check(CLI::IsMember({"exact", "centroid"}));
+      ->check(CLI::IsMember(tetrec::NamesOf<tetrec::VisibilityOrder>()));
   list("--integral", options.integrals,
        "exact, mean, split:N; the first renderer takes all, the others the last of them");
   app.add_flag("--all-pairs", options.all_pairs, "every renderer with every integral");
   list("--tets", options.tets,
        "sizes of the meshes: the field's vertices thinned out, or middles of edges added; default: "
        "the field's own mesh, without a field 10000,100000,1000000");
-  app.add_option(
-         "--storage", storage,
-         "where density and colour live: vertex or cell; default: where the field has them, "
-         "without a field vertex")
-      ->check(CLI::IsMember({"vertex", "cell"}));
+  tetrec::AddWordOption(
+      app, "--storage", options.storage, "auto",
+      "where density and colour live: vertex, cell or auto (where the field has them, "
+      "without a field vertex)");
   list("--size", options.sizes, "sides of the square pictures [px]");
   app.add_option("--repeat", options.repeat, "turns of each variant, after one to warm up");
   app.add_option("--error-size", options.error_size,
@@ -92,10 +91,6 @@ int main(int argc, char** argv) {
   app.add_option("--device", options.renderer.device.device,
                  "Vulkan device: auto, cpu, gpu or a number");
   return tetrec::RunPlainCommand(app, argc, argv, [&] {
-    if (!storage.empty()) {
-      options.storage =
-          storage == "cell" ? tetrec::FieldStorage::kCell : tetrec::FieldStorage::kVertex;
-    }
     options.renderer.fragment_memory = fragment_memory_mib << 20;
     Bench(options, field, out);
   });

@@ -3,15 +3,15 @@
 
 #include "core/error.h"
 #include "core/stage.h"
+#include "core/word_option.h"
 #include "scene/volume_import.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <vector>
 
-using tetrec::Background, tetrec::DatasetFormat, tetrec::MaskUse;
+using tetrec::AddWordOption, tetrec::Background;
 
 namespace {
 
@@ -36,9 +36,9 @@ void AddVolumeOptions(tetrec::StageCommand& command, tetrec::VolumeImportOptions
       ->expected(2);
   app.add_option("--attenuation", options.attenuation,
                  "density at opacity 1 [1 / the volume's longest side]");
-  app.add_option("--shading", options.shading,
-                 "pre: density and colour are interpolated between samples; post: the sample is "
-                 "interpolated, then given density and colour");
+  AddWordOption(app, "--shading", options.shading,
+                "pre: density and colour are interpolated between samples; post: the sample is "
+                "interpolated, then given density and colour");
   app.add_option("--cameras", options.cameras, "views, on a sphere around the volume");
   app.add_option(
       "--size", options.size_px,
@@ -88,18 +88,10 @@ int main(int argc, char** argv) {
   CLI::App& app = command.app();
   command.InputPath("DATASET", "folder of the data set, or file of a volume");
   AddVolumeOptions(command, volume_options);
-  const std::map<std::string, DatasetFormat> formats = {
-      {Name(DatasetFormat::kAuto), DatasetFormat::kAuto},
-      {Name(DatasetFormat::kNerfSynthetic), DatasetFormat::kNerfSynthetic},
-      {Name(DatasetFormat::kTransforms), DatasetFormat::kTransforms},
-      {Name(DatasetFormat::kColmap), DatasetFormat::kColmap}};
-  std::string format = Name(options.format);
-  app.add_option("--format", format,
-                 "format of the data set: auto (by the files that are there), nerf-synthetic "
-                 "(transforms_train.json), transforms (transforms.json of instant-ngp or "
-                 "nerfstudio) or colmap (a model with its pictures)")
-      ->check(CLI::IsMember(formats))
-      ->capture_default_str();
+  AddWordOption(app, "--format", options.format,
+                "format of the data set: auto (by the files that are there), nerf-synthetic "
+                "(transforms_train.json), transforms (transforms.json of instant-ngp or "
+                "nerfstudio) or colmap (a model with its pictures)");
   app.add_option("--images", options.images,
                  "folder of a COLMAP model's pictures in the data set, e.g. images_4 of the same "
                  "pictures made smaller; without it: images");
@@ -110,27 +102,13 @@ int main(int argc, char** argv) {
   app.add_option("--downscale", options.downscale,
                  "divides the pictures' sides by this factor, in place of --max-size")
       ->excludes(max_size);
-  const std::map<std::string, std::optional<Background>> backgrounds = {
-      {"auto", std::nullopt},
-      {Name(Background::kWhite), Background::kWhite},
-      {Name(Background::kBlack), Background::kBlack},
-      {Name(Background::kScene), Background::kScene}};
-  std::string background = "auto";
-  app.add_option("--background", background,
-                 "what stands behind the subject: white or black (pictures with alpha, or taken "
-                 "before it), scene (photos), auto (white behind alpha, else scene)")
-      ->check(CLI::IsMember(backgrounds))
-      ->capture_default_str();
-  const std::map<std::string, MaskUse> mask_uses = {{Name(MaskUse::kIgnore), MaskUse::kIgnore},
-                                                    {Name(MaskUse::kSubject), MaskUse::kSubject},
-                                                    {Name(MaskUse::kNone), MaskUse::kNone}};
-  std::string masks = Name(options.masks);
-  app.add_option("--masks", masks,
-                 "what is black in the data set's masks: ignore (something that is not to be "
-                 "modelled, people for example: those pixels count for nothing), subject (empty "
-                 "space around the subject: masks become alpha), none (masks are not used)")
-      ->check(CLI::IsMember(mask_uses))
-      ->capture_default_str();
+  AddWordOption(app, "--background", options.background, "auto",
+                "what stands behind the subject: white or black (pictures with alpha, or taken "
+                "before it), scene (photos), auto (white behind alpha, else scene)");
+  AddWordOption(app, "--masks", options.masks,
+                "what is black in the data set's masks: ignore (something that is not to be "
+                "modelled, people for example: those pixels count for nothing), subject (empty "
+                "space around the subject: masks become alpha), none (masks are not used)");
   CLI::Option* holdout =
       app.add_option("--holdout", options.holdout,
                      "every N-th view by name is held out for judging, the others train; 0: none. "
@@ -159,9 +137,6 @@ int main(int argc, char** argv) {
         RunImport(options, stage);
       },
       [&] {
-        options.format = formats.at(format);
-        options.masks = mask_uses.at(masks);
-        options.background = backgrounds.at(background);
         if (!bounds.empty()) {
           options.subject_in_input = {{bounds[0], bounds[1], bounds[2]},
                                       {bounds[3], bounds[4], bounds[5]}};

@@ -1,5 +1,6 @@
 // tetrec-optimize: fits the radiance field to the pictures, coarse to fine.
 #include "core/option_checks.h"
+#include "core/word_option.h"
 #include "optimize/trainer.h"
 #include "render/renderer_words.h"
 
@@ -7,7 +8,7 @@ namespace {
 
 // Options that the command line gives as words.
 struct Words {
-  std::string loss = "l2", background = "random", storage = "vertex";
+  std::string loss = "l2", background = "random";
   tetrec::RendererWords renderer;
 };
 
@@ -21,10 +22,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   app.add_option("--loss", words.loss,
                  "l2 (highest PSNR), l1 (sharper, robust to outliers), or either with a share of "
                  "D-SSIM, (1 - SSIM) / 2: l1+dssim:0.2 is 0.8 l1 + 0.2 D-SSIM");
-  app.add_option("--storage", words.storage,
-                 "where density and colour live: vertex (linear inside each tet) or cell (one of "
-                 "each a tet, constant inside)")
-      ->check(CLI::IsMember({"vertex", "cell"}));
+  tetrec::AddWordOption(
+      app, "--storage", options.storage,
+      "where density and colour live: vertex (linear inside each tet) or cell (one of each a tet, "
+      "constant inside)");
   app.add_option("--color-rate", options.color_rate, "first learning rate of colour [display sRGB]")
       ->check(tetrec::AboveZero());
   app.add_option("--density-rate", options.density_rate,
@@ -83,8 +84,6 @@ int main(int argc, char** argv) {
       argc, argv, [&](tetrec::Stage& stage) { RunOptimize(options, stage); },
       [&] {
         options.loss = tetrec::ParseLoss(words.loss);
-        options.storage =
-            words.storage == "cell" ? tetrec::FieldStorage::kCell : tetrec::FieldStorage::kVertex;
         options.random_background = words.background == "random";
         words.renderer.Apply(options.renderer);
         options.Check();

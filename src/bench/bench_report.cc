@@ -44,10 +44,6 @@ std::string Named(const BenchVariant& variant, bool with_integral) {
   return name;
 }
 
-std::string StorageWord(const BenchRow& row) {
-  return row.storage == FieldStorage::kCell ? "cell" : "vertex";
-}
-
 // Of a case: names and values of the CSV's columns.
 using Columns = std::vector<std::pair<std::string, std::string>>;
 
@@ -71,7 +67,7 @@ Columns CsvColumns(const BenchRow& row) {
       {"integral", row.variant.integral},
       {"tets", fmt::format("{}", row.tets)},
       {"vertices", fmt::format("{}", row.vertices)},
-      {"storage", StorageWord(row)},
+      {"storage", Name(row.storage)},
       {"deterministic", row.variant.options.deterministic ? "1" : "0"},
       {"px", fmt::format("{}", row.size)},
       {"repetitions", fmt::format("{}", row.forward.wall.size())},
@@ -159,7 +155,7 @@ std::string Caption(const BenchResult& result) {
       "{} x {} px over black and white, full scale 1; gradients of colour, density, position by "
       "random pixel gradients, relative in the norm. A case that took {:g} s is not repeated; one "
       "that may take more than {:g} s a turn, by what smaller ones took, is left out.\n",
-      result.scene, StorageWord(result.rows[0]), result.device,
+      result.scene, Name(result.rows[0].storage), result.device,
       result.options.renderer.deterministic ? "64-bit fixed point" : "floats",
       UsesVulkan(result.options) ? "the march" : "the reference",
       result.options.renderer.stop_transmittance, result.options.error_size,

@@ -319,9 +319,9 @@ std::vector<BenchVariant> VariantsOf(const BenchOptions& options) {
       for (const std::string& integral : options.integrals) {
         if (!all && integral != options.integrals.back()) continue;
         RendererWords words;
-        words.renderer = renderer;
+        words.renderer = FromName<RendererKind>(renderer).value();
         words.integral = integral;
-        if (sorts_tets) words.order = order;
+        if (sorts_tets) words.order = FromName<VisibilityOrder>(order).value();
         BenchVariant variant{renderer, order, integral, options.renderer};
         // An option that this renderer does not know is for the others; Apply refuses it where
         // none of them does.

@@ -1,6 +1,7 @@
 // The radiance field: density and colour on a tet mesh.
 #pragma once
 
+#include "core/words.h"
 #include "mesh/tet_mesh.h"
 
 #include <glm/glm.hpp>
@@ -17,6 +18,9 @@ enum class FieldStorage {
   kVertex,  // a row of attributes a vertex, linear inside each tet
   kCell,    // a row a tet, constant inside
 };
+template <>
+inline constexpr auto kWords<FieldStorage> = std::to_array<Word<FieldStorage>>(
+    {{FieldStorage::kVertex, "vertex"}, {FieldStorage::kCell, "cell"}});
 
 // "vertex" or "tet": what has the rows.
 const char* RowName(FieldStorage storage);

@@ -1,6 +1,7 @@
 // Renderers of a radiance field, forward and backward. No Vulkan type here.
 #pragma once
 
+#include "core/words.h"
 #include "field/radiance_field.h"
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
@@ -184,15 +185,27 @@ enum class RendererKind {
   kProjection,  // projected tets in sorted order
   kReference,   // every tet near the ray is cut, on the CPU: slow, and touches no Vulkan
 };
+template <>
+inline constexpr auto kWords<RendererKind> =
+    std::to_array<Word<RendererKind>>({{RendererKind::kMarch, "march"},
+                                       {RendererKind::kPpll, "ppll"},
+                                       {RendererKind::kProjection, "projection"},
+                                       {RendererKind::kReference, "reference"}});
 
 // Of kReference; the others compute in float.
 enum class Precision { kDouble, kFloat };
+template <>
+inline constexpr auto kWords<Precision> =
+    std::to_array<Word<Precision>>({{Precision::kDouble, "double"}, {Precision::kFloat, "float"}});
 
 // In which order projected tets are composited.
 enum class VisibilityOrder {
   kExact,     // by the power of the camera where the mesh is Delaunay, else by what covers what
   kCentroid,  // by the depth of the tets' centroids: approximate, needs no neighbours
 };
+template <>
+inline constexpr auto kWords<VisibilityOrder> = std::to_array<Word<VisibilityOrder>>(
+    {{VisibilityOrder::kExact, "exact"}, {VisibilityOrder::kCentroid, "centroid"}});
 
 // How lists of fragments are sorted.
 enum class FragmentSort {
@@ -200,6 +213,11 @@ enum class FragmentSort {
   kShell,  // gaps of Ciura; an insertion sort where lists are short
   kHeap,   // the article's
 };
+template <>
+inline constexpr auto kWords<FragmentSort> =
+    std::to_array<Word<FragmentSort>>({{FragmentSort::kAuto, "auto"},
+                                       {FragmentSort::kShell, "shell"},
+                                       {FragmentSort::kHeap, "heap"}});
 
 struct RendererOptions {
   RendererKind kind = RendererKind::kMarch;

@@ -2,40 +2,21 @@
 #include "render/renderer_words.h"
 
 #include "core/error.h"
+#include "core/word_option.h"
 
 #include <fmt/format.h>
 
-#include <map>
-
 namespace tetrec {
-namespace {
-
-const std::map<std::string, RendererKind> kRenderers = {{"march", RendererKind::kMarch},
-                                                        {"ppll", RendererKind::kPpll},
-                                                        {"projection", RendererKind::kProjection},
-                                                        {"reference", RendererKind::kReference}};
-const std::map<std::string, Precision> kPrecisions = {{"double", Precision::kDouble},
-                                                      {"float", Precision::kFloat}};
-const std::map<std::string, FragmentSort> kSorts = {
-    {"auto", FragmentSort::kAuto}, {"shell", FragmentSort::kShell}, {"heap", FragmentSort::kHeap}};
-const std::map<std::string, VisibilityOrder> kOrders = {{"exact", VisibilityOrder::kExact},
-                                                        {"centroid", VisibilityOrder::kCentroid}};
-
-}  // namespace
-
 void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOptions& options) {
   CLI::App& app = command.app();
-  app.add_option("--renderer", words.renderer,
-                 "march (from tet to tet, by far the fastest), ppll (rasterised faces in per-pixel "
-                 "lists, sorted), projection (projected tets, sorted) or reference (on the CPU "
-                 "without Vulkan, for small scenes); the pictures are the same")
-      ->check(CLI::IsMember(&kRenderers));
-  app.add_option("--precision", words.precision, "of the reference renderer: double or float")
-      ->check(CLI::IsMember(&kPrecisions));
-  app.add_option("--order", words.order,
-                 "of projected tets: exact, or centroid (by the depth of their centroids, "
-                 "approximate)")
-      ->check(CLI::IsMember(&kOrders));
+  AddWordOption(app, "--renderer", words.renderer,
+                "march (from tet to tet, by far the fastest), ppll (rasterised faces in per-pixel "
+                "lists, sorted), projection (projected tets, sorted) or reference (on the CPU "
+                "without Vulkan, for small scenes); the pictures are the same");
+  AddWordOption(app, "--precision", words.precision, "of the reference renderer: double or float");
+  AddWordOption(app, "--order", words.order,
+                "of projected tets: exact, or centroid (by the depth of their centroids, "
+                "approximate)");
   app.add_option(
       "--integral", words.integral,
       "colour of a ray inside a tet: exact (linear density), mean (mean density) or split:N "
@@ -46,9 +27,8 @@ void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOpt
                      "not fit is rendered a part at a time")
           ->check(CLI::Range(uint64_t(1), uint64_t(1) << 24)));
   command.DoesNotChangeResults(
-      app.add_option("--fragment-sort", words.sort,
-                     "of ppll: how lists are sorted: shell, heap, or auto (by their length)")
-          ->check(CLI::IsMember(&kSorts)));
+      AddWordOption(app, "--fragment-sort", words.sort,
+                    "of ppll: how lists are sorted: shell, heap, or auto (by their length)"));
   command.DoesNotChangeResults(
       app.add_flag("--time-kernels", options.device.time_kernels,
                    "ends the log with the device's time in each kernel, by timestamps"));
@@ -58,15 +38,15 @@ void AddRendererOptions(StageCommand& command, RendererWords& words, RendererOpt
 }
 
 void RendererWords::Apply(RendererOptions& options) const {
-  options.kind = kRenderers.at(renderer);
-  options.order = kOrders.at(order);
-  options.precision = kPrecisions.at(precision);
+  options.kind = renderer;
+  options.order = order;
+  options.precision = precision;
   options.integral = ParseIntegral(integral);
   options.fragment_memory = fragment_memory_mib << 20;
-  options.fragment_sort = kSorts.at(sort);
+  options.fragment_sort = sort;
   if (options.order != VisibilityOrder::kExact && options.kind != RendererKind::kProjection) {
-    throw UsageError(
-        fmt::format("--order {}: only --renderer projection sorts tets; leave it out", order));
+    throw UsageError(fmt::format("--order {}: only --renderer projection sorts tets; leave it out",
+                                 Name(order)));
   }
   const bool has_lists =
       options.kind == RendererKind::kPpll || options.kind == RendererKind::kProjection;
@@ -78,7 +58,8 @@ void RendererWords::Apply(RendererOptions& options) const {
   }
   if (options.fragment_sort != FragmentSort::kAuto && options.kind != RendererKind::kPpll) {
     throw UsageError(fmt::format(
-        "--fragment-sort {}: only --renderer ppll sorts lists of fragments; leave it out", sort));
+        "--fragment-sort {}: only --renderer ppll sorts lists of fragments; leave it out",
+        Name(sort)));
   }
   if (options.device.device != DeviceOptions().device && options.kind == RendererKind::kReference) {
     throw UsageError(
@@ -88,7 +69,7 @@ void RendererWords::Apply(RendererOptions& options) const {
   }
   if (options.precision != Precision::kDouble && options.kind != RendererKind::kReference) {
     throw UsageError(fmt::format(
-        "--precision {}: only --renderer reference has a choice; leave it out", precision));
+        "--precision {}: only --renderer reference has a choice; leave it out", Name(precision)));
   }
 }
 

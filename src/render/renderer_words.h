@@ -10,8 +10,11 @@ namespace tetrec {
 
 // What the command line gives as words.
 struct RendererWords {
-  std::string renderer = "march", order = "exact", integral = "exact", sort = "auto",
-              precision = "double";
+  RendererKind renderer = RendererKind::kMarch;
+  VisibilityOrder order = VisibilityOrder::kExact;
+  FragmentSort sort = FragmentSort::kAuto;
+  Precision precision = Precision::kDouble;
+  std::string integral = "exact";
   uint64_t fragment_memory_mib = 512;
 
   // Throws UsageError where the words do not go together.

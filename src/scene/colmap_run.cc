@@ -294,9 +294,8 @@ void ExtractFeatures(const ColmapProgram& colmap, const fs::path& photos,
   }
   std::set<std::string> found;
   {
-    ColmapDatabase merged(
-        half,
-        colmap.version);  // closed before it gets its name: only then is all of it in the file
+    // Closed before it gets its name: only then is all of it in the file.
+    ColmapDatabase merged(half, colmap.version);
     for (size_t part = 1; part < part_count; ++part) merged.Append(part_files[part]);
     merged.NumberByName(!options.camera_per_image);
     merged.KeepCoarsest(size_t(options.max_features));

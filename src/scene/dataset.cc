@@ -11,20 +11,6 @@
 
 namespace tetrec {
 
-const char* Name(DatasetFormat format) {
-  switch (format) {
-    case DatasetFormat::kAuto:
-      return "auto";
-    case DatasetFormat::kNerfSynthetic:
-      return "nerf-synthetic";
-    case DatasetFormat::kTransforms:
-      return "transforms";
-    case DatasetFormat::kColmap:
-      return "colmap";
-  }
-  return "?";
-}
-
 DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
   if (std::filesystem::is_regular_file(folder)) {
     throw DataError(fmt::format("{}: is a file; give the folder that it lies in, {}",

@@ -42,7 +42,12 @@ enum class MissingPictures { kRefuse, kSkip };
 
 // What import reads. kAuto: told by the files that are there.
 enum class DatasetFormat { kAuto, kNerfSynthetic, kTransforms, kColmap };
-const char* Name(DatasetFormat format);
+template <>
+inline constexpr auto kWords<DatasetFormat> =
+    std::to_array<Word<DatasetFormat>>({{DatasetFormat::kAuto, "auto"},
+                                        {DatasetFormat::kNerfSynthetic, "nerf-synthetic"},
+                                        {DatasetFormat::kTransforms, "transforms"},
+                                        {DatasetFormat::kColmap, "colmap"}});
 
 // Throws DataError where the folder is none of the known formats, naming what was looked for.
 DatasetFormat RecogniseDataset(const std::filesystem::path& folder);

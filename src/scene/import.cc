@@ -456,18 +456,6 @@ Background BackgroundOf(const Scene& scene, const ImportOptions& options) {
 
 }  // namespace
 
-const char* Name(MaskUse use) {
-  switch (use) {
-    case MaskUse::kIgnore:
-      return "ignore";
-    case MaskUse::kSubject:
-      return "subject";
-    case MaskUse::kNone:
-      return "none";
-  }
-  return "?";
-}
-
 void ImportOptions::Check() const {
   if (max_size < 0 || max_size > 65536) {
     throw UsageError(fmt::format("--max-size {}: expected 0 to 65536 pixels", max_size));

@@ -18,7 +18,9 @@ namespace tetrec {
 // walking by): those pixels count for nothing. kSubject: what is black there is empty, the rest is
 // the subject, as if the pictures had alpha. kNone: nothing.
 enum class MaskUse { kIgnore, kSubject, kNone };
-const char* Name(MaskUse use);
+template <>
+inline constexpr auto kWords<MaskUse> = std::to_array<Word<MaskUse>>(
+    {{MaskUse::kIgnore, "ignore"}, {MaskUse::kSubject, "subject"}, {MaskUse::kNone, "none"}});
 
 struct ImportOptions {
   DatasetFormat format = DatasetFormat::kAuto;

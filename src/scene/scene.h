@@ -13,6 +13,7 @@
 //               "cam_from_world": {"rotation": 3 x 3, "translation": [x, y, z]}}]}
 #pragma once
 
+#include "core/words.h"
 #include "geometry/bounds3.h"
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
@@ -28,10 +29,16 @@ namespace tetrec {
 // train: optimised on; validation: watched while optimising; test: judged at the end. Photo scenes
 // have train and test only.
 enum class Split { kTrain, kValidation, kTest };
+template <>
+inline constexpr auto kWords<Split> = std::to_array<Word<Split>>(
+    {{Split::kTrain, "train"}, {Split::kValidation, "validation"}, {Split::kTest, "test"}});
 
 // What stands behind everything: a constant for pictures with alpha, the scene's own far shell for
 // photos.
 enum class Background { kWhite, kBlack, kScene };
+template <>
+inline constexpr auto kWords<Background> = std::to_array<Word<Background>>(
+    {{Background::kWhite, "white"}, {Background::kBlack, "black"}, {Background::kScene, "scene"}});
 
 struct View {
   std::string name;   // unique, e.g. "train/r_0" or "0001.jpg"
@@ -74,8 +81,5 @@ Scene ReadScene(const std::filesystem::path& folder);
 // Writes scene.json and points.ply; pictures are the caller's. Throws DataError for what ReadScene
 // would not take (not finite, no rotation, two views of one name).
 void WriteScene(const std::filesystem::path& folder, const Scene& scene);
-
-const char* Name(Split split);
-const char* Name(Background background);
 
 }  // namespace tetrec

@@ -21,19 +21,13 @@ constexpr int kMaxSide_px = 1 << 16;
 constexpr double kRotationTolerance = 1e-6;
 constexpr const char* kPointsFile = "points.ply";
 
-constexpr Split kSplits[] = {Split::kTrain, Split::kValidation, Split::kTest};
-constexpr Background kBackgrounds[] = {Background::kWhite, Background::kBlack, Background::kScene};
-
-// The one of `values` that has the name that `json` gives.
-template <class T, size_t kCount>
-T OneOf(const T (&values)[kCount], const CheckedJson& json) {
+// The value that has the name that `json` gives.
+template <class E>
+E ReadWord(const CheckedJson& json) {
   const std::string name = json.Text();
-  std::string names;
-  for (const T value : values) {
-    if (name == Name(value)) return value;
-    names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", Name(value));
-  }
-  json.Fail(fmt::format("is \"{}\"; expected one of {}", name, names));
+  const std::optional<E> value = FromName<E>(name);
+  if (!value) json.Fail(fmt::format("is \"{}\"; expected {}", name, AllNames<E>()));
+  return *value;
 }
 
 using tetrec::ToJson;  // else hidden by the overloads of this file
@@ -84,7 +78,7 @@ View ReadView(const CheckedJson& json, size_t camera_count) {
   view.name = json.Field("name").Text();
   view.image = json.Field("image").Text();
   view.camera = int(json.Field("camera").IntegerIn(0, int64_t(camera_count) - 1));
-  view.split = OneOf(kSplits, json.Field("split"));
+  view.split = ReadWord<Split>(json.Field("split"));
   view.cam_from_world = ReadRigid(json.Field("cam_from_world"));
   // Later stages name their own files after views.
   if (!StaysInside(view.name)) {
@@ -112,7 +106,7 @@ Similarity3 ReadSimilarity(const CheckedJson& json) {
 Scene SceneFromJson(const CheckedJson& json) {
   json.Field("schema").IntegerIn(kSchema, kSchema);
   Scene scene;
-  scene.background = OneOf(kBackgrounds, json.Field("background"));
+  scene.background = ReadWord<Background>(json.Field("background"));
   scene.has_alpha = json.Field("has_alpha").Flag();
   // Scenes of earlier versions have none.
   scene.has_masks = json.Has("has_masks") && json.Field("has_masks").Flag();
@@ -139,30 +133,6 @@ Scene SceneFromJson(const CheckedJson& json) {
 }
 
 }  // namespace
-
-const char* Name(Split split) {
-  switch (split) {
-    case Split::kTrain:
-      return "train";
-    case Split::kValidation:
-      return "validation";
-    case Split::kTest:
-      return "test";
-  }
-  throw BugError("unknown split");
-}
-
-const char* Name(Background background) {
-  switch (background) {
-    case Background::kWhite:
-      return "white";
-    case Background::kBlack:
-      return "black";
-    case Background::kScene:
-      return "scene";
-  }
-  throw BugError("unknown background");
-}
 
 std::vector<int> Scene::ViewsOf(Split split) const {
   std::vector<int> indices;

@@ -59,18 +59,6 @@ void Normalise(const glm::dvec2& range, Volume& volume) {
 
 }  // namespace
 
-const char* Name(SampleType type) {
-  switch (type) {
-    case SampleType::kUint8:
-      return "uint8";
-    case SampleType::kUint16:
-      return "uint16";
-    case SampleType::kFloat32:
-      return "float32";
-  }
-  throw BugError("unknown sample type");
-}
-
 size_t BytesOf(SampleType type) {
   return type == SampleType::kUint8 ? 1 : type == SampleType::kUint16 ? 2 : 4;
 }

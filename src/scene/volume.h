@@ -5,6 +5,8 @@
 // fastest.
 #pragma once
 
+#include "core/words.h"
+
 #include <glm/glm.hpp>
 
 #include <cstdint>
@@ -16,8 +18,12 @@
 namespace tetrec {
 
 enum class SampleType { kUint8, kUint16, kFloat32 };
+template <>
+inline constexpr auto kWords<SampleType> =
+    std::to_array<Word<SampleType>>({{SampleType::kUint8, "uint8"},
+                                     {SampleType::kUint16, "uint16"},
+                                     {SampleType::kFloat32, "float32"}});
 
-const char* Name(SampleType type);  // "uint8", ...
 size_t BytesOf(SampleType type);
 
 // How the samples lie in a file.

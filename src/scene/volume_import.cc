@@ -24,8 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kGroundTruth = "ground_truth/volume.nrrd";
-constexpr SampleType kSampleTypes[] = {SampleType::kUint8, SampleType::kUint16,
-                                       SampleType::kFloat32};
 
 // What decoded samples take, and shaded ones beside them: density and colour.
 constexpr uint64_t kBytesPerSample = sizeof(float), kBytesPerShaded = sizeof(glm::vec4);
@@ -170,11 +168,10 @@ VolumeLayout VolumeImportOptions::Layout() const {
   const auto size =
       ThreeNumbers<int>(dimensions, "--dimensions", "samples along x, y and z, like 103x94x161");
   layout.size = {size[0], size[1], size[2]};
-  const auto type = std::find_if(std::begin(kSampleTypes), std::end(kSampleTypes),
-                                 [&](SampleType t) { return sample_type == Name(t); });
-  if (type == std::end(kSampleTypes)) {
+  const std::optional<SampleType> type = FromName<SampleType>(sample_type);
+  if (!type) {
     throw UsageError(
-        fmt::format("--sample-type {}: expected uint8, uint16 or float32", sample_type));
+        fmt::format("--sample-type {}: expected {}", sample_type, AllNames<SampleType>()));
   }
   layout.type = *type;
   if (!byte_order.empty() && byte_order != "little" && byte_order != "big") {
@@ -210,7 +207,6 @@ void VolumeImportOptions::Check() const {
          "two numbers, the first below the second: the values that become 0 and 1");
   expect(attenuation > 0 && attenuation <= 1e6, "--attenuation", attenuation,
          "a number above 0 and up to 1e6");
-  expect(shading == "pre" || shading == "post", "--shading", shading, "pre or post");
   expect(cameras >= 3 && cameras <= 100000, "--cameras", cameras, "3 to 100000");
   expect(size_px >= 1 && size_px <= 8192, "--size", size_px, "1 to 8192 pixels");
   expect(holdout == 0 || holdout >= 3, "--holdout", holdout,
@@ -302,8 +298,7 @@ ImportedVolume ImportVolume(const fs::path& path, const fs::path& transfer_funct
   AddSphereOfViews(options, 0.5 * scene.subject_bounds.Diagonal(), scene);
 
   // The longest side is 2 world units.
-  const VolumeRays rays(volume, function, 0.5 * options.attenuation,
-                        options.shading == "pre" ? Shading::kPre : Shading::kPost,
+  const VolumeRays rays(volume, function, 0.5 * options.attenuation, options.shading,
                         world_from_input);
   imported.dense_samples = rays.CountDense();
   TellSamples(imported.file, imported.dense_samples);

@@ -26,7 +26,7 @@ struct VolumeImportOptions {
   // The values that become 0 and 1; empty: the type's range, of float the data's own.
   std::vector<double> value_range;
   double attenuation = 50;  // density at opacity 1 [1 / the volume's longest side]
-  std::string shading = "pre";
+  Shading shading = Shading::kPre;
   int cameras = 800;
   int size_px = 256;
   int rays_per_side = 1;

@@ -125,8 +125,6 @@ struct VolumeRays::Gathering {
   }
 };
 
-const char* Name(Shading shading) { return shading == Shading::kPre ? "pre" : "post"; }
-
 VolumeRays::VolumeRays(const Volume& volume, const TransferFunction& function,
                        double density_at_opacity_1, Shading shading,
                        const Similarity3& world_from_volume)

@@ -25,7 +25,9 @@
 namespace tetrec {
 
 enum class Shading { kPre, kPost };
-const char* Name(Shading shading);  // "pre", "post"
+template <>
+inline constexpr auto kWords<Shading> = std::to_array<Word<Shading>>({{Shading::kPre, "pre"},
+                                                                      {Shading::kPost, "post"}});
 
 // What a ray gathers.
 struct GatheredColor {

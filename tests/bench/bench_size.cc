@@ -3,6 +3,7 @@
 //   /usr/bin/time -v bench_size --tets 4000000 --width 1920 --height 1080 --renderer march
 #include "bench/bench_scene.h"
 #include "bench/stopwatch.h"
+#include "core/word_option.h"
 #include "mesh/delaunay.h"
 #include "mesh/tet_mesh.h"
 #include "render/renderer_words.h"
@@ -121,8 +122,8 @@ int main(int argc, char** argv) {
   app.add_option("--repetitions", options.repetitions, "of which the least time counts");
   app.add_flag("--ball", options.ball, "a ball in place of a cube");
   app.add_flag("--positions", options.positions, "gradients by positions too");
-  app.add_option("--renderer", options.words.renderer)->capture_default_str();
-  app.add_option("--order", options.words.order)->capture_default_str();
+  AddWordOption(app, "--renderer", options.words.renderer, "");
+  AddWordOption(app, "--order", options.words.order, "");
   app.add_option("--fragment-memory", options.words.fragment_memory_mib, "[MiB]")
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);

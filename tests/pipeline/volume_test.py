@@ -122,7 +122,7 @@ class VolumeTest(StageCase):
         self.assert_fails(self.import_volume(self.raw), 2, "give --dimensions")
         self.assert_fails(self.import_volume(self.header, *self.raw_options()), 2, "--dimensions 7x6x5")
         self.assert_fails(self.import_volume(self.header, "--format", "colmap"), 2, "--format", "pictures")
-        self.assert_fails(self.import_volume(self.header, "--shading", "both"), 2, "--shading both")
+        self.assert_fails(self.import_volume(self.header, "--shading", "both"), 2, "--shading: both")
         self.assert_fails(self.run_stage("import", self.header, "-o", self.scene), 2, "--transfer-function")
         self.assert_fails(self.run_stage("import", self.folder, "-o", self.scene, "--cameras", 9), 2,
                           "--cameras", "volumes")

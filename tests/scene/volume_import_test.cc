@@ -275,7 +275,6 @@ TEST_F(VolumeImport, OptionsThatAreWrongAreNamed) {
   refused([](Options& o) { o.value_range = {0, NAN}; }, {"--value-range 0,nan"});
   refused([](Options& o) { o.value_range = {-1e308, 1e308}; }, {"--value-range"});
   refused([](Options& o) { o.attenuation = 0; }, {"--attenuation 0"});
-  refused([](Options& o) { o.shading = "both"; }, {"--shading both", "pre or post"});
   refused([](Options& o) { o.cameras = 2; }, {"--cameras 2"});
   refused([](Options& o) { o.size_px = 0; }, {"--size 0"});
   refused([](Options& o) { o.holdout = 2; }, {"--holdout 2"});
