@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 namespace tetrec {
 namespace {
@@ -29,6 +30,20 @@ std::string Quoted(const std::string& text) {
     quoted += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
   }
   return quoted + "'";
+}
+
+// gnuplot cuts a title that is wider than the chart: lines broken between words, as an expression.
+std::string TitleInLines(const Plot& plot) {
+  constexpr double kWidestLetter_px = 8.5;  // of most texts, at gnuplot's 14 pixels
+  const auto room = size_t(plot.width_px / kWidestLetter_px);
+  std::istringstream words(plot.title);
+  std::vector<std::string> lines(1);
+  for (std::string word; words >> word;) {
+    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > room) lines.emplace_back();
+    lines.back() += (lines.back().empty() ? "" : " ") + word;
+  }
+  for (std::string& line : lines) line = Quoted(line);
+  return fmt::format("{}", fmt::join(lines, " . \"\\n\" . "));
 }
 
 std::string DataName(size_t series) { return fmt::format("series_{}.txt", series); }
@@ -88,7 +103,7 @@ std::string Script(const Plot& plot, const std::vector<std::string>& curves, boo
   line("set border 3 lc rgb '#888888'\nset tics nomirror textcolor rgb '#333333'");
   line("set grid xtics ytics lc rgb '#dddddd' lw 1 lt 1");
   line("set key outside top center horizontal noenhanced textcolor rgb '#333333'");
-  line("set title " + Quoted(plot.title) + " noenhanced textcolor rgb '#222222'");
+  line("set title " + TitleInLines(plot) + " noenhanced textcolor rgb '#222222'");
   line("set xlabel " + Quoted(plot.x_label) + "\nset ylabel " + Quoted(plot.y_label));
   if (plot.log_x) line("set logscale x\nset xtics (" + LogTics(plot) + ")");
   if (plot.log_y) line("set logscale y\nset format y '%.0e'");

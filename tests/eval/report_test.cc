@@ -297,6 +297,25 @@ TEST(Chart, WithoutGnuplotItNamesThePackage) {
   setenv("PATH", path.c_str(), 1);
 }
 
+TEST(Plot, ALongTitleIsBrokenIntoLinesAndKeptWhole) {
+  const ScratchFolder folder;
+  Plot plot;
+  for (int i = 0; i < 60; ++i) plot.title += fmt::format("it's{} ", i);
+  plot.series = {{"a", {1, 2}, {1, 2}, 0, false, true}};
+  DrawPlot(plot, folder / "a.svg", folder / "s");
+  const std::string svg = ReadText(folder / "a.svg");
+  size_t previous = 0;
+  int lines = 1;
+  for (int i = 0; i < 60; ++i) {
+    const size_t place = svg.find(fmt::format("s{}", i), previous);
+    ASSERT_NE(place, std::string::npos) << i;
+    if (i > 0) lines += svg.substr(previous, place - previous).find('<') != std::string::npos;
+    previous = place;
+  }
+  EXPECT_GE(lines, 4);  // 400 letters, about 106 a line
+  EXPECT_LE(lines, 5);
+}
+
 TEST(Chart, ARunWithoutMeasurementsIsRefused) {
   const ScratchFolder folder;
   ExpectError<DataError>([&] { ReadRunCurve(folder.path()); }, {"metrics.csv"});
