@@ -18,17 +18,23 @@ constexpr double kQuaternionTolerance = 1e-3;  // COLMAP normalises; further off
 }  // namespace
 
 std::span<const ColmapLensKind> ColmapLensKinds() {
-  static constexpr ColmapLensKind kKinds[] = {{"SIMPLE_PINHOLE", 3},
-                                              {"PINHOLE", 4},
-                                              {"SIMPLE_RADIAL", 4},
-                                              {"RADIAL", 5},
-                                              {"OPENCV", 8},
-                                              {"OPENCV_FISHEYE", 8},
-                                              {"FULL_OPENCV", 12},
-                                              {"FOV", 5},
-                                              {"SIMPLE_RADIAL_FISHEYE", 4},
-                                              {"RADIAL_FISHEYE", 5},
-                                              {"THIN_PRISM_FISHEYE", 12}};
+  static constexpr ColmapLensKind kKinds[] = {{"SIMPLE_PINHOLE", 1, 3},
+                                              {"PINHOLE", 2, 4},
+                                              {"SIMPLE_RADIAL", 1, 4},
+                                              {"RADIAL", 1, 5},
+                                              {"OPENCV", 2, 8},
+                                              {"OPENCV_FISHEYE", 2, 8},
+                                              {"FULL_OPENCV", 2, 12},
+                                              {"FOV", 2, 5},
+                                              {"SIMPLE_RADIAL_FISHEYE", 1, 4},
+                                              {"RADIAL_FISHEYE", 1, 5},
+                                              {"THIN_PRISM_FISHEYE", 2, 12},
+                                              {"RAD_TAN_THIN_PRISM_FISHEYE", 2, 16},
+                                              {"SIMPLE_DIVISION", 1, 4},
+                                              {"DIVISION", 2, 5},
+                                              {"SIMPLE_FISHEYE", 1, 3},
+                                              {"FISHEYE", 2, 4},
+                                              {"EUCM", 2, 6}};
   return kKinds;
 }
 
@@ -38,8 +44,8 @@ std::string ComplaintOnLens(const std::string& lens) {
     names += fmt::format("{}{}", names.empty() ? "" : ", ", kind.name);
   }
   return fmt::format(
-      "camera model {} is not known; those of COLMAP up to 3.10 are read (0 to {}: {}); make "
-      "pictures with PINHOLE cameras of these by image_undistorter of the COLMAP that wrote them",
+      "camera model {} is not known (0 to {}: {}); make pictures with PINHOLE cameras of these by "
+      "image_undistorter of the COLMAP that wrote them",
       lens, ColmapLensKinds().size() - 1, names);
 }
 
@@ -50,14 +56,17 @@ std::string ComplaintOnSize(uint64_t width, uint64_t height) {
   return fmt::format("a camera has {} x {} pixels", width, height);
 }
 
-std::string ComplaintOnFocalLength(const ColmapCamera& camera) {
-  const bool has_one = camera.model == kColmapSimplePinhole ||
-                       camera.model == kColmapSimpleRadial || camera.model == kColmapRadial ||
-                       camera.model == kColmapSimpleRadialFisheye ||
-                       camera.model == kColmapRadialFisheye;
-  const double least = has_one ? camera.params[0] : std::min(camera.params[0], camera.params[1]);
-  if (least > 0) return "";
-  return fmt::format("a camera has the focal length {} px", least);
+std::string ComplaintOnParams(const ColmapCamera& camera) {
+  const std::vector<double>& p = camera.params;
+  const bool has_one = ColmapLensKinds()[size_t(camera.model)].focal_lengths == 1;
+  const double least = has_one ? p[0] : std::min(p[0], p[1]);
+  if (!(least > 0)) return fmt::format("a camera has the focal length {} px", least);
+  if (camera.model == kColmapEucm && !(p[4] >= 0 && p[4] <= 1 && p[5] > 0)) {
+    return fmt::format(
+        "an EUCM camera has alpha {} and beta {}; expected alpha 0 to 1 and beta above 0", p[4],
+        p[5]);
+  }
+  return "";
 }
 
 std::string ComplaintOnQuaternion(const double (&wxyz)[4]) {

@@ -11,6 +11,7 @@ namespace tetrec::internal {
 // By COLMAP's numbers.
 struct ColmapLensKind {
   const char* name;
+  int focal_lengths;  // the first of the parameters: of both axes, or of each
   int params;
 };
 std::span<const ColmapLensKind> ColmapLensKinds();
@@ -23,8 +24,8 @@ std::string ComplaintOnLens(const std::string& lens);
 
 // What is wrong; empty where nothing is.
 std::string ComplaintOnSize(uint64_t width, uint64_t height);
-// Of a camera with its parameters.
-std::string ComplaintOnFocalLength(const ColmapCamera& camera);
+// Of a camera with its parameters: a focal length that is none, an EUCM lens that does not bend.
+std::string ComplaintOnParams(const ColmapCamera& camera);
 std::string ComplaintOnQuaternion(const double (&wxyz)[4]);
 std::string ComplaintOnPictureName(const std::string& name);
 

@@ -68,7 +68,7 @@ ColmapCamera ReadCamera(ByteReader& reader) {
   for (int i = 0; i < kinds[size_t(camera.model)].params; ++i) {
     camera.params.push_back(ReadFinite(reader, "a camera parameter"));
   }
-  FailOn(reader, internal::ComplaintOnFocalLength(camera));
+  FailOn(reader, internal::ComplaintOnParams(camera));
   return camera;
 }
 

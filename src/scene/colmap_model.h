@@ -29,7 +29,14 @@ enum ColmapLens : int {
   kColmapFov = 7,                  // fx fy cx cy omega
   kColmapSimpleRadialFisheye = 8,  // f cx cy k1
   kColmapRadialFisheye = 9,        // f cx cy k1 k2
-  kColmapThinPrismFisheye = 10     // fx fy cx cy k1 k2 p1 p2 k3 k4 sx1 sy1
+  kColmapThinPrismFisheye = 10,    // fx fy cx cy k1 k2 p1 p2 k3 k4 sx1 sy1
+  // Of versions after 3.10.
+  kColmapRadTanThinPrismFisheye = 11,  // fx fy cx cy k0 k1 k2 k3 k4 k5 p0 p1 s0 s1 s2 s3
+  kColmapSimpleDivision = 12,          // f cx cy k
+  kColmapDivision = 13,                // fx fy cx cy k
+  kColmapSimpleFisheye = 14,           // f cx cy
+  kColmapFisheye = 15,                 // fx fy cx cy
+  kColmapEucm = 16                     // fx fy cx cy alpha beta
 };
 
 struct ColmapCamera {

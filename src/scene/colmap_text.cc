@@ -118,7 +118,7 @@ ColmapCamera ReadCamera(TextReader& reader) {
   for (int i = 0; i < internal::ColmapLensKinds()[size_t(camera.model)].params; ++i) {
     camera.params.push_back(reader.Number("a camera parameter"));
   }
-  reader.FailOn(internal::ComplaintOnFocalLength(camera));
+  reader.FailOn(internal::ComplaintOnParams(camera));
   reader.ExpectEndOfLine();
   return camera;
 }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 #include <optional>
 
@@ -18,12 +19,18 @@ namespace {
 // moved in the plane as in Brown, "Decentering distortion of lenses", 1966: by a radial factor,
 // tangential terms and a thin prism.
 struct Lens {
-  enum class Bend { kNone, kAngle, kFov };
+  enum class Bend { kNone, kAngle, kFov, kDivision, kUnified };
   double fx = 0, fy = 0, cx = 0, cy = 0;
   Bend bend = Bend::kNone;
   double omega = 0;                    // of kFov [rad]
-  double over[4] = {}, under[3] = {};  // the radial factor's coefficients of r^2, r^4, ...
-  double p1 = 0, p2 = 0, s1 = 0, s2 = 0;
+  double division = 0;                 // of kDivision
+  double alpha = 0, beta = 1;          // of kUnified
+  double over[6] = {}, under[3] = {};  // the radial factor's coefficients of r^2, r^4, ...
+  double p1 = 0, p2 = 0;
+  glm::dvec2 prism_2{0.0}, prism_4{0.0};  // of r^2 and r^4
+  // Whether the tangential and prism terms go by the place that the radial factor gave, not by the
+  // one before it.
+  bool in_turn = false;
 };
 
 // Parameters as COLMAP's documentation of its camera models orders them.
@@ -34,8 +41,8 @@ Lens LensOf(const ColmapCamera& camera) {
   };
   Lens lens;
   if (p.size() >= 4) lens = {.fx = p[0], .fy = p[1], .cx = p[2], .cy = p[3]};
-  const auto set_over = [&](double k1, double k2, double k3, double k4) {
-    lens.over[0] = k1, lens.over[1] = k2, lens.over[2] = k3, lens.over[3] = k4;
+  const auto set_over = [&](std::initializer_list<double> coefficients) {
+    std::copy(coefficients.begin(), coefficients.end(), lens.over);
   };
   switch (camera.model) {
     case kColmapSimplePinhole:
@@ -51,17 +58,17 @@ Lens LensOf(const ColmapCamera& camera) {
     case kColmapRadialFisheye:
       return one_focal(Lens::Bend::kAngle, p[3], p[4]);
     case kColmapOpenCv:
-      set_over(p[4], p[5], 0, 0);
+      set_over({p[4], p[5]});
       lens.p1 = p[6], lens.p2 = p[7];
       return lens;
     case kColmapFullOpenCv:
-      set_over(p[4], p[5], p[8], 0);
+      set_over({p[4], p[5], p[8]});
       lens.p1 = p[6], lens.p2 = p[7];
       std::copy_n(&p[9], 3, lens.under);
       return lens;
     case kColmapOpenCvFisheye:
       lens.bend = Lens::Bend::kAngle;
-      set_over(p[4], p[5], p[6], p[7]);
+      set_over({p[4], p[5], p[6], p[7]});
       return lens;
     case kColmapFov:
       lens.bend = Lens::Bend::kFov;
@@ -69,33 +76,94 @@ Lens LensOf(const ColmapCamera& camera) {
       return lens;
     case kColmapThinPrismFisheye:
       lens.bend = Lens::Bend::kAngle;
-      set_over(p[4], p[5], p[8], p[9]);
+      set_over({p[4], p[5], p[8], p[9]});
       lens.p1 = p[6], lens.p2 = p[7];
-      lens.s1 = p[10], lens.s2 = p[11];
+      lens.prism_2 = {p[10], p[11]};
+      return lens;
+    case kColmapRadTanThinPrismFisheye:
+      lens.bend = Lens::Bend::kAngle;
+      set_over({p[4], p[5], p[6], p[7], p[8], p[9]});
+      lens.p2 = p[10], lens.p1 = p[11];  // in this order; the others have them the other way round
+      lens.prism_2 = {p[12], p[14]}, lens.prism_4 = {p[13], p[15]};
+      lens.in_turn = true;
+      return lens;
+    case kColmapSimpleDivision:
+      lens = one_focal(Lens::Bend::kDivision, 0, 0);
+      lens.division = p[3];
+      return lens;
+    case kColmapDivision:
+      lens.bend = Lens::Bend::kDivision;
+      lens.division = p[4];
+      return lens;
+    case kColmapSimpleFisheye:
+      return one_focal(Lens::Bend::kAngle, 0, 0);
+    case kColmapFisheye:
+      lens.bend = Lens::Bend::kAngle;
+      return lens;
+    case kColmapEucm:
+      lens.bend = Lens::Bend::kUnified;
+      lens.alpha = p[4], lens.beta = p[5];
       return lens;
     default:
       throw DataError(internal::ComplaintOnLens(fmt::to_string(camera.model)));
   }
 }
 
-// What bending makes of the distance r from the axis in the plane z = 1: the angle from the axis,
-// atan r (equidistant fisheye; Kannala and Brandt 2006), or atan(2 r tan(omega / 2)) / omega
-// (Devernay and Faugeras, "Straight lines have to be straight", 2001).
+// What bending makes of the distance r from the axis in the plane z = 1. kAngle: the angle from the
+// axis (equidistant fisheye; Kannala and Brandt 2006). kFov: Devernay and Faugeras, "Straight lines
+// have to be straight", 2001. kDivision: what r = b / (1 + k b^2) comes from (Fitzgibbon 2001);
+// NaN where nothing does. kUnified: Khomutenko, Garcia and Martinet, "An enhanced unified camera
+// model", 2016, equation 12.
 double BentRadius(const Lens& lens, double r) {
-  if (lens.bend == Lens::Bend::kAngle) return std::atan(r);
-  if (lens.bend == Lens::Bend::kNone || lens.omega == 0) return r;
-  return std::atan(2 * r * std::tan(0.5 * lens.omega)) / lens.omega;
+  switch (lens.bend) {
+    case Lens::Bend::kNone:
+      return r;
+    case Lens::Bend::kAngle:
+      return std::atan(r);
+    case Lens::Bend::kFov:
+      return lens.omega == 0 ? r : std::atan(2 * r * std::tan(0.5 * lens.omega)) / lens.omega;
+    case Lens::Bend::kDivision:
+      return 2 * r / (1 + std::sqrt(1 - 4 * lens.division * r * r));
+    case Lens::Bend::kUnified:
+      return r / (lens.alpha * std::sqrt(lens.beta * r * r + 1) + 1 - lens.alpha);
+  }
+  throw BugError("unknown bend");
 }
 
-// Its inverse; none where the angle is 90 degrees or more.
+std::optional<double> TangentOf(double angle) {
+  if (!(angle < std::numbers::pi / 2)) return std::nullopt;
+  return std::tan(angle);
+}
+
+// r = bent / depth
+std::optional<double> AtDepth(double bent, double depth) {
+  if (!(depth > 0)) return std::nullopt;
+  return bent / depth;
+}
+
+// Its inverse; none where the angle is 90 degrees or more, or (of kDivision) nothing leads there.
 std::optional<double> UnbentRadius(const Lens& lens, double bent) {
-  constexpr double kRightAngle = std::numbers::pi / 2;
-  if (lens.bend == Lens::Bend::kNone) return bent;
-  if (lens.bend == Lens::Bend::kFov && lens.omega == 0) return bent;
-  const double angle = lens.bend == Lens::Bend::kFov ? bent * std::abs(lens.omega) : bent;
-  if (!(angle < kRightAngle)) return std::nullopt;
-  if (lens.bend == Lens::Bend::kAngle) return std::tan(angle);
-  return std::tan(angle) / (2 * std::tan(0.5 * std::abs(lens.omega)));
+  switch (lens.bend) {
+    case Lens::Bend::kNone:
+      return bent;
+    case Lens::Bend::kAngle:
+      return TangentOf(bent);
+    case Lens::Bend::kFov: {
+      if (lens.omega == 0) return bent;
+      const std::optional<double> tangent = TangentOf(bent * std::abs(lens.omega));
+      if (!tangent) return std::nullopt;
+      return *tangent / (2 * std::tan(0.5 * std::abs(lens.omega)));
+    }
+    case Lens::Bend::kDivision: {
+      const double k = lens.division * bent * bent;
+      return k < 1 ? AtDepth(bent, 1 + k) : std::nullopt;  // r falls again beyond k b^2 = 1
+    }
+    case Lens::Bend::kUnified: {
+      const double a = lens.alpha, bb = lens.beta * bent * bent;
+      return AtDepth(bent, (1 - a * a * bb) / (a * std::sqrt(1 - (2 * a - 1) * bb) + 1 - a));
+    }
+  }
+  throw BugError("unknown bend");
 }
 
 glm::dvec2 Bent(const Lens& lens, const glm::dvec2& direction) {
@@ -120,29 +188,45 @@ struct Radial {
 };
 
 Radial RadialAt(const Lens& lens, double rr) {
-  const double(&k)[4] = lens.over, (&d)[3] = lens.under;
-  const double over = 1 + rr * (k[0] + rr * (k[1] + rr * (k[2] + rr * k[3])));
-  const double over_slope = k[0] + rr * (2 * k[1] + rr * (3 * k[2] + rr * 4 * k[3]));
+  const double(&k)[6] = lens.over, (&d)[3] = lens.under;
+  double over = 0, over_slope = 0;  // by Horner's rule
+  for (int i = 5; i >= 0; --i) {
+    over = rr * (over + k[i]);
+    over_slope = rr * over_slope + (i + 1) * k[i];
+  }
+  over += 1;
   const double under = 1 + rr * (d[0] + rr * (d[1] + rr * d[2]));
   const double under_slope = d[0] + rr * (2 * d[1] + rr * 3 * d[2]);
   return {over / under, (over_slope - over / under * under_slope) / under};
 }
 
-// x' = x factor(r^2) + 2 p1 x y + p2 (r^2 + 2 x^2) + s1 r^2, y' alike with p1 and p2 exchanged.
-glm::dvec2 Moved(const Lens& lens, const glm::dvec2& b) {
-  const double xy = b.x * b.y, rr = glm::dot(b, b), radial = RadialAt(lens, rr).factor;
-  return {b.x * radial + 2 * lens.p1 * xy + lens.p2 * (rr + 2 * b.x * b.x) + lens.s1 * rr,
-          b.y * radial + 2 * lens.p2 * xy + lens.p1 * (rr + 2 * b.y * b.y) + lens.s2 * rr};
+// x: 2 p1 x y + p2 (r^2 + 2 x^2) + prism; y alike with p1 and p2 exchanged.
+glm::dvec2 SideShift(const Lens& lens, const glm::dvec2& q) {
+  const double xy = q.x * q.y, rr = glm::dot(q, q);
+  return glm::dvec2(2 * lens.p1 * xy + lens.p2 * (rr + 2 * q.x * q.x),
+                    2 * lens.p2 * xy + lens.p1 * (rr + 2 * q.y * q.y)) +
+         rr * (lens.prism_2 + rr * lens.prism_4);
 }
 
-// d Moved / d b; columns are the derivatives by x and by y.
+// Columns are the derivatives by x and by y.
+glm::dmat2 SideShiftJacobian(const Lens& lens, const glm::dvec2& q) {
+  const double mixed = 2 * (lens.p1 * q.x + lens.p2 * q.y);
+  const glm::dvec2 prism = 2.0 * (lens.prism_2 + 2 * glm::dot(q, q) * lens.prism_4);
+  return glm::dmat2(2 * lens.p1 * q.y + 6 * lens.p2 * q.x, mixed, mixed,
+                    2 * lens.p2 * q.x + 6 * lens.p1 * q.y) +
+         glm::outerProduct(prism, q);
+}
+
+glm::dvec2 Moved(const Lens& lens, const glm::dvec2& b) {
+  const glm::dvec2 scaled = b * RadialAt(lens, glm::dot(b, b)).factor;
+  return scaled + SideShift(lens, lens.in_turn ? scaled : b);
+}
+
 glm::dmat2 MovedJacobian(const Lens& lens, const glm::dvec2& b) {
-  const auto [radial, slope] = RadialAt(lens, glm::dot(b, b));
-  const double mixed = 2 * (slope * b.x * b.y + lens.p1 * b.x + lens.p2 * b.y);
-  return {{radial + 2 * slope * b.x * b.x + 2 * lens.p1 * b.y + (6 * lens.p2 + 2 * lens.s1) * b.x,
-           mixed + 2 * lens.s2 * b.x},
-          {mixed + 2 * lens.s1 * b.y,
-           radial + 2 * slope * b.y * b.y + 2 * lens.p2 * b.x + (6 * lens.p1 + 2 * lens.s2) * b.y}};
+  const auto [factor, slope] = RadialAt(lens, glm::dot(b, b));
+  const glm::dmat2 scaling = glm::dmat2(factor) + 2 * slope * glm::outerProduct(b, b);
+  if (!lens.in_turn) return scaling + SideShiftJacobian(lens, b);
+  return scaling + SideShiftJacobian(lens, b * factor) * scaling;
 }
 
 // Where a direction moves backwards as it goes on, along or, mirrored, across the radius. (Where it
@@ -211,6 +295,7 @@ double BorderDirection(const Lens& lens, const glm::dvec2& pixel, int axis, doub
   if (!bent && !window.folded_at) window.folded_at = pixel;
   if (lens.bend == Lens::Bend::kNone) return bent ? (*bent)[axis] : 0;
   const std::optional<glm::dvec2> direction = bent ? Unbent(lens, *bent) : std::nullopt;
+  if (!direction && !window.folded_at) window.folded_at = pixel;
   if (!direction) return std::copysign(widest, moved[axis]);
   return std::clamp((*direction)[axis], -widest, widest);
 }
@@ -364,6 +449,8 @@ ColmapCamera ScaledLens(const ColmapCamera& camera, int width, int height) {
   if (camera.model == kColmapSimpleRadialFisheye || camera.model == kColmapRadialFisheye) {
     two_focals(kColmapOpenCvFisheye, 8);
   }
+  if (camera.model == kColmapSimpleDivision) two_focals(kColmapDivision, 5);
+  if (camera.model == kColmapSimpleFisheye) two_focals(kColmapFisheye, 4);
   const double x = width / double(camera.width), y = height / double(camera.height);
   p[0] *= x, p[1] *= y, p[2] *= x, p[3] *= y;
   scaled.width = uint64_t(width);
@@ -380,7 +467,10 @@ glm::dvec2 CamFromDistortedImage(const ColmapCamera& camera, const glm::dvec2& p
   const std::optional<glm::dvec2> bent = Unmoved(lens, MovedOfPixel(lens, pixel));
   if (!bent) FailInverse(pixel, kFolds);
   const std::optional<glm::dvec2> direction = Unbent(lens, *bent);
-  if (!direction) FailInverse(pixel, "which looks 90 degrees or more off the axis");
+  if (!direction) {
+    const bool folds = lens.bend == Lens::Bend::kDivision && lens.division > 0;
+    FailInverse(pixel, folds ? kFolds : "which looks 90 degrees or more off the axis");
+  }
   return *direction;
 }
 

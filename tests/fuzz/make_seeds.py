@@ -162,11 +162,16 @@ def colmap_seeds():
     points = struct.pack("<QQ3d3BdQ4I", 1, 1, 0.0, 0.0, math.pi, 10, 20, 30, 0.5, 2, 1, 0, 2, 0)
     for kind, content in enumerate((cameras, images, points)):
         yield f"model{kind}", bytes([kind]) + content
+    lenses = struct.pack("<Q", 2)
+    lenses += struct.pack("<IiQQ16d", 1, 11, 40, 30, 50.0, 50.0, 20.0, 15.0, *[0.01] * 12)
+    lenses += struct.pack("<IiQQ6d", 2, 16, 40, 30, 50.0, 50.0, 20.0, 15.0, 0.6, 1.2)
+    yield "lenses", b"\0" + lenses
 
 
 def colmap_text_seeds():
     """The same kind of model as text, with comments, a name with a space and an empty second line."""
     cameras = "# cameras\n1 PINHOLE 40 30 50 50 20 15\n2 OPENCV 40 30 50 50 20 15 0.1 -0.01 1e-3 0\n"
+    cameras += "3 EUCM 40 30 50 50 20 15 0.6 1.2\n"
     images = "# images\n1 1 0 0 0 0.1 0 4 1 a b.jpg\n20 15 1 3.5 4 -1\n2 1 0 0 0 0.2 0 4 1 c.jpg\n\n"
     points = "# points\n1 0 0 3.14159 10 20 30 0.5 1 0 2 0\n"
     for kind, content in enumerate((cameras, images, points)):

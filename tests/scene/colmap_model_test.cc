@@ -164,9 +164,9 @@ TEST(ColmapModel, NumbersThatAreNoNumbersAreRefusedWithTheirByte) {
                            {"points3D.bin: byte", "a point is "});
   }
   ExpectError<DataError>([] { Read(Cameras(), Images({{.qw = 2}}), Points()); }, {"quaternion"});
-  ExpectError<DataError>([] { Read(Cameras(11), Images({{}}), Points()); },
-                         {"cameras.bin", "camera model 11 is not known",
-                          "up to 3.10 are read (0 to", "image_undistorter"});
+  ExpectError<DataError>([] { Read(Cameras(17), Images({{}}), Points()); },
+                         {"cameras.bin", "camera model 17 is not known (0 to 16: SIMPLE_PINHOLE",
+                          "image_undistorter"});
   ExpectError<DataError>([] { Read(Cameras(2, 100, 0), Images({{}}), Points()); }, {"0 x 48"});
   ExpectError<DataError>([] { Read(Cameras(2, 0), Images({{}}), Points()); },
                          {"cameras.bin: byte", "the focal length 0 px"});

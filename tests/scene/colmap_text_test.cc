@@ -107,7 +107,7 @@ TEST(ColmapText, AnUnknownLensMattersOnlyWhereAPictureHasIt) {
   images.replace(images.find("9 d.jpg"), 1, "11");
   ExpectError<DataError>([&] { Read(with_unknown, images, kPoints); },
                          {"image d.jpg has camera 11", "camera model \"NEW_LENS\" is not known",
-                          "up to 3.10", "OPENCV, ", "image_undistorter"});
+                          "OPENCV, ", "image_undistorter"});
 }
 
 TEST(ColmapText, APartOfAModelIsNoModel) {

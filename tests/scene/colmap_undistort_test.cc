@@ -12,12 +12,13 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 namespace tetrec {
 namespace {
 
-// One camera of every model of COLMAP's, distorted by several per cent of the width.
-std::vector<ColmapCamera> CamerasOfEveryModel() {
+// One camera of every model of COLMAP 3.8, distorted by several per cent of the width.
+std::vector<ColmapCamera> CamerasOfColmap38() {
   return {{kColmapSimplePinhole, 640, 480, {500, 330, 235}},
           {kColmapPinhole, 640, 480, {500, 510, 330, 235}},
           {kColmapSimpleRadial, 640, 480, {500, 330, 235, 0.1}},
@@ -35,6 +36,26 @@ std::vector<ColmapCamera> CamerasOfEveryModel() {
            640,
            480,
            {400, 410, 330, 235, 0.05, -0.03, 0.003, -0.002, 0.02, -0.01, 0.01, -0.008}}};
+}
+
+ColmapCamera RadTanCamera() {
+  return {kColmapRadTanThinPrismFisheye,
+          640,
+          480,
+          {400, 410, 330, 235, 0.05, -0.03, 0.02, -0.01, 0.006, -0.002, 0.003, -0.002, 0.01, -0.004,
+           -0.008, 0.003}};
+}
+
+// Those of later versions too.
+std::vector<ColmapCamera> CamerasOfEveryModel() {
+  std::vector<ColmapCamera> cameras = CamerasOfColmap38();
+  cameras.push_back(RadTanCamera());
+  cameras.push_back({kColmapSimpleDivision, 640, 480, {500, 330, 235, -0.2}});
+  cameras.push_back({kColmapDivision, 640, 480, {500, 510, 330, 235, 0.15}});
+  cameras.push_back({kColmapSimpleFisheye, 640, 480, {400, 330, 235}});
+  cameras.push_back({kColmapFisheye, 640, 480, {400, 410, 330, 235}});
+  cameras.push_back({kColmapEucm, 640, 480, {400, 410, 330, 235, 0.6, 1.2}});
+  return cameras;
 }
 
 // A strong barrel lens with all terms; 1 % of the width at the corners and more.
@@ -56,6 +77,120 @@ TEST(Undistort, TheInverseOfEveryLensIsItsInverse) {
     const glm::dvec2 center = DistortedImageFromCam(camera, {0, 0});
     EXPECT_LT(glm::length(CamFromDistortedImage(camera, center)), 1e-10) << camera.model;
   }
+}
+
+void ExpectSameLens(const ColmapCamera& a, const ColmapCamera& b) {
+  for (double y = -0.7; y < 0.8; y += 0.2) {
+    for (double x = -0.9; x < 1; x += 0.2) {
+      const glm::dvec2 at_a = DistortedImageFromCam(a, {x, y}),
+                       at_b = DistortedImageFromCam(b, {x, y});
+      EXPECT_NEAR(glm::distance(at_a, at_b), 0, 1e-9)
+          << a.model << " " << b.model << " " << x << " " << y;
+    }
+  }
+}
+
+// No COLMAP that packages bring writes these models; they have others as special cases, which it
+// does write, and each other.
+TEST(Undistort, LaterLensesContainEarlierOnes) {
+  ExpectSameLens({kColmapRadTanThinPrismFisheye,
+                  640,
+                  480,
+                  {400, 410, 330, 235, 0.05, -0.03, 0.02, -0.01, 0, 0, 0, 0, 0, 0, 0, 0}},
+                 {kColmapOpenCvFisheye, 640, 480, {400, 410, 330, 235, 0.05, -0.03, 0.02, -0.01}});
+  // Without radial terms it does not matter by which place the others go.
+  ExpectSameLens({kColmapRadTanThinPrismFisheye,
+                  640,
+                  480,
+                  {400, 410, 330, 235, 0, 0, 0, 0, 0, 0, 0.003, -0.002, 0.01, 0, -0.008, 0}},
+                 {kColmapThinPrismFisheye,
+                  640,
+                  480,
+                  {400, 410, 330, 235, 0, 0, -0.002, 0.003, 0, 0, 0.01, -0.008}});
+  const ColmapCamera pinhole{kColmapPinhole, 640, 480, {400, 410, 330, 235}};
+  const ColmapCamera fisheye{kColmapOpenCvFisheye, 640, 480, {400, 410, 330, 235, 0, 0, 0, 0}};
+  ExpectSameLens({kColmapFisheye, 640, 480, {400, 410, 330, 235}}, fisheye);
+  ExpectSameLens({kColmapSimpleFisheye, 640, 480, {400, 330, 235}},
+                 {kColmapFisheye, 640, 480, {400, 400, 330, 235}});
+  ExpectSameLens({kColmapDivision, 640, 480, {400, 410, 330, 235, 0}}, pinhole);
+  ExpectSameLens({kColmapEucm, 640, 480, {400, 410, 330, 235, 0, 1.7}}, pinhole);
+  // Both are the stereographic projection there, 2 tan(angle / 2).
+  ExpectSameLens({kColmapDivision, 640, 480, {400, 410, 330, 235, -0.25}},
+                 {kColmapEucm, 640, 480, {400, 410, 330, 235, 0.5, 1}});
+  ExpectSameLens({kColmapSimpleDivision, 640, 480, {400, 330, 235, -0.25}},
+                 {kColmapDivision, 640, 480, {400, 400, 330, 235, -0.25}});
+}
+
+// The definitions that the authors of these lenses published, for one direction: of the model that
+// Project Aria calls FisheyeRadTanThinPrism, of Fitzgibbon's division, from the picture to the
+// direction, and of Khomutenko's unified camera.
+TEST(Undistort, LaterLensesAreThoseOfTheirAuthors) {
+  const glm::dvec2 direction(0.3, -0.2);
+  const double angle = std::atan(glm::length(direction));
+  const ColmapCamera aria = RadTanCamera();
+  const auto& p = aria.params;
+  double factor = 1;
+  for (int i = 0; i < 6; ++i) factor += p[4 + size_t(i)] * std::pow(angle, 2 * i + 2);
+  const glm::dvec2 u = direction / glm::length(direction) * angle * factor;
+  const double rr = glm::dot(u, u), dot = 2 * (u.x * p[10] + u.y * p[11]);
+  const double x = u.x + dot * u.x + p[10] * rr + p[12] * rr + p[13] * rr * rr;
+  const double y = u.y + dot * u.y + p[11] * rr + p[14] * rr + p[15] * rr * rr;
+  const glm::dvec2 pixel = DistortedImageFromCam(aria, direction);
+  EXPECT_NEAR(pixel.x, 400 * x + 330, 1e-9);
+  EXPECT_NEAR(pixel.y, 410 * y + 235, 1e-9);
+
+  const ColmapCamera division{kColmapDivision, 640, 480, {500, 510, 330, 235, 0.15}};
+  const glm::dvec2 place((600 - 330) / 500.0, (20 - 235) / 510.0);
+  const glm::dvec2 expected = place / (1 + 0.15 * glm::dot(place, place));
+  EXPECT_LT(glm::distance(CamFromDistortedImage(division, {600, 20}), expected), 1e-9);
+
+  const ColmapCamera unified{kColmapEucm, 640, 480, {400, 410, 330, 235, 0.6, 1.2}};
+  const double depth = 0.6 * std::sqrt(1.2 * glm::dot(direction, direction) + 1) + 0.4;
+  const glm::dvec2 unified_pixel = DistortedImageFromCam(unified, direction);
+  EXPECT_NEAR(unified_pixel.x, 400 * 0.3 / depth + 330, 1e-9);
+  EXPECT_NEAR(unified_pixel.y, 410 * -0.2 / depth + 235, 1e-9);
+}
+
+TEST(Undistort, WideLaterLensesAreCutAndThoseThatFoldOverRefused) {
+  // Stereographic, 640 px for 116 degrees to each side.
+  for (const ColmapCamera& wide :
+       {ColmapCamera{kColmapSimpleDivision, 640, 480, {100, 320, 240, -0.25}},
+        ColmapCamera{kColmapEucm, 640, 480, {100, 100, 320, 240, 0.5, 1}}}) {
+    EXPECT_TRUE(IsTooWideForPlane(wide)) << wide.model;
+    EXPECT_NEAR(UndistortedCamera(wide, 400).CamFromImage({0, 0}).x, -std::sqrt(3.0), 1e-9);
+    ExpectError<DataError>([&] { CamFromDistortedImage(wide, {0, 240}); }, {"90 degrees", "(0, 2"});
+  }
+  // b / (1 + k b^2) is largest at b = 1 / sqrt(k), here 150 pixels from the centre.
+  const ColmapCamera folded{kColmapSimpleDivision, 640, 480, {300, 320, 240, 4}};
+  ExpectError<DataError>([&] { UndistortedCamera(folded, 640); }, {"folds over", "pixel (0, 0)"});
+  ExpectError<DataError>([&] { CamFromDistortedImage(folded, {0, 240}); }, {"folds over"});
+}
+
+// Parameters of any size: an error, or a camera that can be one.
+TEST(Undistort, AbsurdLensesGiveACameraOrAnError) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> exponent(-6, 12), side(-1, 1);
+  size_t refused = 0, taken = 0;
+  for (int i = 0; i < 15; ++i) {
+    for (ColmapCamera camera : CamerasOfEveryModel()) {
+      camera.width = 64, camera.height = 48;
+      for (double& value : camera.params) {
+        if (side(random) > 0.5) value = std::copysign(std::pow(10, exponent(random)), side(random));
+      }
+      try {
+        const Camera to = UndistortedCamera(camera, 16);
+        EXPECT_LE(std::max(to.width, to.height), 16);
+        EXPECT_GE(std::min(to.width, to.height), 1);
+        EXPECT_TRUE(to.fx > 0 && to.fy > 0 && std::isfinite(to.fx + to.fy + to.cx + to.cy))
+            << camera.model;
+        ++taken;
+      } catch (const DataError&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(taken, 20);
+  EXPECT_GT(refused, 20);
 }
 
 // A copy of half the width and a third of the height.
@@ -251,11 +386,11 @@ double MeanDifference(const Image& a, const Image& b) {
   return sum / double(a.pixels.size());
 }
 
-TEST(Undistort, EveryModelIsUndistortedAsColmapDoesIt) {
+TEST(Undistort, EveryModelOfItsVersionIsUndistortedAsColmapDoesIt) {
   const std::filesystem::path colmap = FindProgram("colmap");
   if (colmap.empty()) GTEST_SKIP() << "there is no colmap in PATH";
   const ScratchFolder folder;
-  const std::vector<ColmapCamera> cameras = CamerasOfEveryModel();
+  const std::vector<ColmapCamera> cameras = CamerasOfColmap38();
   const Image photo = WavesPicture();
   std::string camera_lines, image_lines;
   for (size_t i = 0; i < cameras.size(); ++i) {
@@ -368,9 +503,9 @@ TEST(Undistort, LensesThatFoldOverOrAreUnknownAreRefused) {
       {"focal lengths -500"});
   ExpectError<DataError>(
       [] {
-        UndistortedCamera({11, 640, 480, {500, 320, 240, 0}}, 640);
+        UndistortedCamera({17, 640, 480, {500, 320, 240, 0}}, 640);
       },
-      {"camera model 11", "0 to 10"});
+      {"camera model 17", "0 to 16"});
 }
 
 }  // namespace
