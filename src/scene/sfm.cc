@@ -223,8 +223,9 @@ ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photo
         MapScene(colmap, linked.folder, database, photos.size(), options.seed, models);
     if (folders.empty()) {
       throw DataError(fmt::format(
-          "COLMAP found no model: the {} pictures do not overlap enough; take photos of one "
-          "scene, each sharing most of what it shows with the next",
+          "COLMAP found no model: the {} pictures do not overlap enough, or were taken from almost "
+          "one place; take photos of one scene from many places, each sharing most of what it "
+          "shows with the next",
           photos.size()));
     }
     ColmapModel best;
