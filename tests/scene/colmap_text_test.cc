@@ -72,6 +72,10 @@ TEST(ColmapText, WhatIsWrongIsNamedWithItsLine) {
   cameras("1 PINHOLE -64 48 100", {"line 1", "a width is \"-64\"", "a whole number"});
   cameras("1 PINHOLE 0 48 100", {"line 1", "0 x 48"});
   cameras("99999999999 PINHOLE 0 48 100", {"line 1", "an id is \"99999999999\""});
+  for (const char* lens : {"-0.1 1", "1.5 1", "0.5 0"}) {
+    cameras(("1 EUCM 64 48 50 50 32 24 " + std::string(lens) + "\n").c_str(),
+            {"line 1", "an EUCM camera has alpha", "above 0"});
+  }
   cameras("1 FOV 64 48 1 1 1 1 1\n1 FOV 64 48 1 1 1 1 1\n", {"line 2", "the id 1 comes twice"});
 
   const auto images = [](const char* text, std::initializer_list<std::string> parts) {
@@ -92,6 +96,18 @@ TEST(ColmapText, WhatIsWrongIsNamedWithItsLine) {
   points("5 1 2 3 10 20 30 0.5 1\n", {"line 1", "ends where a track's observation"});
   points("5 1 2 inf 10 20 30 0.5 1\n", {"line 1", "is inf"});
   points("18446744073709551616 1 2 3 0 0 0 0\n", {"line 1", "an id"});
+}
+
+TEST(ColmapText, KnowsTheLensesOfLaterVersions) {
+  const auto cameras = ParseColmapCamerasText(
+      "1 RAD_TAN_THIN_PRISM_FISHEYE 64 48 50 51 32 24 1 2 3 4 5 6 7 8 9 10 11 12\n"
+      "2 SIMPLE_DIVISION 64 48 50 32 24 -0.1\n3 DIVISION 64 48 50 51 32 24 -0.1\n"
+      "4 SIMPLE_FISHEYE 64 48 50 32 24\n5 FISHEYE 64 48 50 51 32 24\n"
+      "6 EUCM 64 48 50 51 32 24 0.6 1.2\n",
+      "cameras.txt");
+  EXPECT_EQ(cameras.at(1).params.size(), 16u);
+  EXPECT_EQ(cameras.at(1).params.back(), 12);
+  for (int id = 1; id <= 6; ++id) EXPECT_EQ(cameras.at(uint32_t(id)).model, 10 + id);
 }
 
 TEST(ColmapText, ReferencesAreCheckedAsInBinaryModels) {
