@@ -9,14 +9,12 @@
 #include "scene/checked_json.h"
 #include "scene/missing_pictures.h"
 #include "scene/scene_points.h"
+#include "scene/transforms_lens.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <unordered_map>
@@ -32,106 +30,23 @@ constexpr SplitFile kSplitFiles[] = {{"transforms_train.json", Split::kTrain},
                                      {"transforms_val.json", Split::kValidation},
                                      {"transforms_test.json", Split::kTest}};
 
-// 0.6 to 172 degrees.
-constexpr double kMinFov_rad = 0.01, kMaxFov_rad = 3.0;
-constexpr double kMaxSide_px = 65536;
-constexpr double kMinFocal_px = 1e-3, kMaxFocal_px = 1e9;
-constexpr double kLargestCoefficient = 1e6;
 // The files hold floats (1e-7); some writers print six digits.
 constexpr double kRotationTolerance = 1e-4;
 constexpr double kFarthestCamera = 1e9;
-constexpr double kDegree_rad = std::numbers::pi / 180;
 
 // Tried in this order behind a file path that names no file.
 constexpr const char* kExtensions[] = {".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG", ".exr"};
 
-// Lens distortion, in the order of nerfstudio's distortion_params.
-constexpr std::array kCoefficients = {"k1", "k2", "k3", "k4", "p1", "p2"};
-constexpr const char* kCoefficientList = "distortion_params";
-
-// What is read here or refused by name; other fields are listed as unused.
-constexpr std::array kLensFields = {"w",
-                                    "h",
-                                    "fl_x",
-                                    "fl_y",
-                                    "cx",
-                                    "cy",
-                                    "camera_angle_x",
-                                    "camera_angle_y",
-                                    "x_fov",
-                                    "y_fov",
-                                    "k1",
-                                    "k2",
-                                    "k3",
-                                    "k4",
-                                    "k5",
-                                    "k6",
-                                    "p1",
-                                    "p2",
-                                    "distortion_params",
-                                    "camera_model",
-                                    "is_fisheye",
-                                    "ftheta_p0",
-                                    "latlong",
-                                    "equirectangular",
-                                    "rolling_shutter"};
-constexpr std::array kFileFields = {"frames",           "aabb",
-                                    "aabb_scale",       "scale",
-                                    "offset",           "ply_file_path",
-                                    "train_filenames",  "val_filenames",
-                                    "test_filenames",   "normal_mts_args",
-                                    "from_na",          "white_transparent",
-                                    "black_transparent"};
-constexpr std::array kFrameFields = {"file_path", "transform_matrix", "mask_path",
-                                     "depth_file_path", "depth_path"};
-
-template <size_t kCount>
-bool Holds(const std::array<const char*, kCount>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-// A frame, with the fields that it does not have itself taken from the file.
-struct FrameFields {
-  CheckedJson frame, file;
-
-  bool Has(const std::string& name) const { return TellerOf(name).Has(name); }
-  CheckedJson operator[](const std::string& name) const { return TellerOf(name).Field(name); }
-  // Of the lens distortion; none where it is not told. A list comes before single ones, as in
-  // nerfstudio; the file's list does not count for a frame with words of its own.
-  std::optional<CheckedJson> FindCoefficient(const std::string& name) const {
-    const bool frame_tells =
-        frame.Has(kCoefficientList) ||
-        std::any_of(kCoefficients.begin(), kCoefficients.end(),
-                    [&](const char* coefficient) { return frame.Has(coefficient); });
-    const CheckedJson& teller = frame_tells ? frame : file;
-    if (Holds(kCoefficients, name) && teller.Has(kCoefficientList)) {
-      const CheckedJson list = teller.Field(kCoefficientList);
-      if (list.Size() != kCoefficients.size()) {
-        list.Fail(fmt::format("has {} items; expected {}", list.Size(),
-                              fmt::join(kCoefficients.begin(), kCoefficients.end(), ", ")));
-      }
-      const auto place = std::find(kCoefficients.begin(), kCoefficients.end(), name);
-      return list.Item(size_t(place - kCoefficients.begin()));
-    }
-    if (!Has(name)) return std::nullopt;
-    return (*this)[name];
-  }
-  double Coefficient(const std::string& name) const {
-    const std::optional<CheckedJson> told = FindCoefficient(name);
-    return told ? told->NumberIn(-kLargestCoefficient, kLargestCoefficient) : 0.0;
-  }
-
- private:
-  // A frame that tells its focal length in any way goes by its own words alone.
-  const CheckedJson& TellerOf(const std::string& name) const {
-    constexpr std::array kFocal = {"fl_x",           "fl_y",  "camera_angle_x",
-                                   "camera_angle_y", "x_fov", "y_fov"};
-    const bool is_focal = Holds(kFocal, name);
-    const bool frame_tells_focal = std::any_of(kFocal.begin(), kFocal.end(),
-                                               [&](const char* focal) { return frame.Has(focal); });
-    return frame.Has(name) || (is_focal && frame_tells_focal) ? frame : file;
-  }
-};
+// What is read here or refused by name, beside lenses; other fields are listed as unused.
+const std::set<std::string> kFileFields = {"frames",           "aabb",
+                                           "aabb_scale",       "scale",
+                                           "offset",           "ply_file_path",
+                                           "train_filenames",  "val_filenames",
+                                           "test_filenames",   "normal_mts_args",
+                                           "from_na",          "white_transparent",
+                                           "black_transparent"};
+const std::set<std::string> kFrameFields = {"file_path", "transform_matrix", "mask_path",
+                                            "depth_file_path", "depth_path"};
 
 Rigid3 CamFromInput(const CheckedJson& json) {
   if (json.Size() != 3 && json.Size() != 4) {
@@ -160,137 +75,6 @@ Rigid3 CamFromInput(const CheckedJson& json) {
   input_from_opengl.rotation = NearestRotation(input_from_opengl.rotation);
   const Rigid3 cam_from_opengl{glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0.0)};
   return cam_from_opengl * input_from_opengl.Inverse();
-}
-
-double FieldOfView_rad(const CheckedJson& angle, double unit_rad) {
-  const double fov_rad = angle.Number() * unit_rad;
-  if (fov_rad < kMinFov_rad || fov_rad > kMaxFov_rad) {
-    angle.Fail(fmt::format("is {}; expected a field of view of {} to {} radians", angle.Number(),
-                           kMinFov_rad, kMaxFov_rad));
-  }
-  return fov_rad;
-}
-
-// Along an axis ("x", "y"); none where no angle is told.
-std::optional<double> FieldOfView_rad(const FrameFields& fields, const std::string& axis) {
-  const std::string in_radians = "camera_angle_" + axis, in_degrees = axis + "_fov";
-  if (fields.Has(in_radians)) return FieldOfView_rad(fields[in_radians], 1.0);
-  if (fields.Has(in_degrees)) return FieldOfView_rad(fields[in_degrees], kDegree_rad);
-  return std::nullopt;
-}
-
-std::optional<double> Focal_px(const FrameFields& fields, const std::string& axis, double size_px) {
-  if (fields.Has("fl_" + axis)) return fields["fl_" + axis].NumberIn(kMinFocal_px, kMaxFocal_px);
-  if (const std::optional<double> fov_rad = FieldOfView_rad(fields, axis)) {
-    return 0.5 * size_px / std::tan(0.5 * *fov_rad);
-  }
-  return std::nullopt;
-}
-
-[[noreturn]] void FailWithoutFocal(const FrameFields& fields) {
-  fields.frame.Fail(
-      "has no focal length: neither it nor the file tells fl_x (with w and h) or camera_angle_x");
-}
-
-bool IsFisheye(const FrameFields& fields) {
-  for (const char* other : {"ftheta_p0", "latlong", "equirectangular"}) {
-    if (fields.Has(other)) {
-      fields[other].Fail(
-          "belongs to a camera that is not read; expected a perspective or an "
-          "OPENCV_FISHEYE camera");
-    }
-  }
-  if (fields.Has("is_fisheye") && fields["is_fisheye"].Flag()) return true;
-  if (!fields.Has("camera_model")) return false;
-  const std::string model = fields["camera_model"].Text();
-  if (model == "OPENCV_FISHEYE") return true;
-  // The coefficients that are there tell these apart.
-  constexpr const char* kPerspective[] = {"PERSPECTIVE",   "SIMPLE_PINHOLE", "PINHOLE",    "OPENCV",
-                                          "SIMPLE_RADIAL", "RADIAL",         "FULL_OPENCV"};
-  const bool known =
-      std::find(std::begin(kPerspective), std::end(kPerspective), model) != std::end(kPerspective);
-  if (!known) {
-    fields["camera_model"].Fail(
-        fmt::format("is \"{}\"; expected {} or OPENCV_FISHEYE", model,
-                    fmt::join(std::begin(kPerspective), std::end(kPerspective), ", ")));
-  }
-  return false;
-}
-
-void RefuseCoefficients(const FrameFields& fields, std::initializer_list<const char*> names,
-                        const char* kind) {
-  for (const char* name : names) {
-    const double value = fields.Coefficient(name);
-    if (value == 0) continue;
-    fields.FindCoefficient(name)->Fail(fmt::format("is {}; expected 0 for a {} lens", value, kind));
-  }
-}
-
-// Appends the lens distortion to fx fy cx cy and sets the model.
-void SetDistortion(const FrameFields& fields, ColmapCamera& lens) {
-  const auto append = [&](std::initializer_list<const char*> names) {
-    for (const char* name : names) lens.params.push_back(fields.Coefficient(name));
-  };
-  if (IsFisheye(fields)) {
-    RefuseCoefficients(fields, {"p1", "p2", "k5", "k6"}, "fisheye");
-    lens.model = kColmapOpenCvFisheye;
-    append({"k1", "k2", "k3", "k4"});
-    return;
-  }
-  // Programs disagree on what they are: a divisor's or the eighth power's.
-  RefuseCoefficients(fields, {"k4", "k5", "k6"}, "perspective");
-  append({"k1", "k2", "p1", "p2", "k3"});
-  const auto is_zero = [](double value) { return value == 0; };
-  if (std::all_of(lens.params.begin() + 4, lens.params.end(), is_zero)) {
-    lens.model = kColmapPinhole;
-    lens.params.resize(4);
-  } else if (lens.params.back() == 0) {
-    lens.model = kColmapOpenCv;
-    lens.params.resize(8);
-  } else {
-    lens.model = kColmapFullOpenCv;
-    lens.params.resize(12);  // k4 to k6: 0
-  }
-}
-
-uint64_t Side_px(const CheckedJson& json) {
-  const double side_px = json.NumberIn(1, kMaxSide_px);  // often written as 1080.0
-  if (side_px != std::floor(side_px)) json.Fail(fmt::format("is {}; expected pixels", side_px));
-  return uint64_t(side_px);
-}
-
-ColmapCamera ReadLens(const FrameFields& fields) {
-  ColmapCamera lens;
-  lens.width = Side_px(fields["w"]);
-  lens.height = Side_px(fields["h"]);
-  const auto width = double(lens.width), height = double(lens.height);
-  const std::optional<double> fx = Focal_px(fields, "x", width), fy = Focal_px(fields, "y", height);
-  if (!fx && !fy) FailWithoutFocal(fields);
-  const auto principal_point_px = [&](const char* name, double size_px) {
-    return fields.Has(name) ? fields[name].NumberIn(-kMaxSide_px, 2 * kMaxSide_px) : 0.5 * size_px;
-  };
-  lens.params = {fx.value_or(fy.value_or(0)), fy.value_or(fx.value_or(0)),
-                 principal_point_px("cx", width), principal_point_px("cy", height)};
-  SetDistortion(fields, lens);
-  return lens;
-}
-
-// Of a file that does not tell the pictures' size: nothing in pixels, no distortion.
-void ReadFieldOfView(const FrameFields& fields, PosedPicture& picture) {
-  for (const char* name : {"fl_x", "fl_y", "cx", "cy"}) {
-    if (fields.Has(name)) fields[name].Fail("is in pixels of a picture of w x h; add w and h");
-  }
-  if (IsFisheye(fields)) fields.frame.Fail("has a fisheye lens but no picture size; add w and h");
-  for (const char* name : kCoefficients) {
-    if (fields.Coefficient(name) != 0) {
-      fields.FindCoefficient(name)->Fail(
-          "is the lens distortion of a picture of w x h; add w and h");
-    }
-  }
-  const std::optional<double> x = FieldOfView_rad(fields, "x"), y = FieldOfView_rad(fields, "y");
-  if (!x && !y) FailWithoutFocal(fields);
-  picture.horizontal_fov_rad = x.value_or(0);
-  picture.vertical_fov_rad = y.value_or(0);
 }
 
 // The normalised path that a field names, relative to the folder.
@@ -363,7 +147,8 @@ void RefuseOtherAxes(const CheckedJson& json) {
 
 void NoteFieldsOfFile(const CheckedJson& json, Unused& unused) {
   for (const std::string& name : json.Names()) {
-    if (!Holds(kLensFields, name) && !Holds(kFileFields, name)) unused.fields.insert(Shown(name));
+    if (!internal::IsLensField(name) && !kFileFields.contains(name))
+      unused.fields.insert(Shown(name));
   }
   for (const char* flag : {"white_transparent", "black_transparent"}) {
     if (json.Has(flag) && !json.Field(flag).IsOff()) unused.transparencies.insert(flag);
@@ -372,7 +157,7 @@ void NoteFieldsOfFile(const CheckedJson& json, Unused& unused) {
 
 void NoteFieldsOfFrame(const CheckedJson& json, Unused& unused) {
   for (const std::string& name : json.Names()) {
-    if (!Holds(kLensFields, name) && !Holds(kFrameFields, name)) {
+    if (!internal::IsLensField(name) && !kFrameFields.contains(name)) {
       unused.fields.insert("frames[]." + Shown(name));
     }
   }
@@ -420,7 +205,8 @@ struct Frame {
 };
 
 // A picture that is not there has no file; then its mask need not be there either.
-Frame ReadFrame(const FrameFields& fields, const std::filesystem::path& folder, Unused& unused) {
+Frame ReadFrame(const internal::FrameFields& fields, const std::filesystem::path& folder,
+                Unused& unused) {
   const CheckedJson& json = fields.frame;
   Frame frame;
   frame.relative = PathInside(json.Field("file_path"), folder);
@@ -442,9 +228,9 @@ Frame ReadFrame(const FrameFields& fields, const std::filesystem::path& folder, 
     }
   }
   if (fields.Has("w") || fields.Has("h")) {
-    picture.lens = ReadLens(fields);
+    picture.lens = internal::ReadLens(fields);
   } else {
-    ReadFieldOfView(fields, picture);
+    internal::ReadFieldOfView(fields, picture);
   }
   return frame;
 }
