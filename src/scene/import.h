@@ -75,7 +75,4 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
 // The stage: inputs "DATASET" and "test-list".
 void RunImport(const ImportOptions& options, Stage& stage);
 
-// Width and height scaled down so that the longer side is at most `max_size` (0: no bound).
-glm::ivec2 FitToMaxSize(int width, int height, int max_size);
-
 }  // namespace tetrec

@@ -6,6 +6,7 @@
 #include "expect_error.h"
 #include "scene/image.h"
 #include "scene/scene_points.h"
+#include "scene/stored_pictures.h"
 #include "scene/synthetic.h"
 #include "scratch_folder.h"
 
@@ -516,11 +517,11 @@ TEST(Import, RefusesOptionsThatMakeNoSense) {
 }
 
 TEST(FitToMaxSize, KeepsTheShape) {
-  EXPECT_EQ(FitToMaxSize(800, 600, 200), glm::ivec2(200, 150));
-  EXPECT_EQ(FitToMaxSize(600, 800, 200), glm::ivec2(150, 200));
-  EXPECT_EQ(FitToMaxSize(1000, 333, 100), glm::ivec2(100, 33));
-  EXPECT_EQ(FitToMaxSize(5000, 1, 100), glm::ivec2(100, 1));
-  EXPECT_EQ(FitToMaxSize(64, 48, 64), glm::ivec2(64, 48));
+  EXPECT_EQ(internal::FitToMaxSize(800, 600, 200), glm::ivec2(200, 150));
+  EXPECT_EQ(internal::FitToMaxSize(600, 800, 200), glm::ivec2(150, 200));
+  EXPECT_EQ(internal::FitToMaxSize(1000, 333, 100), glm::ivec2(100, 33));
+  EXPECT_EQ(internal::FitToMaxSize(5000, 1, 100), glm::ivec2(100, 1));
+  EXPECT_EQ(internal::FitToMaxSize(64, 48, 64), glm::ivec2(64, 48));
 }
 
 TEST(Import, FindsTheBoundsOfLego) {

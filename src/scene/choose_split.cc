@@ -1,0 +1,91 @@
+// Which pictures of a data set train and which are held out.
+#include "scene/choose_split.h"
+
+#include "core/error.h"
+#include "core/file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace tetrec::internal {
+namespace {
+
+constexpr uint64_t kMaxListBytes = uint64_t{1} << 26;
+
+void HoldOut(std::vector<PosedPicture>& pictures, int every) {
+  std::sort(pictures.begin(), pictures.end(),
+            [](const PosedPicture& a, const PosedPicture& b) { return a.name < b.name; });
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    const bool held_out = every > 0 && i % size_t(every) == 0;
+    pictures[i].split = held_out ? Split::kTest : Split::kTrain;
+  }
+}
+
+// The picture that a line of the test list names: by its name, else by its file's, with or without
+// extension and folder.
+size_t FindListed(const std::vector<PosedPicture>& pictures, const std::string& line,
+                  const std::string& where) {
+  std::vector<size_t> found;
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    const PosedPicture& picture = pictures[i];
+    if (picture.name == line) return i;
+    const std::filesystem::path& file = picture.file;
+    const bool is_its_file = picture.name + file.extension().string() == line ||
+                             std::filesystem::path(picture.name).replace_extension() == line ||
+                             file.filename() == line || file.stem() == line;
+    if (is_its_file) found.push_back(i);
+  }
+  if (found.empty()) {
+    throw DataError(
+        fmt::format("{}: no picture of the data set has the name \"{}\"; names are as "
+                    "\"{}\"",
+                    where, line, pictures[0].name));
+  }
+  if (found.size() > 1) {
+    throw DataError(
+        fmt::format("{}: \"{}\" is the name of {} pictures, as \"{}\" and \"{}\"; "
+                    "write it in full",
+                    where, line, found.size(), pictures[found[0]].name, pictures[found[1]].name));
+  }
+  return found[0];
+}
+
+void SplitByList(std::vector<PosedPicture>& pictures, const std::filesystem::path& list) {
+  for (PosedPicture& picture : pictures) picture.split = Split::kTrain;
+  std::istringstream lines(ReadText(list, kMaxListBytes));
+  int number = 0, listed = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    line.erase(line.find_last_not_of(" \t\r") + 1);
+    if (line.empty()) continue;
+    const std::string where = fmt::format("{}: line {}", list.string(), number);
+    pictures[FindListed(pictures, line, where)].split = Split::kTest;
+    ++listed;
+  }
+  if (listed == 0) {
+    throw DataError(
+        fmt::format("{}: names no view; to hold out none use --holdout 0", list.string()));
+  }
+}
+
+}  // namespace
+
+void ChooseSplit(Dataset& set, const ImportOptions& options) {
+  constexpr int kUsualHoldout = 8;
+  if (!options.test_list.empty()) {
+    SplitByList(set.pictures, options.test_list);
+  } else if (options.holdout || !set.has_split) {
+    HoldOut(set.pictures, options.holdout.value_or(kUsualHoldout));
+  }
+  const bool has_training =
+      std::any_of(set.pictures.begin(), set.pictures.end(),
+                  [](const PosedPicture& picture) { return picture.split == Split::kTrain; });
+  if (!has_training) {
+    throw DataError(
+        fmt::format("all {} pictures are held out; leave some to train on", set.pictures.size()));
+  }
+}
+
+}  // namespace tetrec::internal
