@@ -5,6 +5,16 @@
 #include <set>
 
 namespace tetrec {
+namespace {
+
+// Steps per sample as a finite number: between two of the smallest floats there is room for steeper
+// ones, and infinity times 0 is no number.
+float Steepness(double by_sample) {
+  constexpr double kSteepest = 1e30;
+  return float(std::clamp(by_sample, -kSteepest, kSteepest));
+}
+
+}  // namespace
 
 ShadedTransfer::ShadedTransfer(const TransferFunction& function) {
   std::set<double> knots = {0.0, 1.0};
@@ -20,7 +30,7 @@ ShadedTransfer::ShadedTransfer(const TransferFunction& function) {
     const double slope = (opacity1 - opacity0) / (end - begin);
     Piece piece;
     piece.begin = float(begin);
-    piece.opacity_slope = float(slope);
+    piece.opacity_slope = Steepness(slope);
     piece.opacity_offset = float(opacity0 - slope * begin);
     AddColors(function, begin, end, piece);
     pieces_.push_back(piece);
@@ -54,7 +64,7 @@ void ShadedTransfer::AddColors(const TransferFunction& function, double begin, d
   int steps = 1;
   while (2 * steps * kFinest <= end - begin && !is_fine(steps)) steps *= 2;
   piece.first_color = colors_.size();
-  piece.colors_by_sample = float(steps / (end - begin));
+  piece.colors_by_sample = Steepness(steps / (end - begin));
   piece.last_color = float(steps);
   for (int i = 0; i <= steps; ++i) colors_.push_back(glm::vec3(color_at(double(i) / steps)));
   colors_.push_back(colors_.back());  // read with weight 0 at the very end

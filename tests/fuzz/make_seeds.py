@@ -214,6 +214,9 @@ def transfer_function_seeds():
                                    "colour": [[0, 1, 0, 0], [1, 0, 0.5, 1]]}).encode()
     yield "paraview.json", json.dumps([{"ColorSpace": "RGB", "RGBPoints": [0, 1, 0, 0, 255, 0, 0, 1],
                                         "Points": [0, 0, 0.5, 0, 255, 1, 0.5, 0]}]).encode()
+    # A step between two of the smallest floats: its slope was infinite, colours no numbers.
+    yield "step.json", json.dumps({"opacity": [[0, 0], [3.5e-43, 1]],
+                                   "colour": [[0, 1, 0, 0], [1, 0, 0.5, 1]]}).encode()
 
 
 SEEDS = {

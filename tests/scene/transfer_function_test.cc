@@ -171,6 +171,17 @@ TEST(ShadedTransfer, KnowsWhereThereIsNothingToSee) {
   EXPECT_EQ(shaded.PieceOf(1), 3);
 }
 
+// Where fuzzing found an infinite slope.
+TEST(ShadedTransfer, TakesAStepBetweenTheSmallestFloats) {
+  const ShadedTransfer shaded(
+      Parse({{"opacity", {{0, 0}, {3.5e-43, 1}}}, {"colour", {{0, 1, 0, 0}, {1, 0, 0.5, 1}}}}));
+  EXPECT_EQ(shaded.PieceOf(0), 0);
+  EXPECT_EQ(shaded.OpacityOffset(0) + shaded.OpacitySlope(0) * 0.0f, 0);
+  EXPECT_EQ(shaded.SrgbAt(0, 0), glm::vec3(1, 0, 0));
+  const int after = shaded.PieceOf(1e-30f);
+  EXPECT_EQ(shaded.OpacityOffset(after) + shaded.OpacitySlope(after) * 1e-30f, 1);
+}
+
 TEST(ShadedTransfer, TakesPointsThatAreOneInFloat) {
   const ShadedTransfer shaded(
       Parse({{"opacity", {{0.5, 0}, {0.5 + 1e-12, 1}}}, {"colour", {{0, 1, 1, 1}}}}));
