@@ -24,7 +24,7 @@ void AddVolumeOptions(tetrec::StageCommand& command, tetrec::VolumeImportOptions
   command.FilesNamedBy("DATASET", tetrec::FilesNamedByVolume);
   app.add_option("--dimensions", options.dimensions,
                  ".raw: samples along x, y and z, like 103x94x161; x is fastest");
-  app.add_option("--sample-type", options.sample_type, ".raw: uint8, uint16 or float32");
+  app.add_option("--sample-type", options.sample_type, ".raw: uint8, uint16, int16 or float32");
   app.add_option("--byte-order", options.byte_order, ".raw: little (the default) or big");
   app.add_option("--spacing", options.spacing,
                  ".raw: distance of samples along x, y and z, like 1x1x1.5 (the default is 1x1x1)");

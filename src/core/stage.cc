@@ -121,11 +121,18 @@ std::string FirstSpoiledOutput(const fs::path& folder, const json& manifest) {
 // Names, sizes and times of the files inside: enough to see a change without reading gigabytes.
 json ListingOf(const fs::path& folder) {
   json listing = json::array();
-  for (const fs::directory_entry& entry :
-       fs::recursive_directory_iterator(folder, fs::directory_options::follow_directory_symlink)) {
-    if (!entry.is_regular_file()) continue;
-    listing.push_back({entry.path().lexically_relative(folder).string(), entry.file_size(),
-                       int64_t(entry.last_write_time().time_since_epoch().count())});
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::follow_directory_symlink,
+                                         error);
+  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    std::error_code gone;
+    if (!entry->is_regular_file(gone)) continue;
+    listing.push_back({entry->path().lexically_relative(folder).string(), entry->file_size(),
+                       int64_t(entry->last_write_time().time_since_epoch().count())});
+  }
+  if (error) {
+    throw DataError(fmt::format("{}: cannot be listed ({}); take out links that lead back into it",
+                                folder.string(), error.message()));
   }
   std::sort(listing.begin(), listing.end());
   return listing;

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/log.h"
 
 #include <fmt/format.h>
 
@@ -58,8 +59,12 @@ void SplitByList(std::vector<PosedPicture>& pictures, const std::filesystem::pat
   int number = 0, listed = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF"))
+      line.erase(0, 3);  // Windows' mark of UTF-8
     line.erase(line.find_last_not_of(" \t\r") + 1);
-    if (line.empty()) continue;
+    line.erase(0, line.find_first_not_of(" \t"));
+    if (line.empty() || line[0] == '#') continue;
+    line = std::filesystem::path(line).lexically_normal().generic_string();  // "./a.png"
     const std::string where = fmt::format("{}: line {}", list.string(), number);
     pictures[FindListed(pictures, line, where)].split = Split::kTest;
     ++listed;
@@ -74,9 +79,16 @@ void SplitByList(std::vector<PosedPicture>& pictures, const std::filesystem::pat
 
 void ChooseSplit(Dataset& set, const ImportOptions& options) {
   constexpr int kUsualHoldout = 8;
+  const bool holds_out =
+      std::any_of(set.pictures.begin(), set.pictures.end(),
+                  [](const PosedPicture& picture) { return picture.split != Split::kTrain; });
+  if (set.has_split && !holds_out && !options.holdout && options.test_list.empty()) {
+    LogInfo("the data set holds out no view: every {}th by name is (--holdout 0: none)",
+            kUsualHoldout);
+  }
   if (!options.test_list.empty()) {
     SplitByList(set.pictures, options.test_list);
-  } else if (options.holdout || !set.has_split) {
+  } else if (options.holdout || !set.has_split || !holds_out) {
     HoldOut(set.pictures, options.holdout.value_or(kUsualHoldout));
   }
   const bool has_training =

@@ -13,8 +13,10 @@ namespace tetrec {
 
 DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
   if (std::filesystem::is_regular_file(folder)) {
-    throw DataError(fmt::format("{}: is a file; give the folder that it lies in, {}",
-                                folder.string(), folder.parent_path().string()));
+    throw DataError(
+        fmt::format("{}: is a file; of a data set give the folder that it lies in; a volume's name "
+                    "ends in .raw (samples alone), .nrrd, .nhdr, .mha or .mhd",
+                    folder.string()));
   }
   if (!std::filesystem::is_directory(folder)) {
     throw DataError(

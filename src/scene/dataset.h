@@ -18,7 +18,7 @@ struct PosedPicture {
   std::string name;            // unique, as View::name, e.g. "train/r_0"
   std::string image;           // as View::image; empty: images/NAME.png
   std::filesystem::path file;  // exists (empty while a reader has not looked at what is missing)
-  std::filesystem::path mask;  // exists, or empty
+  std::filesystem::path mask;  // may not exist; empty: none
   Split split = Split::kTrain;
   Rigid3 cam_from_input;  // camera frame as ours: x right, y down, z forward
   // The lens, in pixels of the file. Of width 0 where only the field of view is told, along one

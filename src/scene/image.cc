@@ -259,7 +259,8 @@ void RefuseDicom(std::span<const uint8_t> bytes, const std::string& name) {
 bool HasPhotoExtension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".jpe" ||
+         extension == ".jfif" || extension == ".png";
 }
 
 Image MakeImage(int width, int height, int channels) {

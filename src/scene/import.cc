@@ -47,6 +47,17 @@ void CountTracks(Scene& scene) {
   }
 }
 
+// Points of the right frame lie in the pictures that they came from.
+void CheckSeen(const std::vector<ScenePoint>& points) {
+  const auto unseen = size_t(std::count_if(
+      points.begin(), points.end(), [](const ScenePoint& p) { return p.track_length == 0; }));
+  if (2 * unseen <= points.size()) return;
+  throw DataError(fmt::format(
+      "{} of {} points lie in no training picture: points and cameras are of different frames; "
+      "give the points of these cameras, or take them out and use --triangulate",
+      unseen, points.size()));
+}
+
 // The data set as a scene, still in the input's frame.
 Scene SceneInInput(const Dataset& set, const std::vector<StoredPicture>& stored) {
   Scene scene;
@@ -64,6 +75,7 @@ Scene SceneInInput(const Dataset& set, const std::vector<StoredPicture>& stored)
     scene.views.push_back(std::move(view));
   }
   CountTracks(scene);
+  CheckSeen(scene.points);
   return scene;
 }
 
@@ -124,6 +136,51 @@ void MoveToBounds(Scene& scene, const Bounds3& bounds_in_input) {
     view.cam_from_world = CamFromWorld(view.cam_from_world, scene.input_from_world);
   }
   for (ScenePoint& point : scene.points) point.position = world_from_input * point.position;
+}
+
+// What lies that far from all cameras was hardly taken by them.
+void WarnOfDistance(const glm::dvec3& place, const char* what, const Scene& scene) {
+  constexpr double kFar = 30;
+  Bounds3 cameras;
+  double distance = INFINITY;
+  for (const int i : scene.ViewsOf(Split::kTrain)) {
+    const glm::dvec3 camera = scene.views[size_t(i)].cam_from_world.Inverse().translation;
+    cameras.Add(camera);
+    distance = std::min(distance, glm::distance(camera, place));
+  }
+  const double spread = cameras.Diagonal();
+  if (!(distance > kFar * spread) || spread == 0) return;
+  LogWarning(
+      "{} at {} is {:.0f} times as far from the nearest camera as the cameras are apart; "
+      "does it belong to their coordinates?",
+      what, Text(place), distance / spread);
+}
+
+// Half of the points are on either side of it, along each axis.
+glm::dvec3 MedianOf(const std::vector<ScenePoint>& points) {
+  glm::dvec3 median;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const ScenePoint& point : points) values.push_back(point.position[axis]);
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    median[axis] = *middle;
+  }
+  return median;
+}
+
+void MoveToSubjectOfPoints(Scene& scene) {
+  constexpr size_t kFew = 50;
+  WarnOfDistance(MedianOf(scene.points), "the middle of the points", scene);
+  if (scene.points.size() < kFew) {
+    LogWarning("only {} points tell where the subject is; --bounds tells it better",
+               scene.points.size());
+  }
+  MoveToSubject(scene, FindSubject(scene));
+  const Similarity3& input_from_world = scene.input_from_world;
+  LogInfo("subject in the input's coordinates: around {}, {:.3f} long",
+          Text(input_from_world * scene.subject_bounds.Center()),
+          input_from_world.scale * 2);  // our world's unit
 }
 
 ViewAlphas AlphasOf(const std::vector<StoredPicture>& stored) {
@@ -208,6 +265,7 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
   ImportedScene imported;
   imported.opaque = internal::DropIdleAlpha(set.pictures, folder, stored);
   internal::CheckAlike(set.pictures, stored);
+  internal::CheckSomethingShows(set.pictures, stored);
   if (stored[0].has_mask) imported.masked_share = MaskedShare(stored);
   imported.missing_files = set.missing_files;
   imported.remarks = set.remarks;
@@ -229,9 +287,10 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
     imported.points_transparent = DropTransparentPoints(stored, scene);
   }
   if (options.subject_in_input) {
+    WarnOfDistance(options.subject_in_input->Center(), "the box of --bounds", scene);
     MoveToBounds(scene, *options.subject_in_input);
   } else if (!scene.has_alpha && !scene.points.empty()) {
-    MoveToSubject(scene, FindSubject(scene));
+    MoveToSubjectOfPoints(scene);
   } else {
     MoveToBounds(scene, SubjectBoundsInInput(set, stored));
   }

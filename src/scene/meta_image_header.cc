@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace tetrec::internal {
 namespace {
 
@@ -11,15 +13,18 @@ SampleType MetaType(const HeaderField& field) {
   const std::string& type = field.text;
   if (type == "MET_UCHAR") return SampleType::kUint8;
   if (type == "MET_USHORT") return SampleType::kUint16;
+  if (type == "MET_SHORT") return SampleType::kInt16;
   if (type == "MET_FLOAT") return SampleType::kFloat32;
-  field.Fail("MET_UCHAR, MET_USHORT or MET_FLOAT");
+  field.Fail("MET_UCHAR, MET_USHORT, MET_SHORT or MET_FLOAT; convert the samples to one of these");
 }
 
 void RefuseTurnedAxes(const HeaderField& matrix) {
   const std::vector<std::string_view> words = Words(matrix.text);
   if (words.size() != 9) matrix.Fail("nine numbers");
   for (size_t i = 0; i < words.size(); ++i) {
-    if (matrix.FiniteFrom(words[i], "nine numbers") != (i % 4 == 0 ? 1 : 0)) {
+    constexpr double kRounding = 1e-6;
+    const double expected = i % 4 == 0 ? 1 : 0;
+    if (!(std::abs(matrix.FiniteFrom(words[i], "nine numbers") - expected) <= kRounding)) {
       matrix.Fail("1 0 0 0 1 0 0 0 1: turned axes are not read");
     }
   }

@@ -22,6 +22,12 @@ SampleType NrrdType(const HeaderField& field) {
       {"unsigned short int", SampleType::kUint16},
       {"uint16", SampleType::kUint16},
       {"uint16_t", SampleType::kUint16},
+      {"short", SampleType::kInt16},
+      {"short int", SampleType::kInt16},
+      {"signed short", SampleType::kInt16},
+      {"signed short int", SampleType::kInt16},
+      {"int16", SampleType::kInt16},
+      {"int16_t", SampleType::kInt16},
       {"float", SampleType::kFloat32}};
   std::string spelling;
   for (const std::string_view word : Words(field.text)) {
@@ -29,7 +35,8 @@ SampleType NrrdType(const HeaderField& field) {
     spelling += Lower(word);
   }
   const auto found = kTypes.find(spelling);
-  if (found == kTypes.end()) field.Fail("uint8, uint16 or float");
+  if (found == kTypes.end())
+    field.Fail("uint8, uint16, int16 or float; convert the samples to one of these");
   return found->second;
 }
 
@@ -180,7 +187,9 @@ glm::dvec3 SpacingFromDirections(const HeaderField& field) {
   for (int axis = 0; axis < 3; ++axis) {
     const glm::dvec3 direction = NrrdVector(field, rest);
     for (int i = 0; i < 3; ++i) {
-      const bool good = i == axis ? direction[i] > 0 : direction[i] == 0;
+      constexpr double kRounding = 1e-6;  // of exporters' rotations
+      const bool good =
+          i == axis ? direction[i] > 0 : std::abs(direction[i]) <= kRounding * direction[axis];
       if (!good) field.Fail("a diagonal above 0: turned, sheared or mirrored axes are not read");
     }
     spacing[axis] = direction[axis];

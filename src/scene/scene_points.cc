@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace tetrec {
 namespace {
 
@@ -24,7 +27,9 @@ class VertexColumns {
   const std::vector<double>& Get(const char* name, double min, double max) const {
     const PlyProperty* property = vertex_->Find(name);
     if (property == nullptr || property->is_list) {
-      throw DataError(fmt::format("{}: vertex property '{}' is missing", path_, name));
+      throw DataError(
+          fmt::format("{}: vertex property '{}' is missing; points have x y z and red green blue",
+                      path_, name));
     }
     for (size_t i = 0; i < property->values.size(); ++i) {
       const double value = property->values[i];
@@ -34,6 +39,18 @@ class VertexColumns {
       }
     }
     return property->values;
+  }
+  // Colours as floating-point numbers of 0 to 1, as some programs write them; others write 0 to 255
+  // in that type too.
+  bool HasUnitColors() const {
+    for (const char* name : {"red", "green", "blue"}) {
+      const PlyProperty& property = *vertex_->Find(name);
+      if (property.type != PlyType::kFloat && property.type != PlyType::kDouble) return false;
+      if (std::any_of(property.values.begin(), property.values.end(),
+                      [](double value) { return value > 1; }))
+        return false;
+    }
+    return true;
   }
 
  private:
@@ -49,10 +66,12 @@ std::vector<ScenePoint> PositionsAndColors(const VertexColumns& vertex) {
   const auto& red = vertex.Get("red", 0, 255);
   const auto& green = vertex.Get("green", 0, 255);
   const auto& blue = vertex.Get("blue", 0, 255);
+  const double unit = vertex.HasUnitColors() ? 255 : 1;
+  const auto to_byte = [&](double value) { return uint8_t(std::lround(value * unit)); };
   std::vector<ScenePoint> points(vertex.count());
   for (size_t i = 0; i < points.size(); ++i) {
     points[i].position = {x[i], y[i], z[i]};
-    points[i].color_srgb = {uint8_t(red[i]), uint8_t(green[i]), uint8_t(blue[i])};
+    points[i].color_srgb = {to_byte(red[i]), to_byte(green[i]), to_byte(blue[i])};
   }
   return points;
 }

@@ -55,13 +55,23 @@ void CheckRange(int value, int min, int max, const char* option) {
   }
 }
 
+// Pictures by their names that are not read; phones write HEIC.
+bool IsOtherPicture(const fs::path& path) {
+  static const std::set<std::string> kExtensions = {
+      ".heic", ".heif", ".avif", ".webp", ".tif", ".tiff", ".bmp", ".gif", ".jp2", ".jxl",
+      ".exr",  ".dng",  ".cr2",  ".cr3",  ".nef", ".arw",  ".raf", ".orf", ".rw2"};
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return kExtensions.contains(extension);
+}
+
 std::vector<std::string> PhotoNames(const fs::path& folder) {
   if (!fs::is_directory(folder)) {
     throw DataError(
         fmt::format("{}: is no folder; give the folder that holds the photos", folder.string()));
   }
   std::vector<std::string> names;
-  size_t others = 0;
+  std::vector<std::string> others, pictures;  // not read
   for (auto it = fs::recursive_directory_iterator(folder); it != fs::recursive_directory_iterator();
        ++it) {
     const bool hidden = it->path().filename().string().starts_with('.');
@@ -70,11 +80,18 @@ std::vector<std::string> PhotoNames(const fs::path& folder) {
     if (HasPhotoExtension(it->path())) {
       names.push_back(it->path().lexically_relative(folder).generic_string());
     } else {
-      ++others;
+      const std::string name = it->path().lexically_relative(folder).generic_string();
+      (IsOtherPicture(it->path()) ? pictures : others).push_back(name);
     }
   }
-  if (others > 0)
-    LogInfo("{} other file{} in {} passed over", others, others == 1 ? "" : "s", folder.string());
+  if (!others.empty()) {
+    LogInfo("{}: files that are no photos, passed over: {}: {}", folder.string(), others.size(),
+            ShortList(others));
+  }
+  if (!pictures.empty()) {
+    LogWarning("{}: pictures of other kinds than JPEG and PNG, left out: {}: {}; convert them",
+               folder.string(), pictures.size(), ShortList(pictures));
+  }
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -380,7 +397,8 @@ void CheckSfmOptions(const SfmOptions& options) {
 std::vector<Photo> FindPhotos(const fs::path& folder) {
   const std::vector<std::string> names = PhotoNames(folder);
   if (names.empty()) {
-    throw DataError(fmt::format("{}: holds no photos (.jpg, .jpeg or .png)", folder.string()));
+    throw DataError(fmt::format(
+        "{}: holds no photos (.jpg, .jpeg or .png); convert others to these", folder.string()));
   }
   if (names.size() == 1) {
     throw DataError(fmt::format(

@@ -2,6 +2,7 @@
 #include "scene/stored_pictures.h"
 
 #include "core/error.h"
+#include "core/log.h"
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/short_list.h"
@@ -139,6 +140,9 @@ StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::p
   if (image.channels != 4) return stored;
   std::vector<uint8_t> alpha = AlphaOf(image);
   CountHidden(alpha, stored);
+  const uint8_t least_seen = stored.has_mask ? kSeenAlpha : 1;
+  stored.shows_nothing =
+      std::all_of(alpha.begin(), alpha.end(), [&](uint8_t value) { return value < least_seen; });
   if (stored.has_alpha && picture.split == Split::kTrain) stored.alpha = std::move(alpha);
   return stored;
 }
@@ -158,10 +162,20 @@ std::string ImageOf(const PosedPicture& picture) {
 }
 
 void ChooseMasks(std::vector<PosedPicture>& pictures, MaskUse use) {
-  std::vector<std::string> without;
+  std::vector<std::string> without, missing;
   for (PosedPicture& picture : pictures) {
     if (use == MaskUse::kNone) picture.mask.clear();
     if (picture.mask.empty()) without.push_back(picture.name);
+    std::error_code unusable;
+    if (!picture.mask.empty() && !std::filesystem::is_regular_file(picture.mask, unusable)) {
+      missing.push_back(picture.mask.string());
+    }
+  }
+  if (!missing.empty()) {
+    throw DataError(fmt::format(
+        "{} masks that the data set names are not there: {}; copy them there, or use none of them "
+        "by --masks none",
+        missing.size(), ShortList(missing)));
   }
   if (without.empty() || without.size() == pictures.size()) return;
   throw DataError(fmt::format(
@@ -207,6 +221,30 @@ size_t DropIdleAlpha(const std::vector<PosedPicture>& pictures, const std::files
     }
   });
   return dropped;
+}
+
+void CheckSomethingShows(const std::vector<PosedPicture>& pictures,
+                         const std::vector<StoredPicture>& stored) {
+  std::vector<std::string> hidden;
+  size_t training = 0, hidden_training = 0;
+  for (size_t i = 0; i < stored.size(); ++i) {
+    const bool trains = pictures[i].split == Split::kTrain;
+    training += trains;
+    if (!stored[i].shows_nothing) continue;
+    hidden_training += trains;
+    hidden.push_back(pictures[i].name);
+  }
+  if (hidden.empty()) return;
+  const char* why = stored[0].has_mask
+                        ? "masks leave no pixel (128 to 255 in a mask is what counts)"
+                        : "alpha is 0 everywhere";
+  if (hidden_training == training) {
+    throw DataError(
+        fmt::format("of all {} training pictures {}: nothing can be learnt from them; "
+                    "check the files, or leave masks out by --masks none",
+                    training, why));
+  }
+  LogWarning("pictures of which {}: {}: {}", why, hidden.size(), ShortList(hidden));
 }
 
 void CheckAlike(const std::vector<PosedPicture>& pictures,

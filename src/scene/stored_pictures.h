@@ -17,6 +17,7 @@ struct StoredPicture {
   bool has_mask = false;       // alpha that leaves pixels out
   uint64_t hidden_pixels = 0;  // by either, at least in part
   uint64_t masked_pixels = 0;
+  bool shows_nothing = false;  // alpha 0 everywhere, or a mask that leaves no pixel
   bool resized = false, turned = false, lens_scaled = false;
   bool cut_to_plane = false;
   uint64_t clipped_pixels = 0;
@@ -43,6 +44,11 @@ std::vector<StoredPicture> StorePictures(const std::vector<PosedPicture>& pictur
 // many pictures.
 size_t DropIdleAlpha(const std::vector<PosedPicture>& pictures, const std::filesystem::path& folder,
                      std::vector<StoredPicture>& stored);
+
+// Throws DataError where alpha or masks leave nothing of any training picture; warns of single
+// pictures of which they leave nothing.
+void CheckSomethingShows(const std::vector<PosedPicture>& pictures,
+                         const std::vector<StoredPicture>& stored);
 
 // Throws DataError where some pictures have alpha or a mask and others do not.
 void CheckAlike(const std::vector<PosedPicture>& pictures,

@@ -107,6 +107,8 @@ TransferFunction MovedToUnitRange(TransferFunction function, const glm::dvec2& v
   };
   move(function.opacity);
   move(function.color);
+  const bool is_opaque = std::any_of(function.opacity.begin(), function.opacity.end(),
+                                     [](const auto& point) { return point.opacity > 0; });
   // The part inside, with its values at both ends.
   TransferFunction inside{{{0, function.OpacityAt(0)}},
                           {{0, function.SrgbAt(0)}},
@@ -120,6 +122,12 @@ TransferFunction MovedToUnitRange(TransferFunction function, const glm::dvec2& v
   }
   inside.opacity.push_back({1, function.OpacityAt(1)});
   inside.color.push_back({1, function.SrgbAt(1)});
+  if (is_opaque && inside.OpaqueStretches().empty()) {
+    json.Fail(fmt::format(
+        "has opacity above 0 only at positions outside of {} to {}, what samples are; move its "
+        "positions, or give --value-range LOW,HIGH",
+        values[0], values[1]));
+  }
   return inside;
 }
 
@@ -135,7 +143,7 @@ TransferFunction ParseParaView(const CheckedJson& json, const glm::dvec2& values
         "the map again",
         space.Text()));
   }
-  if (map.Has("UseLogScale") && map.Field("UseLogScale").NumberIn(0, 1) != 0) {
+  if (map.Has("UseLogScale") && !map.Field("UseLogScale").IsOff()) {
     map.Field("UseLogScale").Fail("is on; only maps linear in the value are read");
   }
   TransferFunction function;

@@ -69,8 +69,10 @@ Rigid3 CamFromInput(const CheckedJson& json) {
   }
   const double distance = DistanceFromRotation(input_from_opengl.rotation);
   if (!(distance <= kRotationTolerance)) {
-    json.Fail(fmt::format("is no rigid pose: R^T R is off by {:.2g} (scaled or mirrored axes)",
-                          distance));
+    json.Fail(fmt::format(
+        "is no rigid pose: R^T R is off by {:.2g}, at most {:.2g} is rounding: scaled or "
+        "mirrored axes, or numbers of few digits; write at least six",
+        distance, kRotationTolerance));
   }
   input_from_opengl.rotation = NearestRotation(input_from_opengl.rotation);
   const Rigid3 cam_from_opengl{glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0.0)};
@@ -79,7 +81,9 @@ Rigid3 CamFromInput(const CheckedJson& json) {
 
 // The normalised path that a field names, relative to the folder.
 std::filesystem::path PathInside(const CheckedJson& json, const std::filesystem::path& folder) {
-  const std::filesystem::path relative = std::filesystem::path(json.Text()).lexically_normal();
+  std::string text = json.Text();
+  std::replace(text.begin(), text.end(), '\\', '/');  // as Windows writes them
+  const std::filesystem::path relative = std::filesystem::path(text).lexically_normal();
   if (!StaysInside(relative)) {
     json.Fail(
         fmt::format("is \"{}\"; expected a path inside {}", relative.string(), folder.string()));
@@ -204,7 +208,7 @@ struct Frame {
   std::filesystem::path relative;
 };
 
-// A picture that is not there has no file; then its mask need not be there either.
+// A picture that is not there has no file. Whether its mask is there matters only where it is used.
 Frame ReadFrame(const internal::FrameFields& fields, const std::filesystem::path& folder,
                 Unused& unused) {
   const CheckedJson& json = fields.frame;
@@ -222,10 +226,6 @@ Frame ReadFrame(const internal::FrameFields& fields, const std::filesystem::path
   picture.cam_from_input = CamFromInput(json.Field("transform_matrix"));
   if (json.Has("mask_path")) {
     picture.mask = folder / PathInside(json.Field("mask_path"), folder);
-    if (!picture.file.empty() && !IsFile(picture.mask)) {
-      json.Field("mask_path")
-          .Fail(fmt::format("names a missing mask: {} is not there", picture.mask.string()));
-    }
   }
   if (fields.Has("w") || fields.Has("h")) {
     picture.lens = internal::ReadLens(fields);
@@ -265,7 +265,8 @@ void AddPicture(const PosedPicture& picture, const std::filesystem::path& path, 
   const auto [other, is_new] = files.emplace(picture.name, file);
   if (!is_new) {
     throw DataError(
-        fmt::format("{}: picture \"{}\" of {} is in {} already; a view may be listed once",
+        fmt::format("{}: picture \"{}\" of {} is in {} already; a view may be listed once, and "
+                    "names must differ in more than their extensions",
                     path.parent_path().string(), picture.name, file, other->second));
   }
   set.pictures.push_back(picture);
@@ -389,7 +390,10 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder, MissingPictures m
       frame.picture.split = split_file.split;
       AddPicture(frame.picture, path, files, set);
     }
-    if (split_file.split == Split::kTrain) set.box_in_input = ReadBox(json);
+    if (split_file.split == Split::kTrain) {
+      set.box_in_input = ReadBox(json);
+      ReadPoints(json, folder, set);
+    }
     if (split_file.split == Split::kTrain && set.pictures.empty()) {
       throw DataError(fmt::format("{}: frames is empty; expected training views", path.string()));
     }

@@ -60,7 +60,7 @@ void Normalise(const glm::dvec2& range, Volume& volume) {
 }  // namespace
 
 size_t BytesOf(SampleType type) {
-  return type == SampleType::kUint8 ? 1 : type == SampleType::kUint16 ? 2 : 4;
+  return type == SampleType::kUint8 ? 1 : type == SampleType::kFloat32 ? 4 : 2;
 }
 
 ValueRange RangeOf(SampleType type) {
@@ -69,6 +69,8 @@ ValueRange RangeOf(SampleType type) {
       return glm::dvec2(0, std::numeric_limits<uint8_t>::max());
     case SampleType::kUint16:
       return glm::dvec2(0, std::numeric_limits<uint16_t>::max());
+    case SampleType::kInt16:
+      return glm::dvec2(std::numeric_limits<int16_t>::min(), std::numeric_limits<int16_t>::max());
     case SampleType::kFloat32:
       return std::nullopt;
   }
@@ -116,6 +118,9 @@ Volume DecodeVolume(const VolumeLayout& layout, std::span<const uint8_t> bytes,
       break;
     case SampleType::kUint16:
       ReadValues<uint16_t>(bytes, swap, volume.samples);
+      break;
+    case SampleType::kInt16:
+      ReadValues<int16_t>(bytes, swap, volume.samples);
       break;
     case SampleType::kFloat32:
       ReadValues<float>(bytes, swap, volume.samples);

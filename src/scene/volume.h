@@ -17,11 +17,12 @@
 
 namespace tetrec {
 
-enum class SampleType { kUint8, kUint16, kFloat32 };
+enum class SampleType { kUint8, kUint16, kInt16, kFloat32 };
 template <>
 inline constexpr auto kWords<SampleType> =
     std::to_array<Word<SampleType>>({{SampleType::kUint8, "uint8"},
                                      {SampleType::kUint16, "uint16"},
+                                     {SampleType::kInt16, "int16"},
                                      {SampleType::kFloat32, "float32"}});
 
 size_t BytesOf(SampleType type);

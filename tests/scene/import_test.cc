@@ -315,6 +315,94 @@ TEST(Import, MakesAlphaOfMasks) {
   ExpectError<DataError>(import, {"masks/04.png: mask of 80 x 58", "images/04.png of 80 x 60"});
 }
 
+// Masks that leave nothing, alpha that is 0 everywhere: of all pictures an error, of some a
+// warning.
+TEST(Import, PicturesOfWhichNothingShowsAreTold) {
+  const ScratchFolder data, out;
+  const SyntheticScene synthetic = SomeScene();
+  WriteNerf(data, synthetic);
+  const Image clear = MakeImage(80, 60, 4);
+  WriteImage(data / "train/r_3.png", clear);
+  ImportDataset(data.path(), out.path(), AtSize(80));
+  for (int i = 0; i < 24; ++i) WriteImage(data / fmt::format("train/r_{}.png", i), clear);
+  ExpectError<DataError>([&] { ImportDataset(data.path(), out.path(), AtSize(80)); },
+                         {"of all 24 training pictures alpha is 0 everywhere"});
+
+  Json json = Json::parse(ReadText(data / "transforms_train.json"));
+  for (auto& frame : json["frames"]) frame["mask_path"] = "mask.png";
+  data.Write("transforms.json", json.dump());
+  std::filesystem::remove(data / "transforms_train.json");
+  for (int i = 0; i < 24; ++i) {
+    WriteImage(data / fmt::format("train/r_{}.png", i), MakeImage(80, 60, 3));
+  }
+  const auto import = [&](MaskUse use) {
+    ImportOptions options = AtSize(80);
+    options.masks = use;
+    ImportDataset(data.path(), out.path(), options);
+  };
+  ExpectError<DataError>([&] { import(MaskUse::kIgnore); },
+                         {"24 masks", "are not there: ", "mask.png", "--masks none"});
+  import(MaskUse::kNone);
+  WriteImage(data / "mask.png", MakeImage(80, 60, 3));
+  ExpectError<DataError>([&] { import(MaskUse::kIgnore); },
+                         {"of all 21 training pictures masks leave no pixel", "--masks none"});
+  ExpectError<DataError>([&] { import(MaskUse::kSubject); }, {"alpha is 0 everywhere"});
+}
+
+TEST(Import, WarnsOfBoundsAndPointsFarFromTheCameras) {
+  const ScratchFolder data, out;
+  WriteNerf(data, SomeScene());
+  ImportOptions options = AtSize(80);
+  options.subject_in_input = Bounds3{{10000, 10000, 10000}, {10001, 10001, 10001}};
+  TakeWarnings();
+  ImportDataset(data.path(), out.path(), options);
+  EXPECT_THAT(TakeWarnings(),
+              testing::Contains(testing::HasSubstr("the box of --bounds at (10000.5")));
+}
+
+// The file of the training views may name points; theirs may be of another frame, and their colours
+// numbers of 0 to 1.
+TEST(Import, ReadsPointsOfNerfSyntheticSetsAndRefusesThoseOfAnotherFrame) {
+  const ScratchFolder data, out;
+  WriteNerf(data, SomeScene());
+  Json json = Json::parse(ReadText(data / "transforms_train.json"));
+  json["ply_file_path"] = "points.ply";
+  data.Write("transforms_train.json", json.dump());
+  const auto write_points = [&](double x) {
+    data.Write("points.ply",
+               fmt::format("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty "
+                           "float y\nproperty float z\nproperty float red\nproperty float "
+                           "green\nproperty float blue\nend_header\n{0} -2 0.5 0.5 1 0\n{0} -2 "
+                           "0.6 0 0 0.2\n",
+                           x));
+  };
+  write_points(1);
+  const ImportedScene imported = ImportDataset(data.path(), out.path(), AtSize(80));
+  ASSERT_EQ(imported.scene.points.size(), 2u);
+  EXPECT_EQ(imported.scene.points[0].color_srgb, (std::array<uint8_t, 3>{128, 255, 0}));
+  EXPECT_EQ(imported.scene.points[1].color_srgb[2], 51);
+  // Beside what all cameras see, on both sides of the ring that they stand on.
+  data.Write("points.ply",
+             "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+             "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+             "end_header\n1 -2 90000 1 2 3\n1 -2 -90000 1 2 3\n");
+  ExpectError<DataError>([&] { ImportDataset(data.path(), out.path(), AtSize(80)); },
+                         {"2 of 2 points lie in no training picture", "different frames"});
+}
+
+// The stages after it judge held-out views.
+TEST(Import, HoldsOutEveryEighthOfSetsThatHoldOutNothing) {
+  const ScratchFolder data, out;
+  WriteNerf(data, SomeScene());
+  std::filesystem::remove(data / "transforms_val.json");
+  std::filesystem::remove(data / "transforms_test.json");
+  EXPECT_EQ(ImportDataset(data.path(), out.path(), AtSize(80)).scene.ViewsOf(Split::kTest).size(),
+            3u);
+  ImportOptions none = AtSize(80);
+  none.holdout = 0;
+  EXPECT_EQ(ImportDataset(data.path(), out.path(), none).scene.ViewsOf(Split::kTest).size(), 0u);
+}
+
 TEST(Import, AlphaThatHidesNothingIsNone) {
   const ScratchFolder folder;
   SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom);

@@ -97,7 +97,7 @@ TEST(SceneFile, RefusesEveryBrokenFieldByName) {
   const Case cases[] = {
       {"schema is 2; expected 1", [](Json& j) { j["schema"] = 2; }},
       {"schema is missing", [](Json& j) { j.erase("schema"); }},
-      {"background is \"green\"; expected one of \"white\", \"black\", \"scene\"",
+      {"background is \"green\"; expected white, black or scene",
        [](Json& j) { j["background"] = "green"; }},
       {"has_alpha is 1; expected true or false", [](Json& j) { j["has_alpha"] = 1; }},
       {"has_masks is \"no\"; expected true or false", [](Json& j) { j["has_masks"] = "no"; }},
@@ -135,7 +135,7 @@ TEST(SceneFile, RefusesEveryBrokenFieldByName) {
        [](Json& j) { j["views"][0]["image"] = "images/none.png"; }},
       {"views[0].image is missing: ",
        [](Json& j) { j["views"][0]["image"] = std::string(5000, 'x'); }},
-      {"views[0].split is \"val\"; expected one of \"train\", \"validation\", \"test\"",
+      {"views[0].split is \"val\"; expected train, validation or test",
        [](Json& j) { j["views"][0]["split"] = "val"; }},
       {"views[0].cam_from_world.rotation has 2 items; expected 3 rows",
        [](Json& j) { j["views"][0]["cam_from_world"]["rotation"].erase(2); }},

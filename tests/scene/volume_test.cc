@@ -90,6 +90,13 @@ TEST_F(VolumeFiles, RawSamplesOfEveryTypeAndByteOrder) {
     const Volume sixteen =
         ReadRawVolume(folder_.Write("b.raw", BytesOfValues(words, big)), layout).volume;
     EXPECT_FLOAT_EQ(sixteen.samples[3], 15000.0f / 65535);
+    layout.type = SampleType::kInt16;  // 55000 is -10536
+    const Volume with_signs =
+        ReadRawVolume(folder_.Write("b.raw", BytesOfValues(words, big)), layout).volume;
+    EXPECT_EQ(with_signs.least_value, 35000 - 65536);
+    EXPECT_EQ(with_signs.value_at_0, -32768);
+    EXPECT_FLOAT_EQ(with_signs.samples[11], 22232.0f / 65535);
+    EXPECT_FLOAT_EQ(with_signs.samples[3], 47768.0f / 65535);
     layout.type = SampleType::kFloat32;
     const Volume real =
         ReadRawVolume(folder_.Write("c.raw", BytesOfValues(floats, big)), layout).volume;
@@ -313,11 +320,12 @@ TEST_F(VolumeFiles, NrrdWithItsSamplesBehindTheHeader) {
   EXPECT_EQ(file.volume.spacing, glm::dvec3(1, 2, 0.5));
   EXPECT_EQ(file.volume.origin, glm::dvec3(1, 2, -3));
   EXPECT_EQ(file.unused_fields, std::vector<std::string>{"content"});
-  ExpectEightBits(Read("b.nrrd", std::string(kNrrd) +
-                                     "space directions: (1,0,0) (0,2,0) (0,0,.5)\r\nencoding: "
-                                     "GZIP\r\n\r\n" +
-                                     Gzip(EightBits()))
-                      .volume);
+  ExpectEightBits(
+      Read("b.nrrd", std::string(kNrrd) +
+                         "space directions: (1,0,-1e-9) (1e-17,2,0) (0,0,.5)\r\nencoding: "
+                         "GZIP\r\n\r\n" +
+                         Gzip(EightBits()))
+          .volume);
 }
 
 TEST_F(VolumeFiles, NrrdTypesInAllSpellings) {
@@ -334,6 +342,10 @@ TEST_F(VolumeFiles, NrrdTypesInAllSpellings) {
   for (const char* type :
        {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"}) {
     EXPECT_EQ(read(type, words), SampleType::kUint16);
+  }
+  for (const char* type :
+       {"short", "short int", "signed short", "signed short int", "int16", "int16_t"}) {
+    EXPECT_EQ(read(type, words), SampleType::kInt16);
   }
   const std::string floats =
       BytesOfValues(std::vector<float>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, true);
@@ -389,8 +401,8 @@ TEST_F(VolumeFiles, NrrdHeadersThatAreRefused) {
   ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\ndimension: 3\n",
                 {"line 3: dimension is there twice"});
   ExpectRefused("a.nrrd", "NRRD0004\ndimension: 3\nsizes: 2 3 2\n", {"type is missing"});
-  ExpectRefused("a.nrrd", header("short", raw),
-                {"line 2: type is \"short\"", "uint8, uint16 or float"});
+  ExpectRefused("a.nrrd", header("double", raw),
+                {"line 2: type is \"double\"", "uint8, uint16, int16 or float; convert"});
   ExpectRefused("a.nrrd", header("uchar", "content: words"), {"encoding is missing"});
   ExpectRefused("a.nrrd", header("uchar", "encoding: bzip2"), {"\"bzip2\"; expected raw or gzip"});
   ExpectRefused("a.nrrd", header("ushort", raw), {"endian is missing"});
@@ -490,8 +502,8 @@ TEST_F(VolumeFiles, MetaImageHeadersThatAreRefused) {
   ExpectRefused("a.mha", "NDims = 2\n", {"NDims is \"2\"; expected 3"});
   ExpectRefused("a.mha", "NDims = 3\nElementType = MET_UCHAR\n", {"DimSize is missing"});
   ExpectRefused("a.mha", "NDims = 3\nDimSize = 2 2 2\n", {"ElementType is missing"});
-  ExpectRefused("a.mha", "NDims = 3\nDimSize = 2 2 2\nElementType = MET_SHORT\n",
-                {"MET_UCHAR, MET_USHORT or"});
+  ExpectRefused("a.mha", "NDims = 3\nDimSize = 2 2 2\nElementType = MET_LONG\n",
+                {"MET_UCHAR, MET_USHORT, MET_SHORT or"});
   ExpectRefused("a.mha", kMeta, {"ElementDataFile is missing"});
   ExpectRefused("a.mha", header("NDims = 3"), {"line 5: NDims is there twice"});
   ExpectRefused("a.mha", header("ElementNumberOfChannels = 3"),
