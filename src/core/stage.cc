@@ -119,20 +119,24 @@ std::string FirstSpoiledOutput(const fs::path& folder, const json& manifest) {
 }
 
 // Names, sizes and times of the files inside: enough to see a change without reading gigabytes.
+// Links to folders are followed, but none to where the listing has been: they may lead in circles.
 json ListingOf(const fs::path& folder) {
   json listing = json::array();
+  std::set<fs::path> entered = {fs::canonical(folder)};
   std::error_code error;
   fs::recursive_directory_iterator entry(folder, fs::directory_options::follow_directory_symlink,
                                          error);
   for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
     std::error_code gone;
+    if (entry->is_directory(gone) && !entered.insert(fs::canonical(entry->path())).second) {
+      entry.disable_recursion_pending();
+    }
     if (!entry->is_regular_file(gone)) continue;
     listing.push_back({entry->path().lexically_relative(folder).string(), entry->file_size(),
                        int64_t(entry->last_write_time().time_since_epoch().count())});
   }
   if (error) {
-    throw DataError(fmt::format("{}: cannot be listed ({}); take out links that lead back into it",
-                                folder.string(), error.message()));
+    throw DataError(fmt::format("{}: cannot be listed ({})", folder.string(), error.message()));
   }
   std::sort(listing.begin(), listing.end());
   return listing;

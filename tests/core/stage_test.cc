@@ -283,6 +283,14 @@ TEST_F(StageTest, FailuresGiveTheirExitCodesAndOneLine) {
   EXPECT_EQ(run([](Stage& stage) { stage.Output("never"); }).exit_code, 1);
 }
 
+// Two such links give two to the 40th names to whom follows both.
+TEST_F(StageTest, LinksThatLeadBackAreNotFollowed) {
+  folder_.Write("photos/a.jpg", "x");
+  fs::create_directory_symlink(".", folder_ / "photos/self");
+  fs::create_directory_symlink("../photos", folder_ / "photos/again");
+  EXPECT_EQ(First({folder_ / "photos", "-o", output_}, [](Stage&) {}).exit_code, 0);
+}
+
 TEST_F(StageTest, AMissingInputOrAnUnwritableOutputTouchesNothing) {
   EXPECT_EQ(First({folder_ / "none", "-o", output_}).exit_code, 3);
   EXPECT_FALSE(fs::exists(output_));

@@ -339,6 +339,19 @@ class DatasetsTest(unittest.TestCase):
         (self.cube / "val" / "r_0.png").write_bytes(b"\xff\xd8\xff\xe0\x00")
         self.assert_refused(self.fetch("cube", "--from", self.cube, "--allow-partial"), 3, "val/r_0.png")
 
+    def test_what_is_cut_is_refused_whatever_is_allowed(self):
+        self.describe()
+        picture = self.cube / "train" / "r_1.png"
+        picture.write_bytes(picture.read_bytes()[:-12])  # the last chunk
+        result = self.fetch("cube", "--from", self.cube, "--allow-partial")
+        self.assert_refused(result, 3, "train/r_1.png", "no whole PNG")
+        self.describe("cloud", format="file", file="cloud.raw", folder=None, bytes=256, sha256="0" * 64)
+        path = self.folder / "specs" / "cloud.json"
+        spec = json.loads(path.read_text()) | {"kind": "volume", "required": ["cloud.raw"], "pictures": []}
+        path.write_text(json.dumps(spec))
+        result = self.fetch("cloud", "--from", self.write(bytes(200), "part"), "--allow-partial")
+        self.assert_refused(result, 3, "is cut: 200 of 256 bytes")
+
     def test_a_list_that_names_files_outside_is_refused(self):
         self.describe()
         write_png(self.folder / "mine" / "r_0.png", WIDTH, HEIGHT, bytes(4 * WIDTH * HEIGHT))

@@ -116,6 +116,17 @@ TEST_F(SfmTest, FoldersWithoutPhotosOrWithOneAreRefused) {
   ExpectError<DataError>([&] { FindPhotos(photos_); }, {"only one photo", "photo 00.png"});
 }
 
+TEST_F(SfmTest, PicturesOfOtherKindsAreNamed) {
+  WritePhotos(1);
+  folder_.Write("photos/b.HEIC", "of a phone");
+  folder_.Write("photos/notes.txt", "no photo");
+  TakeWarnings();
+  ExpectError<DataError>([&] { FindPhotos(photos_); }, {"only one photo"});
+  EXPECT_THAT(TakeWarnings(), ::testing::ElementsAre(::testing::AllOf(
+                                  ::testing::HasSubstr("left out: 1: b.HEIC; convert"),
+                                  ::testing::Not(::testing::HasSubstr("notes")))));
+}
+
 TEST_F(SfmTest, AllPhotosThatCannotBeReadAreNamedAtOnce) {
   WritePhotos(3);
   folder_.Write("photos/letter.jpg", "this is a text");
