@@ -80,7 +80,7 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  tetrec::StageCommand command("import", 4,
+  tetrec::StageCommand command("import", 5,
                                "Imports a data set with known cameras, or a volume, into a scene "
                                "folder.");
   tetrec::ImportOptions options;
