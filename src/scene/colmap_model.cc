@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 
 namespace tetrec {
 namespace fs = std::filesystem;
@@ -146,7 +147,11 @@ std::map<uint64_t, ColmapPoint> ParseColmapPoints(std::span<const uint8_t> bytes
 }
 
 void CheckColmapModel(const ColmapModel& model, const std::string& name) {
+  std::set<std::string> names;
   for (const auto& [id, image] : model.images) {
+    if (!names.insert(image.name).second) {
+      throw DataError(fmt::format("{}: two images have the name {}", name, image.name));
+    }
     if (!model.cameras.contains(image.camera)) {
       throw DataError(fmt::format("{}: image {} has camera {}, which does not exist", name,
                                   image.name, image.camera));

@@ -86,8 +86,8 @@ std::map<uint32_t, ColmapImage> ParseColmapImages(std::span<const uint8_t> bytes
 std::map<uint64_t, ColmapPoint> ParseColmapPoints(std::span<const uint8_t> bytes,
                                                   const std::string& name);
 
-// Whether the parts fit each other: images refer to cameras whose lenses are known, tracks and
-// observations to each other. Throws DataError("<name>: ...").
+// Whether the parts fit each other: images have names of their own and refer to cameras whose
+// lenses are known, tracks and observations to each other. Throws DataError("<name>: ...").
 void CheckColmapModel(const ColmapModel& model, const std::string& name);
 
 // All three, binary where they are there, else text, and checked; cameras of text models with

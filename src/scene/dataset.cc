@@ -2,12 +2,14 @@
 #include "scene/dataset.h"
 
 #include "core/error.h"
+#include "core/log.h"
 #include "scene/colmap_dataset.h"
 #include "scene/transforms.h"
 
 #include <fmt/format.h>
 
 #include <set>
+#include <vector>
 
 namespace tetrec {
 
@@ -23,9 +25,15 @@ DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
         fmt::format("{}: no such folder; expected a data set with known cameras", folder.string()));
   }
   const auto has = [&](const char* file) { return std::filesystem::exists(folder / file); };
-  if (has("transforms_train.json")) return DatasetFormat::kNerfSynthetic;
-  if (has("transforms.json")) return DatasetFormat::kTransforms;
-  if (FindColmapModel(folder)) return DatasetFormat::kColmap;
+  std::vector<DatasetFormat> found;
+  if (has("transforms_train.json")) found.push_back(DatasetFormat::kNerfSynthetic);
+  if (has("transforms.json")) found.push_back(DatasetFormat::kTransforms);
+  if (FindColmapModel(folder)) found.push_back(DatasetFormat::kColmap);
+  for (size_t i = 1; i < found.size(); ++i) {
+    LogInfo("{}: read as {}; {} is there too (--format)", folder.string(), Name(found[0]),
+            Name(found[i]));
+  }
+  if (!found.empty()) return found[0];
   throw DataError(fmt::format(
       "{}: is no data set with known cameras: neither transforms_train.json (NeRF-synthetic) nor "
       "transforms.json (instant-ngp, nerfstudio) nor cameras.bin or cameras.txt (COLMAP, also in "

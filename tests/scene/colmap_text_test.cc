@@ -112,6 +112,10 @@ TEST(ColmapText, KnowsTheLensesOfLaterVersions) {
 
 TEST(ColmapText, ReferencesAreCheckedAsInBinaryModels) {
   ExpectError<DataError>([] { Read("", kImages, kPoints); }, {"camera 7"});
+  std::string twice = kImages;
+  twice[twice.find("c.jpg")] = 'd';
+  ExpectError<DataError>([&] { Read(kCameras, twice.c_str(), kPoints); },
+                         {"two images have the name d.jpg"});
   ExpectError<DataError>([] { Read(kCameras, kImages, ""); }, {"point 5"});
   ExpectError<DataError>([] { Read(kCameras, "", kPoints); }, {"image 1"});
 }
