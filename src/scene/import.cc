@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "core/quantile.h"
 #include "core/short_list.h"
 #include "geometry/rotation.h"
 #include "scene/carve.h"
@@ -162,9 +163,7 @@ glm::dvec3 MedianOf(const std::vector<ScenePoint>& points) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const ScenePoint& point : points) values.push_back(point.position[axis]);
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median[axis] = *middle;
+    median[axis] = Quantile(std::move(values), 0.5);
   }
   return median;
 }

@@ -2,6 +2,7 @@
 #include "scene/sfm_bounds.h"
 
 #include "core/error.h"
+#include "core/quantile.h"
 #include "geometry/rotation.h"
 
 #include <algorithm>
@@ -18,13 +19,6 @@ constexpr double kReach = 0.75;    // of the median distance from camera to focu
 constexpr double kTrimmed = 0.01;  // of the weight, at each end of each axis
 constexpr double kMargin = 0.05;   // of the longest side, at each side
 constexpr size_t kMinPoints = 50;
-
-double Quantile(std::vector<double> values, double share) {
-  TETREC_CHECK(!values.empty(), "no values");
-  const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 // The value below which `share` of the weight lies.
 double WeightedQuantile(std::vector<std::pair<double, double>> weighted, double share) {
