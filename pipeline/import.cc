@@ -1,10 +1,11 @@
 // tetrec-import: a data set with known cameras, or a volume -> a scene folder.
-#include "scene/import.h"
+#include "import/import.h"
 
+#include "command/stage_command.h"
+#include "command/word_option.h"
 #include "core/error.h"
 #include "core/stage.h"
-#include "core/word_option.h"
-#include "scene/volume_import.h"
+#include "volume/import.h"
 
 #include <fmt/format.h>
 
@@ -17,35 +18,41 @@ namespace {
 
 constexpr const char* kVolumes = "Volumes (.raw, .nrrd, .nhdr, .mha, .mhd)";
 
-void AddVolumeOptions(tetrec::StageCommand& command, tetrec::VolumeImportOptions& options) {
+// Options of volumes as they are typed.
+struct VolumeTexts {
+  std::string dimensions, spacing;
+  std::vector<double> value_range;
+};
+
+void AddVolumeOptions(tetrec::StageCommand& command, tetrec::VolumeImportOptions& options,
+                      VolumeTexts& texts) {
   CLI::App& app = command.app();
-  command.InputPath("--transfer-function", "opacity and colour of samples: our JSON or ParaView's",
-                    false);
-  command.FilesNamedBy("DATASET", tetrec::FilesNamedByVolume);
-  app.add_option("--dimensions", options.dimensions,
-                 ".raw: samples along x, y and z, like 103x94x161; x is fastest");
-  app.add_option("--sample-type", options.sample_type, ".raw: uint8, uint16, int16 or float32");
-  app.add_option("--byte-order", options.byte_order, ".raw: little (the default) or big");
-  app.add_option("--spacing", options.spacing,
-                 ".raw: distance of samples along x, y and z, like 1x1x1.5 (the default is 1x1x1)");
-  app.add_option("--value-range", options.value_range,
+  command.InputPath("--transfer-function",
+                    "Opacity and colour of samples: Tetrec's JSON or ParaView's", false);
+  command.AlsoHash("DATASET", tetrec::FilesNamedByVolume);
+  app.add_option("--dimensions", texts.dimensions,
+                 ".raw: samples along x, y and z, e.g. 103x94x161; x varies fastest");
+  AddWordOption(app, "--sample-type", options.sample_type, ".raw: type of a sample");
+  AddWordOption(app, "--byte-order", options.byte_order, ".raw: little (the default) or big");
+  app.add_option("--spacing", texts.spacing,
+                 ".raw: distance of samples along x, y and z, e.g. 1x1x1.5 (default 1x1x1)");
+  app.add_option("--value-range", texts.value_range,
                  "LOW,HIGH: the values of samples that become 0 and 1, to which positions of the "
                  "transfer function refer; samples outside are clamped. Default: the range of "
-                 "integers' type, of float samples the data's own")
+                 "the type of integers, or of the data for floats")
       ->delimiter(',')
       ->expected(2);
   app.add_option("--attenuation", options.attenuation,
-                 "density at opacity 1 [1 / the volume's longest side]");
-  AddWordOption(app, "--shading", options.shading,
-                "pre: density and colour are interpolated between samples; post: the sample is "
-                "interpolated, then given density and colour");
-  app.add_option("--cameras", options.cameras, "views, on a sphere around the volume");
-  app.add_option(
-      "--size", options.size_px,
-      "width and height of the pictures [pixels]; --max-size bounds them too, where it is given");
-  app.add_option("--rays-per-side", options.rays_per_side,
-                 "a pixel is the mean of so many times so many rays");
-  app.add_option("--seed", options.seed, "turns the sphere of cameras");
+                 "Density at opacity 1 [1 / longest side of the volume]");
+  AddWordOption(
+      app, "--shading", options.shading,
+      "pre: interpolate density and colour between samples; post: interpolate the sample, "
+      "then look up density and colour");
+  app.add_option("--cameras", options.cameras, "Views on a sphere around the volume");
+  app.add_option("--size", options.size_px,
+                 "Width and height of the images [px]; --max-size bounds them too, if given");
+  app.add_option("--rays-per-side", options.rays_per_side, "A pixel is the mean of N x N rays");
+  app.add_option("--seed", options.seed, "Random seed that rotates the sphere of cameras");
   for (const char* name : {"--transfer-function", "--dimensions", "--sample-type", "--byte-order",
                            "--spacing", "--value-range", "--attenuation", "--shading", "--cameras",
                            "--size", "--rays-per-side", "--seed"}) {
@@ -53,7 +60,15 @@ void AddVolumeOptions(tetrec::StageCommand& command, tetrec::VolumeImportOptions
   }
 }
 
-// Options of volumes are for volumes, and those of pictures for pictures.
+void ReadTexts(const VolumeTexts& texts, tetrec::VolumeImportOptions& options) {
+  if (!texts.dimensions.empty()) options.dimensions = tetrec::ParseDimensions(texts.dimensions);
+  if (!texts.spacing.empty()) options.spacing = tetrec::ParseSpacing(texts.spacing);
+  if (!texts.value_range.empty()) {
+    options.value_range = glm::dvec2(texts.value_range[0], texts.value_range[1]);
+  }
+}
+
+// Refuses options of volumes for image data sets, and the reverse.
 void CheckOptionsFor(const CLI::App& app, bool is_volume) {
   const auto refuse = [](const CLI::Option* option, const char* what) {
     if (option->count() == 0) return;
@@ -62,11 +77,10 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
   if (is_volume) {
     for (const char* name : {"--format", "--images", "--downscale", "--masks", "--test-list",
                              "--bounds", "--triangulate", "--skip-missing"}) {
-      refuse(app.get_option(name), "pictures, not for volumes");
+      refuse(app.get_option(name), "image data sets, not for volumes");
     }
     if (app.get_option("--transfer-function")->count() == 0) {
-      throw tetrec::UsageError(
-          "--transfer-function is missing: a volume needs one to become pictures");
+      throw tetrec::UsageError("--transfer-function is missing: a volume needs one to be rendered");
     }
     return;
   }
@@ -80,55 +94,62 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  tetrec::StageCommand command("import", 5,
-                               "Imports a data set with known cameras, or a volume, into a scene "
-                               "folder.");
+  tetrec::StageCommand command(
+      "import", 5,
+      "Imports a data set with known cameras, or a volume, into a scene folder.\n"
+      "Example: tetrec-import DATASET -o RUN/1_scene");
   tetrec::ImportOptions options;
   tetrec::VolumeImportOptions volume_options;
   CLI::App& app = command.app();
-  command.InputPath("DATASET", "folder of the data set, or file of a volume");
-  AddVolumeOptions(command, volume_options);
-  AddWordOption(app, "--format", options.format,
-                "format of the data set: auto (by the files that are there), nerf-synthetic "
-                "(transforms_train.json), transforms (transforms.json of instant-ngp or "
-                "nerfstudio) or colmap (a model with its pictures)");
-  app.add_option("--images", options.images,
-                 "folder of a COLMAP model's pictures in the data set, e.g. images_4 of the same "
-                 "pictures made smaller; without it: images");
+  command.InputPath("DATASET", "Folder of the data set, or file of a volume");
+  VolumeTexts volume_texts;
+  AddVolumeOptions(command, volume_options, volume_texts);
+  AddWordOption(
+      app, "--format", options.format,
+      "Format of the data set: auto (by its files), nerf-synthetic (transforms_train.json), "
+      "transforms (transforms.json of instant-ngp or nerfstudio) or colmap (a model with "
+      "its images)");
+  app.add_option(
+      "--images", options.images,
+      "Folder of a COLMAP model's images in the data set, e.g. images_4 for reduced copies; "
+      "default: images");
   CLI::Option* max_size =
       app.add_option("--max-size", options.max_size,
-                     "bound of the pictures' longer side [pixels]; 0 keeps them as stored")
+                     "Largest length of the images' longer side [px]; 0 keeps them as stored")
           ->capture_default_str();
   app.add_option("--downscale", options.downscale,
-                 "divides the pictures' sides by this factor, in place of --max-size")
+                 "Factor by which the images are reduced, instead of --max-size")
       ->excludes(max_size);
   AddWordOption(app, "--background", options.background, "auto",
-                "what stands behind the subject: white or black (pictures with alpha, or taken "
-                "before it), scene (photos), auto (white behind alpha, else scene)");
-  AddWordOption(app, "--masks", options.masks,
-                "what is black in the data set's masks: ignore (something that is not to be "
-                "modelled, people for example: those pixels count for nothing), subject (empty "
-                "space around the subject: masks become alpha), none (masks are not used)");
-  CLI::Option* holdout =
-      app.add_option("--holdout", options.holdout,
-                     "every N-th view by name is held out for judging, the others train; 0: none. "
-                     "Default: the data set's own split; every 8th of those that have none");
-  command.InputPath("--test-list",
-                    "file with the names of the views that are held out, one a line; the others "
-                    "train",
-                    false);
+                "Background of the subject: white or black (for images with alpha or with a plain "
+                "background), scene (photos), auto (white for images with alpha, otherwise scene)");
+  AddWordOption(
+      app, "--masks", options.masks,
+      "Meaning of black in the data set's masks: ignore (pixels to leave out, for example "
+      "people), subject (empty space around the subject: masks become alpha), none (masks "
+      "are not used)");
+  CLI::Option* holdout = app.add_option(
+      "--holdout", options.holdout,
+      "Hold out every N-th view by name for evaluation and train on the others; 0: none. "
+      "Default: the data set's own split, or every 8th view if it has none");
+  command.InputPath(
+      "--test-list",
+      "File with the names of the views to hold out, one per line; the others are for "
+      "training",
+      false);
   app.get_option("--test-list")->excludes(holdout);
   std::vector<double> bounds;
-  app.add_option("--bounds", bounds,
-                 "the subject's box x0,y0,z0,x1,y1,z1 in the data set's coordinates, in place of "
-                 "what alpha, points or cameras tell")
+  app.add_option(
+         "--bounds", bounds,
+         "The subject's box x0,y0,z0,x1,y1,z1 in the data set's coordinates; default: found "
+         "from alpha, points or cameras")
       ->delimiter(',')
       ->expected(6);
   app.add_flag("--triangulate", options.triangulate,
-               "find points by COLMAP's features and the known cameras, for data sets without "
-               "points, so that the first mesh can be made of points");
+               "Find points by COLMAP's features and the known cameras, for data sets without "
+               "points, so that the first mesh can be built from points");
   app.add_flag("--skip-missing", options.skip_missing,
-               "leave out pictures that the data set names and that are not there");
+               "Leave out images that the data set names but does not contain");
   bool is_volume = false;
   return command.Run(
       argc, argv,
@@ -138,14 +159,15 @@ int main(int argc, char** argv) {
       },
       [&] {
         if (!bounds.empty()) {
-          options.subject_in_input = {{bounds[0], bounds[1], bounds[2]},
-                                      {bounds[3], bounds[4], bounds[5]}};
+          options.bounds_in_input = {{bounds[0], bounds[1], bounds[2]},
+                                     {bounds[3], bounds[4], bounds[5]}};
         }
         options.Check();
         const std::string dataset = app.get_option("DATASET")->as<std::string>();
         is_volume = tetrec::IsVolumeFile(dataset);
         CheckOptionsFor(app, is_volume);
         if (!is_volume) return;
+        ReadTexts(volume_texts, volume_options);
         volume_options.background = options.background.value_or(Background::kWhite);
         volume_options.holdout = options.holdout.value_or(volume_options.holdout);
         if (app.get_option("--max-size")->count() > 0 && options.max_size > 0) {

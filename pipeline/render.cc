@@ -1,22 +1,27 @@
-// tetrec-render: pictures of a finished field, beside the ground truth.
+// tetrec-render: images of a finished field, with the ground truth beside them.
+#include "command/stage_command.h"
+#include "core/stage.h"
 #include "render/render_views.h"
-#include "render/renderer_words.h"
+#include "renderer_options.h"
 
 int main(int argc, char** argv) {
   tetrec::RenderViewsOptions options;
-  tetrec::RendererWords words;
-  tetrec::StageCommand command("render", 1, "Renders views of a field that tetrec-optimize made.");
-  command.InputStage("FIELD", "folder of tetrec-optimize", {"optimize"});
+  tetrec::StageCommand command(
+      "render", 1,
+      "Renders views of a fitted field: writes images with the ground truth beside them, and "
+      "views.json.\n"
+      "Example: tetrec-render RUN/3_field -o RUN/4_views");
+  command.InputStage("FIELD", "Folder that tetrec-optimize wrote", {"optimize"});
   CLI::App& app = command.app();
-  app.add_option("--views", options.views, "which views: heldout, train or all")
+  app.add_option("--views", options.views, "Views to render: heldout, train or all")
       ->check(CLI::IsMember({"heldout", "train", "all"}));
-  app.add_option("--samples", options.samples, "rays a pixel side; 2 is 4 rays a pixel")
+  app.add_option("--samples", options.samples, "Rays per side of a pixel; 2 gives 4 rays per pixel")
       ->check(CLI::Range(1, 16));
   app.add_option("--background", options.background,
-                 "what stands behind pictures with alpha: scene (as imported), white, black")
+                 "Background of images with alpha: scene (as imported), white or black")
       ->check(CLI::IsMember({"scene", "white", "black"}));
-  AddRendererOptions(command, words, options.renderer);
+  AddRendererOptions(command, options.renderer);
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunRenderViews(options, stage); },
-      [&] { words.Apply(options.renderer); });
+      [&] { options.renderer.Check(); });
 }

@@ -1,45 +1,45 @@
 #!/usr/bin/env bash
-# Installs what Tetrec needs from Debian 12's packages and is not there yet; touches nothing else.
-# Exit codes: 0 all there, 4 something is missing and cannot be installed from here.
+# Installs the packages of Debian 12 that Tetrec needs and that are missing; touches nothing else.
+# Exit codes: 0 all are installed, 4 something is missing and cannot be installed from here.
 set -euo pipefail
 
-# One package a line: name, then what needs it.
+# One package per line: its name, then what needs it.
 packages() {
   cat <<'LIST'
 make                        chains the stages
 cmake                       build
 ninja-build                 build
 g++                         build
-ccache                      build: makes the second one quick
+ccache                      build: makes the next one quick
 git                         the revision that manifests record; the list of files to check
 python3                     scripts/check_includes, scripts/fetch_dataset
 python3-jsonschema          scripts/check_datasets: the descriptions of data sets
 ca-certificates             fetching data sets over https
 libfmt-dev                  core: formatting
 nlohmann-json3-dev          core: JSON
-libcli11-dev                core: command lines
+libcli11-dev                command: command lines
 libssl-dev                  core: SHA-256
-libsqlite3-dev              scene: the database of COLMAP
-zlib1g-dev                  scene: compressed volumes
+libsqlite3-dev              colmap: its database
+zlib1g-dev                  volume: compressed volumes
 libglm-dev                  geometry: vectors and matrices
-libopencv-core-dev          scene, eval: pictures
-libopencv-imgproc-dev       scene, eval: pictures
-libopencv-imgcodecs-dev     scene, eval: picture files
+libopencv-core-dev          image, eval: images
+libopencv-imgproc-dev       image, eval: images
+libopencv-imgcodecs-dev     image, eval: image files
 libcgal-dev                 mesh: Delaunay tetrahedralization
 libopenmesh-dev             surface: clean-up
 libnanoflann-dev            eval: nearest points
 libvulkan-dev               gpu: headers and loader
-mesa-vulkan-drivers         gpu: lavapipe, the Vulkan device of a machine without one
+mesa-vulkan-drivers         gpu: lavapipe, a Vulkan device for machines without a GPU
 glslang-tools               shaders: GLSL to SPIR-V
 vulkan-validationlayers     tests: any message of the validation layer fails a test
 libgtest-dev                tests
 libgmock-dev                tests
 librapidcheck-dev           tests: random cases
 libceres-dev                tests: automatic derivatives
-libeigen3-dev               eval: alignment; what Ceres and CGAL ask for
+libeigen3-dev               eval: alignment; required by Ceres and CGAL
 libbenchmark-dev            benchmarks
 clang                       tests: fuzz targets
-libclang-rt-14-dev          tests: the fuzzer's run time
+libclang-rt-14-dev          tests: the fuzzer's runtime library
 clang-format                tests: format check
 colmap                      tetrec-sfm runs it
 tetgen                      tetrec-tetrahedralize --start tetgen runs it
@@ -54,7 +54,7 @@ is_installed() {
 all=$(packages | awk '{print $1}')
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-  echo "setup: this is not a Debian system; these packages of Debian 12 (or their like) are needed:"
+  echo "setup: this is not a Debian system; install the counterparts of these packages of Debian 12:"
   packages | sed 's/^/  /'
   exit 4
 fi
@@ -64,13 +64,13 @@ for package in $all; do
   is_installed "$package" || missing+=("$package")
 done
 if [ ${#missing[@]} -eq 0 ]; then
-  echo "setup: all $(wc -w <<<"$all") packages are there"
+  echo "setup: all $(wc -w <<<"$all") packages are installed"
   exit 0
 fi
 
 . /etc/os-release
 if [ "${ID:-}" != debian ] || [ "${VERSION_ID:-}" != 12 ]; then
-  echo "setup: made for Debian 12, this is ${PRETTY_NAME:-unknown}; package names may differ" >&2
+  echo "setup: this is ${PRETTY_NAME:-unknown}, not Debian 12; package names may differ" >&2
 fi
 
 install="apt-get install -y --no-install-recommends ${missing[*]}"
@@ -79,7 +79,7 @@ if [ "$(id -u)" -eq 0 ]; then
 elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
   as_root=(sudo -n)
 else
-  echo "setup: ${#missing[@]} packages are missing and installing them needs root; run this, then try again:" >&2
+  echo "setup: ${#missing[@]} packages are missing, and installing them requires root; run this, then try again:" >&2
   echo "  sudo sh -c 'apt-get update && $install'" >&2
   exit 4
 fi
@@ -89,7 +89,7 @@ export DEBIAN_FRONTEND=noninteractive
 # sudo drops the environment, hence `env`.
 run_apt() { "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q "$@"; }
 if ! run_apt update || ! run_apt install -y --no-install-recommends "${missing[@]}"; then
-  echo "setup: apt-get failed (see above); mend it and run: $install" >&2
+  echo "setup: apt-get failed (see above); fix the cause and run: $install" >&2
   exit 4
 fi
 for package in "${missing[@]}"; do

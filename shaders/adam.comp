@@ -1,7 +1,9 @@
-// One step of Adam (shared/adam.glsl.h) on every vertex, and the field that the renderers read.
+// One step of Adam (shared/adam.glsl.h) on every row of a field's attributes, and the field that the
+// renderers read.
 //
-// Parameters: colour as it is, and the logarithm of density; dL/dlog(sigma) = sigma dL/dsigma.
-// Clears the gradient for the next step.
+// A row of parameters, of gradients, and of first and of second moments has kRowComponents floats,
+// in the order of the layout (field/layout.h). Gradients are by value: those of a parameter p whose
+// value is e^p are dL/dp = e^p dL/dvalue. Clears the gradients for the next step.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #ifdef TETREC_FIXED_POINT
@@ -15,61 +17,99 @@ layout(local_size_x = kWorkgroupSize) in;
 #ifdef TETREC_FIXED_POINT
 layout(std430, binding = kBindVertexGradients) buffer VertexGradients { int64_t vertex_gradients[]; };
 #else
-layout(std430, binding = kBindVertexGradients) buffer VertexGradients { vec4 vertex_gradients[]; };
+layout(std430, binding = kBindVertexGradients) buffer VertexGradients { float vertex_gradients[]; };
 #endif
-layout(std430, binding = kBindParameters) buffer Parameters { vec4 parameters[]; };
-layout(std430, binding = kBindMoments) buffer MomentsBuffer { Moments moments[]; };
+layout(std430, binding = kBindParameters) buffer Parameters { float parameters[]; };
+layout(std430, binding = kBindMoments) buffer Moments { float moments[]; };  // a row's first, its second
 layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
 layout(push_constant) uniform Push { AdamPush push; };
 
 #include "storage.glsl"
 
-// Reads the gradient of a vertex and clears it.
-vec4 TakeGradient(uint v) {
+layout(constant_id = kConstantAttributeCount) const int kAttributeCount = 2;
+layout(constant_id = kConstantAttributes) const int kAttribute0 = 0;
+layout(constant_id = kConstantAttributes + 1) const int kAttribute1 = 0;
+layout(constant_id = kConstantAttributes + 2) const int kAttribute2 = 0;
+layout(constant_id = kConstantAttributes + 3) const int kAttribute3 = 0;
+layout(constant_id = kConstantAttributes + 4) const int kAttribute4 = 0;
+layout(constant_id = kConstantAttributes + 5) const int kAttribute5 = 0;
+layout(constant_id = kConstantAttributes + 6) const int kAttribute6 = 0;
+layout(constant_id = kConstantAttributes + 7) const int kAttribute7 = 0;
+// Reads a gradient and clears it.
+float TakeGradient(uint at, float quantum) {
 #ifdef TETREC_FIXED_POINT
-  vec4 gradient;
-  uint i = 0u;
-  while (i < 4u) {
-    gradient[i] = float(vertex_gradients[4u * v + i]);
-    vertex_gradients[4u * v + i] = 0;
-    i += 1u;
-  }
-  return gradient * vec4(vec3(push.color_quantum), push.density_quantum);
+  float gradient = quantum * float(vertex_gradients[at]);
+  vertex_gradients[at] = 0;
 #else
-  vec4 gradient = vertex_gradients[v];
-  vertex_gradients[v] = vec4(0.0);
-  return gradient;
+  float gradient = vertex_gradients[at];
+  vertex_gradients[at] = 0.0;
 #endif
+  return gradient;
+}
+
+// Set if any gradient of the row is not 0; and the logarithm of its density before decay and bounds.
+bool seen = false;
+float log_density = 0.0;
+
+// One component of a row. All but `row` are constants to the compiler for the standard attributes.
+void Update(uint row, int component, int activation, int rate_class) {
+  uint first = row * uint(kRowComponents);
+  uint at = first + uint(component), moment = first + at;
+  float parameter = parameters[at];
+  float gradient = TakeGradient(at, push.quanta[rate_class]);
+  if (component == kDensityComponent) {
+    gradient *= vertices[DensityRow(row, push.first_cell)].w;
+  } else if (activation == kActivationExp) {
+    gradient *= exp(parameter);
+  }
+  seen = seen || gradient != 0.0;
+  AdamState state =
+      AdamStep(AdamState(parameter, moments[moment], moments[moment + uint(kRowComponents)]),
+               AdamRates(push.beta1, push.beta2, push.epsilon, push.second_moment_correction),
+               push.rates[rate_class], gradient);
+  moments[moment] = state.first;
+  moments[moment + uint(kRowComponents)] = state.second;
+  if (component == kDensityComponent) {
+    log_density = state.parameter;
+  } else {
+    parameter = ClampParameter(activation, state.parameter, push.least_log, push.largest_log);
+    parameters[at] = parameter;
+    if (component < kDensityComponent) {
+      vertices[ColorRow(row, push.first_cell)][component] = parameter;
+    }
+  }
+}
+
+// The attributes behind colour and density. A layout without them has no loop, which lavapipe would
+// not unroll.
+void UpdateOthers(uint row) {
+  int kinds[kMostLayoutAttributes] = int[kMostLayoutAttributes](
+      kAttribute0, kAttribute1, kAttribute2, kAttribute3, kAttribute4, kAttribute5, kAttribute6,
+      kAttribute7);
+  int component = kDensityComponent + 1, index = 2;
+  while (index < kAttributeCount) {
+    int kind = kinds[index];
+    int end = component + (kind & 255);
+    while (component < end) {
+      Update(row, component, kind >> 8 & 255, kind >> 16);
+      component += 1;
+    }
+    index += 1;
+  }
 }
 
 void main() {
-  uint v = ThreadIndex();
-  if (v < push.row_count) {
-    vec4 parameter = parameters[v];
-    vec4 gradient = TakeGradient(v);
-    gradient.a *= vertices[DensityRow(v)].w;
-    Moments m = moments[v];
-    AdamRates rates =
-        AdamRates(push.beta1, push.beta2, push.epsilon, push.second_moment_correction);
-    vec4 rate = vec4(vec3(push.color_rate), push.density_rate);
-    uint i = 0u;
-    while (i < 4u) {
-      AdamState state =
-          AdamStep(AdamState(parameter[i], m.first[i], m.second[i]), rates, rate[i], gradient[i]);
-      parameter[i] = state.parameter;
-      m.first[i] = state.first;
-      m.second[i] = state.second;
-      i += 1u;
-    }
-    // Seen vertices tend to empty: what the pictures do not ask for again and again goes.
-    if (gradient != vec4(0.0)) parameter.a -= push.density_decay;
-    parameter.r = ClampColor(parameter.r);
-    parameter.g = ClampColor(parameter.g);
-    parameter.b = ClampColor(parameter.b);
-    parameter.a = ClampLogDensity(parameter.a, push.max_log_density);
-    moments[v] = m;
-    parameters[v] = parameter;
-    vertices[DensityRow(v)].w = exp(parameter.a);
-    vertices[ColorRow(v)].rgb = parameter.rgb;
+  uint row = ThreadIndex();
+  if (row < push.row_count) {
+    Update(row, kColorComponent, kActivationColor, kRateColor);
+    Update(row, kColorComponent + 1, kActivationColor, kRateColor);
+    Update(row, kColorComponent + 2, kActivationColor, kRateColor);
+    Update(row, kDensityComponent, kActivationExp, kRateDensity);
+    if (kAttributeCount > 2) UpdateOthers(row);
+    // Seen rows tend to empty: what the pictures do not ask for again and again goes.
+    if (seen) log_density -= push.density_decay;
+    log_density = ClampLog(log_density, push.least_log, push.largest_log);
+    parameters[row * uint(kRowComponents) + kDensityComponent] = log_density;
+    vertices[DensityRow(row, push.first_cell)].w = exp(log_density);
   }
 }

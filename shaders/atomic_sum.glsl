@@ -1,18 +1,20 @@
-// Sums that many rays add to: AddTo(sum, value, quanta). Floats, added natively where the device can,
-// else by compare and swap on the bits; or, with TETREC_FIXED_POINT, 64-bit counts of quanta, whose
-// sum is the same in any order. `quanta` is the number of them to one unit of value.
+// Sums that many rays add to: AddTo(sum, value, quanta). They are floats, added natively if the
+// device can do so and by compare-and-swap on the bits otherwise; or, with TETREC_FIXED_POINT,
+// 64-bit counts of quanta, whose sum does not depend on the order. `quanta` is the number of quanta
+// per unit of value.
 #ifdef TETREC_FIXED_POINT
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #define Sum int64_t
-// An addend beyond push.largest_quanta, or none (NaN), is clamped and counted: so no sum runs over.
+// An addend beyond push.rays.largest_quanta is clamped, a NaN becomes 0, and both are counted: so
+// no sum overflows.
 #define AddTo(sum, value, quanta)                                                     \
   {                                                                                   \
     float addend = (value) * (quanta);                                                \
-    bool fits = abs(addend) <= push.largest_quanta;                                   \
+    bool fits = abs(addend) <= push.rays.largest_quanta;                              \
     TETREC_RARELY(!fits) {                                                            \
       atomicAdd(counters[kCounterClamped], 1u);                                       \
-      addend = isnan(addend) ? 0.0 : sign(addend) * push.largest_quanta;              \
+      addend = isnan(addend) ? 0.0 : sign(addend) * push.rays.largest_quanta;         \
     }                                                                                 \
     atomicAdd(sum, int64_t(roundEven(addend)));                                       \
   }

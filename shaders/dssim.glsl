@@ -1,18 +1,19 @@
-// D-SSIM over tiles of rays: which ray lies where, and the window's way over the pixels.
+// D-SSIM over tiles of rays: the mapping between rays and pixels, shared by four kernels.
 //
-// Four kernels, a thread a ray, or a ray of one channel: the window's means along rows
-// (dssim_rows), along columns, and SSIM's derivatives by them (dssim_windows); these spread back over
-// the pixels of the windows along rows (dssim_spread), along columns, into the rays' gradients
-// (dssim_gradients). Only windows inside their tile count: each is then a window of the whole picture.
+// dssim_rows computes each window's means along rows; dssim_windows completes them along columns
+// and differentiates SSIM with respect to them; dssim_spread spreads these derivatives back over
+// the windows' pixels along rows, and dssim_gradients along columns, into the rays' gradients.
+// There is one thread per ray, or per ray and channel. Only windows inside their tile count, so
+// that each of them is also a window of the whole image.
 //
-// Planes of buffers hold a value for each channel and ray, channel by channel.
+// A plane of a buffer contains one value per channel and ray, channel by channel.
 #include "shared/gpu_types.glsl.h"
 #include "shared/ssim.glsl.h"
 
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Push { DssimPush push; };
 
-// A pixel of a tile; x, y from the tile's first.
+// A pixel of a tile; x and y count from the tile's first pixel.
 struct TilePixel {
   uint tile;
   int x, y;
@@ -38,5 +39,5 @@ uint RayOfPixel(TilePixel pixel) {
 int TileWidth() { return int(push.tile_columns * kBlockWidth); }
 int TileHeight() { return int(push.tile_rows * kBlockHeight); }
 
-// Whether the row (or column) of the window around `at` lies in [0, size).
+// True if the row (or column) of the window around `at` is within [0, size).
 bool IsInside(int at, int size) { return at >= kSsimReach && at < size - kSsimReach; }

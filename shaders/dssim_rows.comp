@@ -1,4 +1,4 @@
-// D-SSIM, first pass: the window's means along rows of x, y, x^2, y^2, x y.
+// D-SSIM, first pass: each window's means of x, y, x^2, y^2 and x y along rows.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "dssim.glsl"

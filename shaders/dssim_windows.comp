@@ -1,5 +1,5 @@
-// D-SSIM, second pass: each window's SSIM, its sum a workgroup, and its derivatives by the window's
-// means of x, x^2, x y; 0 where the window leaves its tile.
+// D-SSIM, second pass: each window's SSIM, summed per workgroup, and its derivatives with respect
+// to the window's means of x, x^2 and x y; 0 if the window leaves its tile.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "dssim.glsl"

@@ -16,7 +16,7 @@ vec2 SplitFloat(float a) {
   return vec2(high, low);
 }
 
-// a b - product, exact where nothing underflows.
+// a b - product, exact unless something underflows.
 float ProductError(float a, float b, float product) {
   vec2 x = SplitFloat(a), y = SplitFloat(b);
   precise float error = ((x.x * y.x - product) + x.x * y.y + x.y * y.x) + x.y * y.y;

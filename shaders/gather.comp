@@ -1,4 +1,4 @@
-// The key of every item from a table.
+// Looks up the key of every item in a table.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"

@@ -1,27 +1,28 @@
-// Gradients of the loss by what a segment of a ray has at its ends, and their sums at the vertices.
+// Gradients of the loss with respect to the values at the ends of a ray's segment, and their sums
+// at the vertices.
 //
 // With g = dL/dcolour and h = dL/dtransmittance of a ray, its part of the loss is
-// S = sum_i T_i (w0 g.c0 + w1 g.c1)_i + h T_end, all scalars; a "payload" is g . colour. A density
-// change in segment i scales what lies behind it by d(-tau): -1/2 for s0 and s1 each.
+// S = sum_i T_i (w0 g.c0 + w1 g.c1)_i + h T_end, all scalars; a "payload" is g . colour. A change
+// of density in segment i scales everything behind it by d(-tau): -1/2 each for s0 and s1.
 //
-// TETREC_POSITIONS: gradients by the vertices' positions too. A ray meets the face of corners p_j,
-// weights w_j, at z, where density and colour are q. Across the ray z and q are linear functions on
-// the face; moving p_j by m moves them along with weight w_j:
+// TETREC_POSITIONS adds gradients with respect to the vertices' positions. A ray meets the face
+// with corners p_j and weights w_j at z, where density and colour are q. Across the ray, z and q
+// are linear functions on the face; moving p_j by m moves them along with weight w_j:
 //   dq/dp_j = -w_j (dq/dx, dq/dy, 0), dz/dp_j = -w_j (dz/dx, dz/dy, -1),
-// in the world's frame w_j [((g.d)/(n.d)) n - g] and w_j n/(n.d), g the slope of q in the face. A
-// begin at a camera stays there: dz = 0, dq/dp_j = -w_j grad q.
+// in the world frame w_j [((g.d)/(n.d)) n - g] and w_j n/(n.d), where g is the slope of q in the
+// face. A ray that starts at a camera keeps starting there: dz = 0, dq/dp_j = -w_j grad q.
 //
-// The including kernel declares `push`, `counters` and g_color, dL/dcolour of the ray.
+// The including kernel declares `push`, `counters` and g_color, the ray's dL/dcolour.
 
 layout(std430, binding = kBindVertexGradients) buffer VertexGradients { Sum vertex_gradients[]; };
 
-// Gradients by (z, density, payload) of the ends of a segment. That by payload is the weight of the
-// end's colour: dL/dcolour is g times it.
+// Gradients with respect to (z, density, payload) at the ends of a segment. The one for the payload
+// is the weight of the end's colour: dL/dcolour is g times it.
 struct EndGradients {
   vec3 entry, exit;
 };
 
-// `behind`: the part of the loss that lies behind the segment; t: the transmittance before it.
+// `behind` is the part of the loss behind the segment, t the transmittance before it.
 EndGradients GradientsOfEnds(SegmentAdjoint adjoint, float t, float behind, float size,
                              float density0, float density1, float payload0, float payload1) {
   float by_s0 = t * (adjoint.dw0_ds0 * payload0 + adjoint.dw1_ds0 * payload1) - 0.5 * behind;
@@ -34,14 +35,16 @@ EndGradients GradientsOfEnds(SegmentAdjoint adjoint, float t, float behind, floa
 // x: dL/ddensity, y: the sum of colour weights.
 void AddToVertex(uint id, vec2 gradient) {
   if (gradient.x != 0.0 || gradient.y != 0.0) {
-    AddTo(vertex_gradients[4u * id], g_color.r * gradient.y, push.color_quanta);
-    AddTo(vertex_gradients[4u * id + 1u], g_color.g * gradient.y, push.color_quanta);
-    AddTo(vertex_gradients[4u * id + 2u], g_color.b * gradient.y, push.color_quanta);
-    AddTo(vertex_gradients[4u * id + 3u], gradient.x, push.density_quanta);
+    uint row = uint(kRowComponents) * id;
+    uint color = row + kColorComponent;
+    AddTo(vertex_gradients[color], g_color.r * gradient.y, push.rays.color_quanta);
+    AddTo(vertex_gradients[color + 1u], g_color.g * gradient.y, push.rays.color_quanta);
+    AddTo(vertex_gradients[color + 2u], g_color.b * gradient.y, push.rays.color_quanta);
+    AddTo(vertex_gradients[row + kDensityComponent], gradient.x, push.rays.density_quanta);
   }
 }
 
-// All of a segment's, where cells have the attributes.
+// Adds all gradients of a segment to its tet, if cells have the attributes.
 void AddToCell(uint tet, EndGradients ends) { AddToVertex(tet, ends.entry.yz + ends.exit.yz); }
 
 #ifdef TETREC_POSITIONS
@@ -51,37 +54,40 @@ layout(std430, binding = kBindPositionGradients) buffer PositionGradients {
 
 mat3 world_from_ray;
 
-// What a passage of the tets around a vertex gives to its position, ray's frame.
+// Adds the position gradient of one passage through the tets around a vertex, given in the ray's
+// frame.
 void AddMoveToVertex(uint id, vec3 move) {
   if (move != vec3(0.0)) {
     vec3 in_world = world_from_ray * move;
-    AddTo(position_gradients[4u * id], in_world.x, push.position_quanta);
-    AddTo(position_gradients[4u * id + 1u], in_world.y, push.position_quanta);
-    AddTo(position_gradients[4u * id + 2u], in_world.z, push.position_quanta);
-    AddTo(position_gradients[4u * id + 3u], length(move.xy), push.position_quanta);
+    AddTo(position_gradients[4u * id], in_world.x, push.rays.position_quanta);
+    AddTo(position_gradients[4u * id + 1u], in_world.y, push.rays.position_quanta);
+    AddTo(position_gradients[4u * id + 2u], in_world.z, push.rays.position_quanta);
+    AddTo(position_gradients[4u * id + 3u], length(move.xy), push.rays.position_quanta);
   }
 }
 
-// -dz/dp, -ddensity/dp, -dpayload/dp of the end of a segment by a corner of weight 1, ray's frame.
+// -dz/dp, -ddensity/dp and -dpayload/dp at the end of a segment for a corner of weight 1, in the
+// ray's frame.
 struct Slopes {
   vec3 z, density, payload;
 };
 
-// The corners of a face in the ray's frame, and what they carry.
+// The corners of a face in the ray's frame, with their values.
 struct FaceCorners {
   vec3 a, b, c;
   vec3 density, payload;
 };
 
-// Of an end on a face, e its edge functions (b, c), (c, a), (a, b). None where the face is seen
-// edge-on: below this share of its size squared, its area across the ray is rounding. The same bits
-// wherever the same corners come in the same order.
+// Slopes at an end on a face with the edge functions e of (b, c), (c, a), (a, b). Those across the
+// ray are 0 if the face is seen edge-on: below this share of its squared size, its area across the
+// ray is rounding. The same corners in the same order always give the same bits.
 Slopes SlopesOnFace(FaceCorners face, vec3 e) {
   vec2 a = face.a.xy, b = face.b.xy, c = face.c.xy;
   precise float size = dot(a, a) + dot(b, b) + dot(c, c);
   precise float area = e.x + e.y + e.z;
   precise float scale = abs(area) > 1e-6 * size ? 1.0 / area : 0.0;
-  precise vec3 by_x = scale * vec3(b.y - c.y, c.y - a.y, a.y - b.y);  // of the weights of a, b, c
+  // Derivatives of the weights of a, b, c.
+  precise vec3 by_x = scale * vec3(b.y - c.y, c.y - a.y, a.y - b.y);
   precise vec3 by_y = scale * vec3(c.x - b.x, a.x - c.x, b.x - a.x);
   vec3 z = vec3(face.a.z, face.b.z, face.c.z);
   precise Slopes slopes;
@@ -91,8 +97,8 @@ Slopes SlopesOnFace(FaceCorners face, vec3 e) {
   return slopes;
 }
 
-// Of a begin at the camera inside the tet (p, a, b, c), what it carries in that order; none in a tet
-// that is flat up to rounding.
+// Slopes at a camera inside the tet (p, a, b, c), whose density and payload come in that order; 0
+// if the tet is flat up to rounding.
 Slopes SlopesInTet(vec3 p, vec3 a, vec3 b, vec3 c, vec4 density, vec4 payload) {
   a -= p, b -= p, c -= p;
   float volume = dot(a, cross(b, c));
@@ -106,7 +112,7 @@ Slopes SlopesInTet(vec3 p, vec3 a, vec3 b, vec3 c, vec4 density, vec4 payload) {
   return slopes;
 }
 
-// What moves the corners, from dL/d(z, density, payload) of the end of a segment.
+// dL/dposition of a corner of weight 1, from dL/d(z, density, payload) at the end of a segment.
 vec3 MoveOf(Slopes slopes, vec3 end) {
   return -(end.x * slopes.z + end.y * slopes.density + end.z * slopes.payload);
 }

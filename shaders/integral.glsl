@@ -1,4 +1,4 @@
-// The segment integral for which the host made the pipeline.
+// The segment integral that the host chose when it made the pipeline.
 
 #include "shared/integral.glsl.h"
 

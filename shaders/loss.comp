@@ -1,8 +1,8 @@
-// Compares every ray with its target pixel: writes dL/dcolour and dL/dtransmittance, and one partial
-// sum of the loss and of the squared error a workgroup.
+// Compares every ray with its target pixel: writes dL/dcolour and dL/dtransmittance, and for each
+// workgroup a partial sum of the loss and of the squared error.
 //
 // The loss is a mean over rays and channels (shared/loss.glsl.h).
-// TETREC_PICTURES: writes what is compared too, for the kernels of D-SSIM.
+// TETREC_PICTURES also writes the compared values, for the kernels of D-SSIM.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"

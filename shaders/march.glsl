@@ -3,17 +3,17 @@
 // Everything happens in the ray's own frame: axes u, v across the ray, d along it, origin where the
 // ray enters the mesh. A vertex is projected to (x, y) across and z along the ray. The state is the
 // entry triangle (a, b, c), wound so that its three edge functions e are >= 0; e divided by its sum
-// are the barycentric weights of the hit point. Each step fetches the one vertex of the tet that is
-// not on the entry triangle, replaces one corner by it and so gets the exit triangle. No edge function
-// is ever evaluated twice, so neighbouring tets cannot contradict each other.
+// gives the barycentric weights of the hit point. Each step fetches the one vertex of the tet that
+// is not on the entry triangle, replaces one corner with it and so obtains the exit triangle. No
+// edge function is ever evaluated twice, so neighbouring tets cannot contradict each other.
 //
 // Every loop has one exit, tested at its top: lavapipe 22.3 computes wrong values after a loop that
 // some lanes of a group leave by `break`.
 //
-// The including kernel defines Payload, the per-vertex quantity carried beside the density, and
+// The including kernel defines Payload, the per-vertex quantity carried along with the density, and
 // MakePayload(color).
 
-#define TETREC_NEVER (push.ray_count == 0u)
+#define TETREC_NEVER (push.rays.ray_count == 0u)
 
 #include "shared/gpu_types.glsl.h"
 
@@ -33,8 +33,8 @@ layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
 const uint kMiss = 0xFFFFFFFFu;
 
-// Whether the boundary may have any shape and its faces lie in a tree of boxes; else it is convex
-// and has few faces.
+// Not 0: the boundary may have any shape, and its faces are in a tree of boxes. 0: it is convex and
+// has few faces.
 layout(constant_id = kConstantAnyBoundary) const int kAnyBoundary = 0;
 
 struct Corner {
@@ -50,8 +50,9 @@ struct MarchState {
   uint tet;
 };
 
-// Where a ray begins: on the entry triangle, or at a camera inside the first tet. Barycentric weights
-// of the begin on the corners a, b, c and on the first tet's fourth vertex.
+// Where a ray starts: on the entry triangle, or at a camera inside the first tet. w and w_apex are
+// the barycentric weights of this point on the corners a, b, c and on the first tet's fourth
+// vertex.
 struct Begin {
   float z, density;
   Payload payload;
@@ -59,7 +60,8 @@ struct Begin {
   float w_apex;
 };
 
-// A ray exactly through a vertex passes beside it, always on the same side: it cannot circle there.
+// A ray exactly through a vertex is made to pass beside it, always on the same side, so that it
+// cannot circle there.
 vec3 BesideTheRay(vec3 p) {
   if (p.x == 0.0 && p.y == 0.0) p.x = 1e-20;
   return p;
@@ -90,10 +92,11 @@ vec3 EdgeFunctions(Corner a, Corner b, Corner c) {
 
 float Least(vec3 e) { return min(e.x, min(e.y, e.z)); }
 
-// Rows of the planes of a convex boundary: its plane, and its first face and the one after its last.
+// Two rows for each plane of a convex boundary: the plane, then its first face and the one after
+// its last.
 int PlaneRow(uint plane) { return int(2u * (push.hull_faces + plane)); }
 
-// The part of a line inside a convex boundary; empty where begin > end.
+// The part of a line inside a convex boundary; empty if begin > end.
 struct Chord {
   float begin, end;   // along the ray
   uint entry_plane;
@@ -118,13 +121,13 @@ Chord FindChord(Ray ray) {
   return chord;
 }
 
-// A face that a ray may enter by, and how far inside of it the ray is: its least edge function.
+// A face through which a ray may enter, and how far inside it the ray is: the least edge function.
 struct EntryFace {
   uint face;
   float inside;
 };
 
-// Of the faces of a plane and `best` the one that holds the ray best.
+// The face that contains the ray best, among those of a plane and `best`.
 EntryFace BestFaceOfPlane(Ray ray, uint plane, EntryFace best) {
   uvec2 faces = floatBitsToUint(texelFetch(hull, PlaneRow(plane) + 1).xy);
   uint i = faces.x;
@@ -139,9 +142,9 @@ EntryFace BestFaceOfPlane(Ray ray, uint plane, EntryFace best) {
   return best;
 }
 
-// The boundary's face at the origin of a ray that was moved to where it enters, or kMiss. Where none
-// of the entry plane's faces holds the ray (it meets an edge of the boundary), those of all planes
-// are tried that hold the origin within `rounding`.
+// The boundary's face at the origin of a ray that was moved to where it enters, or kMiss. If none
+// of the entry plane's faces contains the ray (it meets an edge of the boundary), the faces of all
+// planes that contain the origin within `rounding` are tried.
 uint FindEntryFace(Ray ray, uint entry_plane, float rounding) {
   EntryFace best = BestFaceOfPlane(ray, entry_plane, EntryFace(kMiss, -3.0e38));
   TETREC_RARELY(best.inside < 0.0) {
@@ -169,8 +172,8 @@ MarchState EnterThroughFace(Ray ray, uint face) {
   return state;
 }
 
-// A camera inside tet t: the entry triangle is the face through which the line came in behind the
-// camera, of the four the one that holds the line best.
+// A camera inside tet t: the entry triangle is the face through which the line entered behind the
+// camera, the one of the four that contains the line best.
 MarchState EnterFromInside(Ray ray, uint t) {
   uvec4 ids = texelFetch(tets, int(2u * t));
   Corner c0 = FetchCorner(ray, ids.x), c1 = FetchCorner(ray, ids.y);
@@ -207,18 +210,18 @@ vec3 HitWeights(MarchState state) {
 #define AtHit(w, state, member) \
   ((w).x * (state).a.member + (w).y * (state).b.member + (w).z * (state).c.member)
 
-// Replaces the corner that the exit triangle does not share by `fresh`, moves on to the neighbour
-// there. Returns which corner left: 0 a, 1 b, 2 c.
+// Puts `fresh` in place of the corner that the exit triangle does not share, and moves on to the
+// neighbour there. Returns which corner left: 0 a, 1 b, 2 c.
 uint StepThrough(inout MarchState state, Corner fresh, uvec4 ids, uvec4 neighbors) {
   float sa = EdgeFunction(state.a, fresh), sb = EdgeFunction(state.b, fresh);
   float sc = EdgeFunction(state.c, fresh);
   // How deep inside the three exit triangles the ray is: exactly one is positive, unless the ray
-  // meets an edge or a vertex and rounding has its say; then the one least wrong.
+  // meets an edge or a vertex and rounding interferes; then the least wrong one is taken.
   float without_a = min(sc, -sb), without_b = min(sa, -sc), without_c = min(sb, -sa);
   bool c_leaves = without_c >= max(without_a, without_b);
   bool b_leaves = !c_leaves && without_b >= without_a;
   if (kAnyBoundary != 0) {
-    // By signs alone, as entries are: walks and entries agree where the ray meets an edge.
+    // Signs alone decide, as for entries, so that walks and entries agree if the ray meets an edge.
     bool left_a = LeftOf(state.a.p, fresh.p), left_b = LeftOf(state.b.p, fresh.p);
     bool left_c = LeftOf(state.c.p, fresh.p);
     c_leaves = left_b && !left_a;
@@ -276,12 +279,13 @@ Begin BeginAtCamera(MarchState state, Corner apex) {
   return begin;
 }
 
-// How a ray came into the mesh; x: hull face, or kMiss; y: how far the origin is moved, as bits.
+// How a ray entered the mesh; x: hull face, or kMiss; y: how far the origin is moved, as bits.
 #define Entry uvec2
 const Entry kNoEntry = Entry(kMiss, 0u);
 
-// Lets the ray begin: at its camera's tet, or at its entry into the mesh. There the ray's origin is
-// moved close to the mesh, so that the frame's coordinates are as precise as the mesh is small.
+// Starts the ray in its camera's tet, or at its entry into the mesh. For the latter the ray's
+// origin is moved close to the mesh, so that the precision of coordinates is relative to the size
+// of the mesh.
 void BeginMarch(inout Ray ray, Entry entry, bool go, inout MarchState state, inout Begin begin) {
   TETREC_RARELY(go && ray.start_tet != kNoTet) {
     state = EnterFromInside(ray, ray.start_tet);
@@ -294,7 +298,7 @@ void BeginMarch(inout Ray ray, Entry entry, bool go, inout MarchState state, ino
   }
 }
 
-// The entries of a ray that begins by `entry`.
+// The entries of a ray that starts at `entry`.
 Entries EntriesFrom(Ray ray, Entry entry, MarchState state) {
   return EntriesBehind(
       ray.start_tet != kNoTet
@@ -302,7 +306,7 @@ Entries EntriesFrom(Ray ray, Entry entry, MarchState state) {
           : Crossing(HitDistance(state.e, state.a.p, state.b.p, state.c.p), entry.x));
 }
 
-// Lets a ray that has left the mesh come in again; false where it never does.
+// Lets a ray that has left the mesh enter it again; false if it never does.
 bool EnterAgain(Ray ray, inout Entries entries, inout MarchState state, inout Begin begin) {
   uint face = TakeEntry(ray, entries);
   TETREC_RARELY(face != kMiss) {

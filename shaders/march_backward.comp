@@ -1,6 +1,6 @@
 // Backward pass: walks every ray again, front to back, and adds its gradients to the vertices
-// (gradients.glsl). What lies behind segment i is the ray's part of the loss minus the parts up to and
-// with i.
+// (gradients.glsl). The part of the loss behind segment i is the ray's part minus those of the
+// segments up to and including i.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "atomic_sum.glsl"
@@ -32,14 +32,14 @@ Slopes SlopesAtCamera(MarchState state, Corner apex) {
 }
 #endif
 
-// What a ray carries on its way.
+// The state of a ray on its way.
 struct Walk {
   float depth;                  // optical, before the segment
-  float behind_all;             // the part of the loss that lies behind
+  float behind_all;             // the part of the loss behind
   vec2 grad_a, grad_b, grad_c;  // of vertices of the triangle, until they leave it
 #ifdef TETREC_POSITIONS
   vec3 move_a, move_b, move_c;
-  vec3 end;  // dL/d(z, density, payload) of the last segment's end, which is the next one's begin
+  vec3 end;  // dL/d(z, density, payload) at the last segment's end, which is the next one's start
 #endif
 };
 
@@ -52,13 +52,13 @@ struct Segment {
   uint leaving_id;
   uint tet;
   vec3 w_entry, w_exit;  // barycentric weights on the corners before and after the step
-  float w_apex;          // of the entry point on the new corner; not 0 only at a camera
+  float w_apex;          // of the entry point on the new corner; 0 except at a camera
 #ifdef TETREC_POSITIONS
-  Slopes slopes;  // of the begin
+  Slopes slopes;  // at the start
 #endif
 };
 
-// Adds the gradients of a segment to the corners and lets the leaving one go.
+// Adds the gradients of a segment to the corners and releases the one that leaves.
 void Deposit(inout Walk walk, Segment segment, SegmentAdjoint adjoint) {
   float t = exp(-walk.depth);
   walk.behind_all -= t * (adjoint.w0 * segment.k0 + adjoint.w1 * segment.k1);
@@ -94,7 +94,7 @@ void Deposit(inout Walk walk, Segment segment, SegmentAdjoint adjoint) {
   walk.depth += 0.5 * (segment.s0 + segment.s1);
 }
 
-// Lets the corners of a triangle by which the ray leaves the mesh go.
+// Releases the corners of the triangle through which the ray leaves the mesh.
 void FlushTriangle(inout Walk walk, MarchState state, Segment segment) {
   if (!kCells) {
     AddToVertex(state.a.id, walk.grad_a);
@@ -113,7 +113,7 @@ void FlushTriangle(inout Walk walk, MarchState state, Segment segment) {
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  bool exists = index < push.ray_count;
+  bool exists = index < push.rays.ray_count;
   uint read = exists ? index : 0u;
   Ray ray = MakeRay(read);
   vec4 gradient = ray_gradients[read];
@@ -146,7 +146,7 @@ void main() {
   segment.density1 = begin.density;
   float z0 = begin.z;
   while (go) {
-    // Thick segments are integrated outside the inner loop, which they would slow down for all.
+    // Thick segments are integrated outside the inner loop, which they would slow down for all rays.
     bool thick = false;
     while (go && !thick) {
       segment.tet = state.tet;
@@ -182,15 +182,15 @@ void main() {
       }
       z0 = z1;
       steps += 1u;
-      go = state.tet != kNoTet && walk.depth < push.stop_depth && steps < push.max_steps;
+      go = state.tet != kNoTet && walk.depth < push.rays.stop_depth && steps < push.max_steps;
     }
     if (thick) {
       Deposit(walk, segment, IntegrateThickSegmentWithDerivatives(segment.s0, segment.s1));
       segment.w_apex = 0.0;
-      go = go && walk.depth < push.stop_depth;
+      go = go && walk.depth < push.rays.stop_depth;
     }
     if (kAnyBoundary != 0) {
-      TETREC_RARELY(hit && MayEnter(entries) && state.tet == kNoTet && walk.depth < push.stop_depth &&
+      TETREC_RARELY(hit && MayEnter(entries) && state.tet == kNoTet && walk.depth < push.rays.stop_depth &&
                     steps < push.max_steps) {
         FlushTriangle(walk, state, segment);
         go = EnterAgain(ray, entries, state, begin);

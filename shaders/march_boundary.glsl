@@ -1,14 +1,15 @@
-// Where a ray enters a mesh of any shape: holes, cavities, several parts.
+// Where a ray enters a mesh of any shape: with holes, cavities, several parts.
 //
-// Which faces the line enters by is decided by the signs of edge functions, as in the march itself:
-// in one frame a ray, by the same floats. So every way of the line through the mesh, from a face that
-// it enters by to one that it leaves by, is walked once: a ray takes the entering faces in the order
-// of (distance, number), each greater than the last, and cannot circle. Rounding can only err in
-// distances: where two ways overlap by that, the later one counts from the end of the one before.
+// The signs of edge functions decide through which faces the line enters, as in the march itself:
+// from the same floats, in the same frame of the ray. So every stretch of the line inside the mesh,
+// from a face where it enters to one where it leaves, is walked once: a ray takes the entering
+// faces in ascending order of (distance, number) and cannot circle. Rounding affects distances
+// only: if two stretches overlap because of it, the later one counts from the end of the earlier
+// one.
 //
 // The including kernel declares `hull`, `push`, PlaceInRayFrame.
 
-// An entering face; a ray takes them in the order of z, of equal ones in that of the numbers.
+// An entering face. A ray takes them in the order of z, and of their numbers if z is equal.
 struct Crossing {
   float z;
   uint face;  // or kMiss
@@ -16,12 +17,12 @@ struct Crossing {
 
 const float kNoDistance = 3.0e38;
 
-// What a ray knows of its entries: those found ahead, in order (kMiss: none), and the last one taken.
+// The entries of a ray: those found ahead, in order (kMiss: none), and the last one taken.
 struct Entries {
   vec4 z;
   uvec4 face;
   Crossing last;
-  bool more;      // there may be others behind those found
+  bool more;      // there may be more behind those found
   bool is_whole;  // no search was cut short
 };
 
@@ -31,15 +32,15 @@ Entries EntriesBehind(Crossing last) {
 
 bool MayEnter(Entries entries) { return entries.more || entries.face.x != kMiss; }
 
-// Whether the ray has the way from a to b on its left. Of equal products the coordinates decide, as
-// if the ray were moved by (t, t^2), t -> 0: a shared edge belongs to one of its faces.
+// True if the edge from a to b is on the ray's left. If the products are equal, the coordinates
+// decide, as if the ray were moved by (t, t^2), t -> 0: a shared edge belongs to one of its faces.
 bool LeftOf(vec3 a, vec3 b) {
   precise float p = a.x * b.y;
   precise float q = a.y * b.x;
   return p != q ? p > q : a.y != b.y ? a.y > b.y : b.x > a.x;
 }
 
-// Distance of the point that edge functions e weigh.
+// Distance of the point whose weights are the edge functions e.
 float HitDistance(vec3 e, vec3 a, vec3 b, vec3 c) {
   precise vec3 w = max(e, vec3(0.0));
   precise float sum = w.x + w.y + w.z;
@@ -47,7 +48,7 @@ float HitDistance(vec3 e, vec3 a, vec3 b, vec3 c) {
   return sum > 0.0 ? z / sum : min(a.z, min(b.z, c.z));
 }
 
-// Puts a crossing in its place; the last of those found before may fall out.
+// Inserts a crossing in order; the last of those found before may drop out.
 void Insert(inout Entries entries, Crossing here) {
   bvec4 before = bvec4(false);
   before.x = here.z < entries.z.x || (here.z == entries.z.x && here.face < entries.face.x);
@@ -62,10 +63,10 @@ void Insert(inout Entries entries, Crossing here) {
   entries.face = face;
 }
 
-// Adds face `face` where the ray enters by it behind the last entry taken.
+// Adds face `face` if the ray enters through it behind the last entry taken.
 void Consider(Ray ray, uint face, inout Entries entries) {
   vec4 plane = texelFetch(hull, int(2u * face));
-  // Faces that turn their backs beyond all rounding need no look.
+  // Faces that are turned away, beyond any rounding, are skipped.
   TETREC_RARELY(dot(plane.xyz, ray.direction) < 1e-3) {
     uvec4 ids = floatBitsToUint(texelFetch(hull, int(2u * face + 1u)));
     vec3 a = PlaceInRayFrame(ray, ids.x), b = PlaceInRayFrame(ray, ids.y);
@@ -78,13 +79,13 @@ void Consider(Ray ray, uint face, inout Entries entries) {
   }
 }
 
-// The next entries behind the last one taken. Walks over the tree of boxes, nearer child first, so
-// that what lies behind the entries found is cut off.
+// Finds the next entries behind the last one taken. Walks the tree of boxes, nearer child first, so
+// that boxes behind the entries found are skipped.
 void FindEntries(Ray ray, inout Entries entries) {
   vec3 d = ray.direction;
   vec3 slope = 1.0 / mix(d, vec3(1e-18), lessThan(abs(d), vec3(1e-18)));
   uint node = 1u;
-  uint trail = 0u;  // a bit a level, the lowest of the node's own: whether its sibling is done
+  uint trail = 0u;  // one bit per level, the lowest for the node's own: its sibling is done
   while (node != 0u) {
     // All rays of a group look for their next leaf before any tries its faces.
     uvec2 leaf = uvec2(kMiss);
@@ -100,7 +101,7 @@ void FindEntries(Ray ray, inout Entries entries) {
       bool down = is_met && !is_leaf;
       uint axis = floatBitsToUint(low.w);
       uint backwards = (axis == 0u ? d.x : axis == 1u ? d.y : d.z) < 0.0 ? 1u : 0u;
-      // Up past all nodes whose sibling is done, then to the sibling; from the root: to none.
+      // Goes up past all nodes whose sibling is done, then to the sibling; from the root to none.
       uint up = uint(findLSB(~trail));
       uint sibling = (node >> up) ^ 1u;
       node = down ? 2u * node + backwards : sibling;
@@ -113,7 +114,7 @@ void FindEntries(Ray ray, inout Entries entries) {
   entries.more = entries.face.w != kMiss;
 }
 
-// Takes the next face by which the line enters; kMiss where there is none.
+// Takes the next face through which the line enters; kMiss if there is none.
 uint TakeEntry(Ray ray, inout Entries entries) {
   TETREC_RARELY(entries.face.x == kMiss && entries.more) { FindEntries(ray, entries); }
   uint face = entries.face.x;
@@ -123,14 +124,14 @@ uint TakeEntry(Ray ray, inout Entries entries) {
   return face;
 }
 
-// Farther behind the camera than this lies no face that a camera outside the mesh could enter by.
+// No face through which the ray of a camera outside the mesh enters is farther behind the camera.
 float CameraRounding(Ray ray) {
   vec3 size = abs(ray.origin) + abs(push.mesh_ball.xyz) + push.mesh_ball.w;
   return 1e-6 * max(size.x, max(size.y, size.z));
 }
 
-// How far a ray's frame is moved along it: to where the mesh's ball may begin, so that coordinates
-// are as precise as the mesh is small.
+// How far a ray's frame is moved along it: to where the mesh's ball may start, so that the
+// precision of coordinates is relative to the size of the mesh.
 float FrameBegin(Ray ray) {
   return max(dot(push.mesh_ball.xyz - ray.origin, ray.direction) - push.mesh_ball.w, 0.0);
 }

@@ -11,7 +11,7 @@ layout(std430, binding = kBindRayEntries) writeonly buffer RayEntries { Entry ra
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  bool exists = index < push.ray_count;
+  bool exists = index < push.rays.ray_count;
   Ray ray = MakeRay(exists ? index : 0u);
   bool go = exists && ray.valid;
   bool inside = ray.start_tet != kNoTet;
@@ -34,7 +34,7 @@ void main() {
       TETREC_RARELY(go) {
         Ray at_hull = ray;
         at_hull.origin += chord.begin * ray.direction;
-        // A few roundings of coordinates as large as the way to the far side of the hull.
+        // A few roundings of coordinates as large as the distance to the far side of the hull.
         uint face = FindEntryFace(at_hull, chord.entry_plane, 4e-6 * chord.end);
         entry = Entry(face, floatBitsToUint(chord.begin));
         go = entry.x != kMiss;
@@ -47,12 +47,12 @@ void main() {
   vec3 color = vec3(0.0);
   float depth = 0.0;  // optical
   uint steps = 0u;
-  bool strays = false;  // left the mesh by a face that does not hold the ray
+  bool strays = false;  // left the mesh through a face that does not contain the ray
   float z0 = begin.z;
   float density0 = begin.density;
   vec3 color0 = begin.payload;
   while (go) {
-    // Thick segments are integrated outside the inner loop, which they would slow down for all.
+    // Thick segments are integrated outside the inner loop, which they would slow down for all rays.
     bool thick = false;
     float s0 = 0.0, s1 = 0.0;
     vec3 color_before = color0;
@@ -79,16 +79,16 @@ void main() {
       density0 = density1;
       color0 = color1;
       steps += 1u;
-      go = state.tet != kNoTet && depth < push.stop_depth && steps < push.max_steps;
+      go = state.tet != kNoTet && depth < push.rays.stop_depth && steps < push.max_steps;
     }
     if (thick) {
       SegmentWeights segment = IntegrateThickSegment(s0, s1);
       color += exp(-depth) * (segment.w0 * color_before + segment.w1 * color0);
       depth += 0.5 * (s0 + s1);
-      go = go && depth < push.stop_depth;
+      go = go && depth < push.rays.stop_depth;
     }
     if (kAnyBoundary != 0) {
-      TETREC_RARELY(hit && MayEnter(entries) && state.tet == kNoTet && depth < push.stop_depth &&
+      TETREC_RARELY(hit && MayEnter(entries) && state.tet == kNoTet && depth < push.rays.stop_depth &&
                     steps < push.max_steps) {
         strays = strays || Least(state.e) < 0.0;
         go = EnterAgain(ray, entries, state, begin);
@@ -106,10 +106,10 @@ void main() {
     ray_colors[index] = vec4(color, depth);
     ray_entries[index] = entry;
   }
-  // A ray that did not stop early must have come out of the mesh: where the convex hull ends, up to
-  // roundings of coordinates, which a face seen at a flat angle stretches along the ray; of any other
-  // boundary by faces that hold the ray, until a whole search found no entry.
-  bool stopped = depth >= push.stop_depth;
+  // A ray that did not stop early must have left the mesh. A convex hull is left where it ends, up to
+  // roundings of coordinates, which a face seen at a flat angle stretches along the ray; any other
+  // boundary through faces that contain the ray, until a complete search found no entry.
+  bool stopped = depth >= push.rays.stop_depth;
   float length = chord.end - chord.begin;
   float rounding = 1e-3 * (length + z0) + 8e-6 * chord.end / chord.exit_cosine;
   bool astray = !inside && (kAnyBoundary != 0 ? strays : abs(z0 - length) > rounding);

@@ -1,4 +1,4 @@
-// Where the error is. Adds to every tet that a ray passes the ray's squared residual times the tet's
+// Where the error is. Adds to every tet that a ray passes the ray's error (push.score) times the tet's
 // share of the ray's opacity. The residual is what the loss kernel leaves in ray_gradients when its
 // scale is 1/2.
 #version 460
@@ -15,11 +15,12 @@ layout(std430, binding = kBindTetScores) buffer TetScores { Sum tet_scores[]; };
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  bool exists = index < push.ray_count;
+  bool exists = index < push.rays.ray_count;
   uint read = exists ? index : 0u;
   Ray ray = MakeRay(read);
   vec3 residual = ray_gradients[read].rgb;
-  float error = dot(residual, residual);
+  float error = push.score == kScoreSquaredResidual ? dot(residual, residual)
+                                                    : dot(abs(residual), vec3(1.0));
   Entry entry = ray_entries[read];
   bool go = exists && ray.valid && (ray.start_tet != kNoTet || entry.x != kMiss);
   MarchState state;
@@ -51,9 +52,9 @@ void main() {
     z0 = z1;
     density0 = density1;
     steps += 1u;
-    go = state.tet != kNoTet && depth < push.stop_depth && steps < push.max_steps;
+    go = state.tet != kNoTet && depth < push.rays.stop_depth && steps < push.max_steps;
     if (kAnyBoundary != 0) {
-      TETREC_RARELY(hit && MayEnter(entries) && state.tet == kNoTet && depth < push.stop_depth &&
+      TETREC_RARELY(hit && MayEnter(entries) && state.tet == kNoTet && depth < push.rays.stop_depth &&
                     steps < push.max_steps) {
         go = EnterAgain(ray, entries, state, begin);
         if (go) {

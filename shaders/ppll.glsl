@@ -1,12 +1,13 @@
 // Per-pixel lists of the faces that rays pass.
 //
-// Which faces a ray passes is decided in a frame that has it as an axis by the signs of edge functions, exactly: the sign of a difference of products of floats is computed without
-// rounding, and a zero is decided as if every vertex were moved by its own infinitesimal amount
-// (Edelsbrunner and Muecke 1990, "Simulation of simplicity"). So a ray passes 0 or 2 faces of every
-// tet, through edges and vertices too, and its faces form chains from hull to hull. Rounding can only
-// err in their distances, which are continuous.
+// Which faces a ray passes is decided exactly, by the signs of edge functions in a frame that has
+// the ray as an axis: the sign of a difference of products of floats is computed without rounding,
+// and a zero is decided as if every vertex were moved by its own infinitesimal amount (Edelsbrunner
+// and Muecke 1990, "Simulation of simplicity"). So a ray passes 0 or 2 faces of every tet, through
+// edges and vertices too, and its faces form chains from hull to hull. Rounding affects only their
+// distances, which are continuous.
 #define TETREC_ONE_JITTER
-#define TETREC_NEVER (push.ray_count == 0u)
+#define TETREC_NEVER (push.rays.ray_count == 0u)
 
 #include "shared/gpu_types.glsl.h"
 
@@ -20,21 +21,22 @@ layout(binding = kBindVertices) uniform textureBuffer vertices;
 
 #include "cells.glsl"
 
-// Ray through pixel `at` of the batch, counted from its first.
+// The ray through pixel `at`, which counts from the batch's first pixel.
 uint RayOfPixel(uvec2 at) {
   uint block = at.y / kBlockHeight * push.block_columns + at.x / kBlockWidth;
   return block * kBlockRays + at.y % kBlockHeight * kBlockWidth + at.x % kBlockWidth;
 }
 
-// A ray whose origin is moved to where the mesh's ball may begin, so that coordinates in its frame
-// are as precise as the mesh is small; camera_z is where the camera then lies, 0 or less.
+// A ray whose origin is moved to where the mesh's ball may start, so that the precision of
+// coordinates in its frame is relative to the size of the mesh; camera_z is where the camera then
+// is, 0 or less.
 struct ListRay {
   Ray ray;
   float camera_z;
 };
 
-// `at` counts from the batch's first pixel. No index here differs from ray to ray: loads that
-// lavapipe does once for eight of them.
+// `at` counts from the batch's first pixel. No index here differs from ray to ray, so
+// lavapipe loads once for eight of them.
 ListRay MakeListRay(uvec2 at) {
   ListRay result;
   GpuBlock first = FetchBlock(0u);
@@ -51,7 +53,8 @@ vec3 EdgeFunctions(vec3 a, vec3 b, vec3 c) {
   return vec3(EdgeFunction(b, c), EdgeFunction(c, a), EdgeFunction(a, b));
 }
 
-// Hit point of a ray that passes a triangle: barycentric weights, of the vertices opposite the edges.
+// Barycentric weights of the point where a ray passes a triangle, for the vertices opposite the
+// edges.
 vec3 WeightsOf(vec3 edge_functions) {
   vec3 w = abs(edge_functions);
   float sum = w.x + w.y + w.z;
@@ -60,7 +63,7 @@ vec3 WeightsOf(vec3 edge_functions) {
 
 vec3 HitWeights(vec3 a, vec3 b, vec3 c) { return WeightsOf(EdgeFunctions(a, b, c)); }
 
-// Vertices of face i, ascending by their place in the tet; wound outwards where i is even.
+// Vertices of face i, ascending by their place in the tet; wound outwards if i is even.
 uvec3 FaceVertices(uvec4 ids, uint i) {
   return i == 0u ? ids.yzw : i == 1u ? ids.xzw : i == 2u ? ids.xyw : ids.xyz;
 }

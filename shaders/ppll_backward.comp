@@ -1,10 +1,10 @@
 // Backward pass over sorted lists: walks every ray back to front and adds its gradients to the
 // vertices (gradients.glsl).
 //
-// The forward pass kept each ray's optical depth; taking the segments' depths off again, the last one
-// first, gives back the transmittance before each of them, whatever its opacity (the inversion trick of
-// Weiss and Westermann 2022 divides by 1 - alpha instead). `behind` is the part of the loss that lies
-// behind.
+// The forward pass kept each ray's optical depth; subtracting the segments' depths again, last
+// segment first, recovers the transmittance before each of them, whatever its opacity (the
+// inversion trick of Weiss and Westermann 2022 divides by 1 - alpha instead). `behind` is the part
+// of the loss behind the segment.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "atomic_sum.glsl"
@@ -23,7 +23,7 @@ layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 #include "held_vertices.glsl"
 #include "ppll_hits.glsl"
 
-// All that segments give to a hit.
+// Adds everything that segments contribute at a hit.
 void DepositAt(inout HeldVertices held, Hit hit, vec3 end) {
   Hold(held, hit.ids);
   Deposit(held, hit.w, end);
@@ -86,7 +86,7 @@ void main() {
     hit1 = hit0;
     go = n > 0u;
   }
-  // The camera, where the ray begins in a tet.
+  // The camera, if the ray starts in a tet.
   TETREC_RARELY(at_hit1 != vec3(0.0)) { DepositAt(held, hit1, at_hit1); }
   LetGo(held);
 }

@@ -1,12 +1,12 @@
-// Stores the face for every ray that passes it: as a node behind all others, counting what every list
-// holds, or into lists of known lengths. One module does both, so that they decide alike.
+// Stores the face for every ray that passes it: as a node behind all others, counting the length of
+// every list, or in lists of known lengths. One module does both, so that both decide alike.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #include "ppll.glsl"
 
 layout(std430, binding = kBindLists) readonly buffer Lists { uvec2 lists[]; };
-// The last one, behind those of the rays, counts the nodes.
+// The last element, after those of the rays, counts the nodes.
 layout(std430, binding = kBindListFills) buffer ListFills { uint list_fills[]; };
 layout(std430, binding = kBindFragments) writeonly buffer Fragments { uvec2 fragments[]; };
 layout(std430, binding = kBindAppended) writeonly buffer Appended { uvec4 appended[]; };
@@ -20,7 +20,7 @@ uint Mantissa(float x) { return (floatBitsToUint(x) & 0x7FFFFFu) | 0x800000u; }
 int Exponent(float x) { return int(floatBitsToUint(x) >> 23 & 0xFFu); }
 
 // Sign of a b - c d, exactly (barring underflow). Rounded products are in the right order or equal;
-// of equal ones the mantissas' products tell.
+// if they are equal, the products of the mantissas decide.
 float CompareProducts(float a, float b, float c, float d) {
   precise float p = a * b;
   precise float q = c * d;
@@ -39,7 +39,7 @@ float CompareProducts(float a, float b, float c, float d) {
   return result;
 }
 
-// Whether the ray has the way from vertex a to vertex b, the one of higher id, on its left.
+// True if the edge from vertex a to vertex b, the one of higher id, is on the ray's left.
 bool TurnsLeft(vec3 a, vec3 b) {
   float turn = CompareProducts(a.x, b.y, a.y, b.x);
   // The lower vertex is moved infinitely more than the higher, x more than y.
@@ -50,24 +50,24 @@ bool TurnsLeft(vec3 a, vec3 b) {
   return turn > 0.0;
 }
 
-// Counts what it cannot store.
+// Counts fragments that it cannot store.
 void Store(uint ray, uvec2 fragment) {
   uint place = atomicAdd(list_fills[ray], 1u);
   if (push.appends != 0u) {
-    uint node = atomicAdd(list_fills[push.ray_count], 1u);
+    uint node = atomicAdd(list_fills[push.rays.ray_count], 1u);
     if (node < push.most_appended) appended[node] = uvec4(fragment, ray, place);
   } else {
     uvec2 list = lists[ray];
     if (place < list.y) {
       fragments[list.x + place] = fragment;
     } else {
-      atomicAdd(counters[kCounterLostRays], 1u);  // the passes decided unlike
+      atomicAdd(counters[kCounterLostRays], 1u);  // the passes decided differently
     }
   }
 }
 
-// A vertex seen along the ray of slope `slope`, sheared so that the ray is the axis: the ray passes the
-// same faces in this frame as in any other that has it as an axis.
+// A vertex sheared so that the ray of slope `slope` is the axis: the ray passes the same faces in
+// this frame as in any other that has it as an axis.
 vec3 AlongRay(vec3 corner, vec2 axis, vec2 slope) {
   precise vec2 across = (corner.xy + axis) - slope * corner.z;
   return vec3(across, corner.z);
@@ -90,7 +90,7 @@ void main() {
   if (left.z == left.x && left.z != left.y && depth + reference.z > 0.0) {
     bool outward = (face & 1u) != 0u;
     uint entering = left.z == outward ? 0u : 1u;
-    // As MakeListRay counts.
+    // Distances count as in MakeListRay.
     float stretch = sqrt(1.0 + dot(slope, slope));
     float begin = max(dot(reference.xyz, vec3(slope, 1.0)) / stretch - reference.w, 0.0);
     float z = depth * stretch + (reference.z * stretch - begin);

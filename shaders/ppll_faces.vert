@@ -1,8 +1,10 @@
-// Covers every face of the mesh by a triangle of pixels that holds all its rays; the fragments decide.
+// Covers every face of the mesh with a triangle of pixels that contains all its rays; the fragments
+// decide.
 //
-// The rasteriser rounds vertices to fractions of a pixel, so its word on who is inside would not be
-// that of the ray: it gets the face with a margin around it. Faces that are thinner than the margin,
-// that reach far out of the picture or behind the camera get a rectangle, as a triangle around it.
+// The rasteriser rounds vertices to fractions of a pixel, so its decision on what is inside would
+// not be that of the ray: it gets the face with a margin around it. Faces that are thinner than the
+// margin or that reach far outside the image or behind the camera are covered by a rectangle,
+// inside a triangle.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -14,18 +16,18 @@ layout(std430, binding = kBindFaceChunks) readonly buffer FaceChunks { uint face
 #include "ppll_face_view.glsl"
 TETREC_FACE_VIEW(out)
 
-// Far beyond any picture, still exact in fixed point after the clamp to it.
+// Far outside any image, and still exact in fixed point after the clamp.
 const float kFar = 1e9;
-// Rounding of vertices (1/256) and of projections (1e-3 in pictures of 4096) stay far below.
+// [px] Far above the rounding of vertices (1/256) and of projections (1e-3 in images of 4096 px).
 const float kMargin = 1.0 / 16.0;
-// [px] Farther out projections are not precise enough.
+// [px] Farther out, projections are not precise enough.
 const float kNear = 16384.0;
 
 struct Bounds {
   vec2 low, high;
 };
 
-// Takes in the direction across the view in which a point of the camera's plane lies.
+// Extends the bounds to infinity in the direction of a point in the camera's plane.
 Bounds TakeInfinity(Bounds bounds, vec2 direction, float rounding) {
   bounds.low = mix(bounds.low, vec2(-kFar), lessThan(direction, vec2(rounding)));
   bounds.high = mix(bounds.high, vec2(kFar), greaterThan(direction, vec2(-rounding)));
@@ -48,7 +50,7 @@ Bounds TakeEdge(Bounds bounds, vec3 p, vec3 q, float rounding) {
   return bounds;
 }
 
-// Along the camera's axes. The same bits wherever the position is the same.
+// Along the camera's axes. Equal positions give equal bits.
 vec3 InCamera(GpuView view, vec3 position, vec3 origin) {
   precise vec3 r = position - origin;
   precise vec3 p = vec3(dot(r, view.right_in_world_fx.xyz), dot(r, view.down_in_world_fy.xyz),
@@ -79,13 +81,13 @@ Bounds BoundsOf(vec3 corners[3], vec2 images[3], float scene) {
   bounds = TakeEdge(bounds, corners[0], corners[1], rounding);
   bounds = TakeEdge(bounds, corners[1], corners[2], rounding);
   bounds = TakeEdge(bounds, corners[2], corners[0], rounding);
-  // A vertex that is all but the camera itself can be anywhere in the picture.
+  // A vertex that almost coincides with the camera can be anywhere in the image.
   bool at_camera = min(Size(corners[0]), min(Size(corners[1]), Size(corners[2]))) <= 1e-4 * scene;
   if (at_camera) bounds = Bounds(vec2(-kFar), vec2(kFar));
   return bounds;
 }
 
-// Corner 0, 1 or 2 of the least triangle around a rectangle with two sides along it.
+// Corner 0, 1 or 2 of the smallest triangle around a rectangle that has two sides along it.
 vec2 CornerAround(vec2 low, vec2 high, uint corner) {
   return vec2(corner == 1u ? 2.0 * high.x - low.x : low.x, corner == 2u ? 2.0 * high.y - low.y : low.y);
 }
@@ -97,7 +99,7 @@ struct Widened {
 };
 
 Widened Widen(vec2 images[3], uint corner) {
-  // Seen from the incentre all is scaled by 1 + margin / inradius.
+  // As seen from the incentre, everything is scaled by 1 + margin / inradius.
   vec3 sides = vec3(distance(images[1], images[2]), distance(images[2], images[0]),
                     distance(images[0], images[1]));
   vec2 u = images[1] - images[0], v = images[2] - images[0];
@@ -147,10 +149,10 @@ void main() {
   float scene = SceneSize(view);
   Bounds bounds = BoundsOf(corners, images, scene);
   vec2 size = vec2(push.block_columns * kBlockWidth,
-                   push.ray_count / kBlockRays / push.block_columns * kBlockHeight);
+                   push.rays.ray_count / kBlockRays / push.block_columns * kBlockHeight);
   vec2 low = clamp(bounds.low - kMargin, vec2(-1.0), size + 1.0);
   vec2 high = clamp(bounds.high + kMargin, vec2(-1.0), size + 1.0);
-  // Pixels have their rays in their middles.
+  // A pixel's ray passes through its centre.
   bool any = exists && all(lessThanEqual(ceil(low - 0.5), floor(high - 0.5)));
   vec2 at = CornerAround(low, high, corner);
   // The ray's origin is rounded to 1e-7 of the scene.

@@ -12,23 +12,24 @@ layout(std430, binding = kBindRayColors) writeonly buffer RayColors { vec4 ray_c
 layout(std430, binding = kBindRayEntries) writeonly buffer RayEntries { uvec2 ray_entries[]; };
 layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
-// e^-88 is the least float; what lies behind is not seen and needs no gradient.
+// e^-88 is about the smallest float; what is behind cannot be seen and needs no gradient.
 const float kUnseenDepth = 88.0;
 
 #ifdef TETREC_COUNT_STEPS
-// The tets that a ray passes form a chain from the one that it begins in, or none, to none: the sum
-// (mod 2^32) of before - behind over the faces tells its begin, in whatever order they are.
+// The tets that a ray passes form a chain from the one in which it starts, or none, to none: the
+// sum (mod 2^32) of before - behind over the faces determines its start, in whatever order they
+// come.
 struct Chain {
   uint sum;  // of all faces
-  // Of those far enough from the camera for rounding to leave them before it: the first one's
+  // For the faces that are certainly in front of the camera, beyond rounding: the first one's
   // `before`, and the sum.
   bool has_far;
   uint far_begin, far_sum;
   uint steps;
 };
 
-// Whether the faces of a whole ray form a chain from where the camera is. A camera on a face, up to
-// rounding, is on either side of it.
+// True if the faces of a whole ray form a chain that starts where the camera is. A camera that is
+// on a face, up to rounding, may be on either side of it.
 bool IsWhole(Chain chain, ListRay list_ray) {
   const float rounding = 1e-4;
   uint start = list_ray.ray.start_tet, begin = chain.has_far ? chain.far_begin : kNoTet;
@@ -58,7 +59,7 @@ void main() {
   vec3 color = vec3(0.0);
   float depth = 0.0;  // optical
   uint n = 0u;
-  uint last = 0u;  // fragments up to the end of the last segment that is seen
+  uint last = 0u;  // fragments up to the end of the last visible segment
   float depth_before_last = 0.0;
 #ifdef TETREC_COUNT_STEPS
   Chain chain = Chain(0u, false, kNoTet, 0u, 0u);
@@ -92,7 +93,7 @@ void main() {
     chain.far_sum += chain.has_far ? link : 0u;
 #endif
     hit0 = hit1;
-    go = n < list.y && depth < push.stop_depth;
+    go = n < list.y && depth < push.rays.stop_depth;
   }
   if (exists) {
     ray_colors[index] = vec4(color, depth);
@@ -101,7 +102,7 @@ void main() {
 #ifdef TETREC_COUNT_STEPS
     atomicAdd(counters[kCounterSteps], chain.steps);
     if (chain.steps > 0u) atomicAdd(counters[kCounterHitRays], 1u);
-    bool whole = depth >= push.stop_depth || IsWhole(chain, list_ray);
+    bool whole = depth >= push.rays.stop_depth || IsWhole(chain, list_ray);
     if (list_ray.ray.valid && !whole) atomicAdd(counters[kCounterLostRays], 1u);
 #endif
   }

@@ -1,4 +1,4 @@
-// Puts every node that the faces left into the list of its ray.
+// Copies every node that the faces wrote into the list of its ray.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"

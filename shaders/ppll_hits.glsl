@@ -1,12 +1,13 @@
-// Reading sorted lists: where a ray passes a face, and which tets lie before and behind it.
+// Reading sorted lists: where a ray passes a face, and which tets are before and behind it.
 //
-// Between two hits next to one another lies one tet: that behind the first is that before the second.
-// Where rounding has swapped hits that all but coincide (at edges, at vertices, in slivers), the two
-// differ; a field of vertices being continuous, the values at the two hits are right all the same.
-// There is nothing in between where the first face leaves the mesh or the second enters it: a gap.
+// There is one tet between two consecutive hits: the one behind the first is the one before the
+// second. If rounding has swapped hits that almost coincide (at edges, at vertices, in slivers),
+// the two differ; since a field on vertices is continuous, the values at the two hits are right all
+// the same. If the first face leaves the mesh or the second enters it, there is nothing in between:
+// a gap.
 //
-// The including kernel includes ppll.glsl, and for TETREC_POSITIONS gradients.glsl, and defines Payload
-// and MakePayload(color) as for march.glsl.
+// The including kernel includes ppll.glsl, and for TETREC_POSITIONS gradients.glsl, and defines
+// Payload and MakePayload(color) as for march.glsl.
 
 layout(local_size_x = kWorkgroupSize) in;
 
@@ -53,13 +54,13 @@ Hit HitAt(Ray ray, uvec2 fragment) {
   return hit;
 }
 
-// Volumes of the tets that the origin forms with the faces of a tet, opposite vertices: in the ratio of
-// its barycentric weights.
+// Volumes of the tets that the origin forms with the faces of a tet, by opposite vertex:
+// proportional to its barycentric weights.
 vec4 VolumesAtOrigin(vec3 a, vec3 b, vec3 c, vec3 d) {
   return vec4(dot(b, cross(c, d)), dot(a, cross(d, c)), dot(a, cross(b, d)), dot(a, cross(c, b)));
 }
 
-// The camera in tet `tet`, as a hit behind which the tet lies.
+// The camera in tet `tet`, as a hit with the tet behind it.
 Hit HitAtCamera(ListRay list_ray, uint tet) {
   uvec4 ids = texelFetch(tets, int(2u * tet));
   vec4 row_a = texelFetch(vertices, int(2u * ids.x)), row_b = texelFetch(vertices, int(2u * ids.y));
@@ -89,7 +90,7 @@ Hit HitAtCamera(ListRay list_ray, uint tet) {
   return hit;
 }
 
-// Least of the barycentric weights that the ray's point at z has in a tet.
+// The smallest barycentric weight in a tet of the ray's point at z.
 float LeastWeight(ListRay list_ray, float z, uint tet) {
   uvec4 ids = texelFetch(tets, int(2u * tet));
   vec3 point = list_ray.ray.origin + z * list_ray.ray.direction;
@@ -101,8 +102,8 @@ float LeastWeight(ListRay list_ray, float z, uint tet) {
   return min(min(w.x, w.y), min(w.z, w.w)) / (w.x + w.y + w.z + w.w);
 }
 
-// The cell between two hits. Cells are not continuous: where swapped hits disagree, it is the one
-// that holds the middle.
+// The cell between two hits. Cells are not continuous: if swapped hits disagree, it is the one
+// that contains the middle.
 uint TetBetween(ListRay list_ray, Hit hit0, Hit hit1) {
   uint tet = hit0.behind;
   if (kCells) {
@@ -115,7 +116,7 @@ uint TetBetween(ListRay list_ray, Hit hit0, Hit hit1) {
   return tet;
 }
 
-// What a ray has before its first fragment: nothing, or its camera in the tet before that.
+// What is before a ray's first fragment: nothing, or the camera in the tet before that fragment.
 Hit HitBeforeFirst(ListRay list_ray, Hit first) {
   Hit hit = first;
   hit.behind = kNoTet;

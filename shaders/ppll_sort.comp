@@ -1,5 +1,5 @@
-// Sorts the list of every ray by distance; of equal ones by face, so that the order does not depend on
-// that of the rasteriser.
+// Sorts the list of every ray by distance, and by face if distances are equal, so that the order
+// does not depend on that of the rasteriser.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -17,8 +17,8 @@ bool Before(uvec2 a, uvec2 b) {
 
 #ifdef TETREC_HEAP
 
-// Lets `moved` sink from `place` in the heap of `size` fragments from `first` on; the farthest is on
-// top.
+// Lets `moved` sink from `place` in the heap of `size` fragments that starts at `first`; the
+// farthest is on top.
 void Sink(uint first, uint place, uint size, uvec2 moved) {
   bool go = 2u * place + 1u < size;
   while (go) {
@@ -59,15 +59,15 @@ void Sort(uint first, uint count) {
 #else
 
 // Shell sort with the gaps of Ciura 2001; the last gap alone is an insertion sort. Faces are drawn
-// front to back by chunks, so that most lists are all but sorted: an insertion sort alone goes first,
-// for as long as it moves fragments by kShortWay places on average.
+// front to back by chunks, so most lists are almost sorted: an insertion sort alone comes first, as
+// long as it moves fragments by no more than kShortWay places on average.
 const uint kGaps[10] = uint[](1u, 1750u, 701u, 301u, 132u, 57u, 23u, 10u, 4u, 1u);
 const uint kShortWay = 12u;
-// At most so many rounds: llvmpipe ends the loops of one invocation after 65,535.
+// The insertion sort alone stops after this many rounds, far below MostLoopRounds (gpu/device.h).
 const uint kMostShortRounds = 4096u;
 
-// One round compares the fragment that is moved with one other: lists of neighbours, which lavapipe
-// sorts together, wait for each other at their ends only.
+// One round compares the moved fragment with one other: neighbouring lists, which lavapipe sorts
+// together, wait for each other only at the end.
 void Sort(uint first, uint count) {
   uint g = 0u, gap = 1u, i = 1u, place = 1u;
   uint rounds = 0u;
@@ -87,7 +87,7 @@ void Sort(uint first, uint count) {
       i += 1u;
       bool short_ways = g > 0u || rounds <= min(kShortWay * count, kMostShortRounds);
       if (i >= count || !short_ways) {
-        // Gaps that are as long as the list have nothing to sort.
+        // Gaps as long as the list have nothing to sort.
         go = g < 9u && !(g == 0u && short_ways);
         g += 1u;
         while (go && kGaps[min(g, 9u)] >= count) g += 1u;

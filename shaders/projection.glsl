@@ -1,4 +1,4 @@
-// What the kernels of projected tets share: the rectangle of rays and its tiles.
+// The rectangle of rays and its tiles, as all kernels of projected tets see them.
 
 #include "shared/gpu_types.glsl.h"
 

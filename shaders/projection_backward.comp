@@ -1,6 +1,6 @@
 // Backward pass over a stretch of sorted tets, front to back: adds every ray's gradients to the
-// vertices (gradients.glsl). What lies behind a segment is the ray's part of the loss minus the parts
-// up to and with it.
+// vertices (gradients.glsl). The part of the loss behind a segment is the ray's part minus those of
+// the segments up to and including it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "atomic_sum.glsl"
@@ -16,11 +16,11 @@ layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
 #include "held_vertices.glsl"
 
-// What a ray carries on its way, also from stretch to stretch.
+// The state of a ray on its way, kept from stretch to stretch.
 struct Walk {
   HeldVertices held;
   float depth;   // optical, before the segment
-  float behind;  // the part of the loss that lies behind
+  float behind;  // the part of the loss behind
 };
 layout(std430, binding = kBindRayStates) buffer RayStates { Walk ray_states[]; };
 
@@ -45,9 +45,9 @@ void SortTwo(inout TetCorner a, inout TetCorner b) {
   if (swaps) b = first;
 }
 
-// Of the end on the face that lacks one vertex. What the tets at a face give to its corners cancels
-// but for a small part, so they must compute the same slopes, to the last bit: by its corners in the
-// order of their ids.
+// Slopes at the end on the face that lacks one vertex. The contributions of both tets of a face to
+// its corners cancel almost entirely, so both must compute the same slopes to the last bit: from
+// its corners in the order of their ids.
 Slopes SlopesOnTetFace(TetCut cut, bvec4 lacks, vec4 payload) {
   TetCorner c0 = TetCorner(cut.ids.x, cut.a, cut.density.x, payload.x);
   TetCorner c1 = TetCorner(cut.ids.y, cut.b, cut.density.y, payload.y);
@@ -116,13 +116,13 @@ void main() {
   if (push.is_first == 0u && tile_ray.exists) walk = ray_states[tile_ray.index];
   uint i = tile_ray.range.x;
   bool go = tile_ray.exists && ray.valid && gradient != vec4(0.0) && i < tile_ray.range.y &&
-            walk.depth < push.stop_depth;
+            walk.depth < push.rays.stop_depth;
   while (go) {
     uint tet = tet_of_item[i];
     TetCut cut = CutTet(ray, tet);
     TETREC_RARELY(cut.hit) { Pass(walk, cut, tet); }
     i += 1u;
-    go = i < tile_ray.range.y && walk.depth < push.stop_depth;
+    go = i < tile_ray.range.y && walk.depth < push.rays.stop_depth;
   }
   if (push.is_last != 0u) {
     LetGo(walk.held);

@@ -1,4 +1,4 @@
-// Lists the tets that are seen, in their order.
+// Lists the visible tets in the order of their numbers.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "projection.glsl"

@@ -1,4 +1,4 @@
-// How many tiles each tet of a stretch meets, in sorted order.
+// Counts the tiles that each tet of a stretch meets, in sorted order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "projection.glsl"

@@ -1,8 +1,8 @@
-// Bounds of every tet's projection: which tiles its rays may lie in, or none.
+// Bounds of every tet's projection: the tiles that may contain its rays, if any.
 //
-// A tet that reaches behind the camera is clipped there: an edge that leaves the half space in front
-// runs to infinity in the picture, to the side where it passes the camera. The bounds are those of
-// the vertices in front and of these directions.
+// A tet that reaches behind the camera is clipped there: an edge that leaves the half space in
+// front runs to infinity in the image, on the side where it passes the camera. The bounds contain
+// the vertices in front and these directions.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "projection.glsl"
@@ -17,7 +17,7 @@ layout(std430, binding = kBindVisible) writeonly buffer Visible { uint visible[]
 const float kInfinity = 3.0e38;
 // Rounding of coordinates relative to the distance, here and in the ray's frame: a few ulp each.
 const float kRounding = 2e-6;
-// Points further from the axis than 1 / this times their depth lie in no picture.
+// Points farther from the axis than 1 / this times their depth are outside every image.
 const float kLeastSlope = 1e-5;
 
 struct Bounds {
@@ -33,7 +33,7 @@ void AddVertex(inout Bounds bounds, vec3 p, vec2 focal, vec2 center) {
   bounds.high = max(bounds.high, at + rounding);
 }
 
-// The edge from a vertex in front to one behind.
+// Adds the edge from a vertex in front to one behind.
 void AddDirection(inout Bounds bounds, vec3 front, vec3 behind) {
   vec2 a = behind.xy * front.z, b = front.xy * behind.z;
   vec2 rounding = 2.0 * kRounding * (abs(a) + abs(b));
@@ -65,8 +65,8 @@ void main() {
       if (in_front[i] && !in_front[j]) AddDirection(bounds, p[i], p[j]);
     }
   }
-  // Pixels of the rectangle whose centre, moved by the jitter, can lie within.
-  vec2 reach = vec2(0.5 * abs(push.jitter_px));
+  // Pixels of the rectangle whose centre, moved by the jitter, can be within the bounds.
+  vec2 reach = vec2(0.5 * abs(push.rays.jitter_px));
   vec2 size = vec2(kBlockWidth * push.block_columns, kBlockHeight * push.block_rows);
   vec2 first = vec2(push.first_x, push.first_y) + 0.5;
   vec2 low = ceil(clamp(bounds.low - reach - first, vec2(-2.0), size + 1.0));
@@ -76,6 +76,6 @@ void main() {
   bool seen = exists && low.x <= high.x && low.y <= high.y;
   uvec2 tile = uvec2(kBlockWidth * kTileColumns, kBlockHeight * kTileRows);
   if (seen) rectangles[tet] = PackRectangle(uvec2(low) / tile, uvec2(high) / tile);
-  // One more than there are tets: its prefix sum is the number of those seen.
+  // There is one element more than tets: its prefix sum is the number of visible tets.
   if (tet <= push.count) visible[tet] = seen ? 1u : 0u;
 }

@@ -1,4 +1,4 @@
-// One item (tile, tet) for every tile that a tet of a stretch meets, tets in sorted order.
+// Writes one item (tile, tet) for every tile that a tet of a stretch meets, tets in sorted order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "projection.glsl"

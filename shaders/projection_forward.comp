@@ -10,9 +10,9 @@ layout(std430, binding = kBindRayColors) buffer RayColors { vec4 ray_colors[]; }
 layout(std430, binding = kBindRayEntries) buffer RayEntries { uvec2 ray_entries[]; };
 layout(std430, binding = kBindCounters) buffer Counters { uint counters[]; };
 
-// A face as the key that both of its tets give it; 0 on the hull, and where it is no further from the
+// The key of a face, the same from both of its tets; 0 on the hull, and if it is no farther from the
 // camera than rounding. The tets of a whole ray form a chain from key 0 to key 0, so the keys of the
-// faces where it comes out less those where it went in add up to 0 (mod 2^32), in whatever order.
+// faces where it leaves minus those where it enters add up to 0 (mod 2^32), in whatever order.
 uint KeyOf(uint tet, uvec4 neighbors, bvec4 face, bool near) {
   uint neighbor = face.x ? neighbors.x : face.y ? neighbors.y : face.z ? neighbors.z : neighbors.w;
   return near || neighbor == kNoTet ? 0u : Hash(min(tet, neighbor)) ^ max(tet, neighbor);
@@ -34,7 +34,7 @@ void main() {
   }
 #endif
   uint i = tile_ray.range.x;
-  bool go = tile_ray.exists && ray.valid && i < tile_ray.range.y && depth < push.stop_depth;
+  bool go = tile_ray.exists && ray.valid && i < tile_ray.range.y && depth < push.rays.stop_depth;
   while (go) {
     uint tet = tet_of_item[i];
     TetCut cut = CutTet(ray, tet);
@@ -64,7 +64,7 @@ void main() {
 #endif
     }
     i += 1u;
-    go = i < tile_ray.range.y && depth < push.stop_depth;
+    go = i < tile_ray.range.y && depth < push.rays.stop_depth;
   }
   if (tile_ray.exists) {
     ray_colors[tile_ray.index] = vec4(color, depth);
@@ -74,7 +74,7 @@ void main() {
     atomicAdd(counters[kCounterSteps], steps);
     if (push.is_last != 0u) {
       atomicAdd(counters[kCounterHitRays], passed);
-      if (chain != 0u && depth < push.stop_depth) atomicAdd(counters[kCounterLostRays], 1u);
+      if (chain != 0u && depth < push.rays.stop_depth) atomicAdd(counters[kCounterLostRays], 1u);
     }
 #endif
   }

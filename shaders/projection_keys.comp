@@ -1,10 +1,10 @@
 // Keys by which tets are sorted front to back.
 //
-// Centroid: its depth along the camera's axis. Power: |e - c|^2 - r^2 of the eye e with respect to
-// the circumsphere (c, r), less |e|^2, which all share: q - 2 e.c with q = |c|^2 - r^2. Along a ray it
-// grows from tet to tet of a Delaunay mesh (Edelsbrunner 1990, "An acyclicity theorem for cell
-// complexes in d dimensions"); neighbours differ by little where they are almost on one sphere, so it is
-// evaluated in pairs of floats (Dekker 1971) and gives two words.
+// Centroid: the depth of the centroid along the camera's axis. Power: |e - c|^2 - r^2 of the eye e
+// with respect to the circumsphere (c, r), minus |e|^2, which all share: q - 2 e.c with q = |c|^2 -
+// r^2. Along a ray it grows from tet to tet of a Delaunay mesh (Edelsbrunner 1990, "An acyclicity
+// theorem for cell complexes in d dimensions"). Neighbours that are almost on one sphere differ
+// little, so it is evaluated in pairs of floats (Dekker 1971), which gives two words.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "projection.glsl"
@@ -22,7 +22,7 @@ layout(binding = kBindTets) uniform utextureBuffer tets;
 layout(binding = kBindVertices) uniform textureBuffer vertices;
 #endif
 
-// Sorts as the float does.
+// An integer that sorts like the float.
 uint Sortable(float value) {
   uint bits = floatBitsToUint(value == 0.0 ? 0.0 : value);
   return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;

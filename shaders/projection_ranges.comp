@@ -1,4 +1,5 @@
-// Where each tile's stretch of the sorted items begins and ends; ranges are (0, 0) before.
+// Finds where each tile's stretch of the sorted items starts and ends; all ranges must be (0, 0)
+// before.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "projection.glsl"

@@ -1,6 +1,6 @@
-// The rays of a rectangle, tile by tile, each with a window of its tile's list: of the sorted items
-// push.count at most, from the push.first-th on.
-#define TETREC_NEVER (push.ray_count == 0u)
+// The rays of a rectangle, tile by tile, each with a window of its tile's list: at most push.count
+// of the sorted items, from number push.first on.
+#define TETREC_NEVER (push.rays.ray_count == 0u)
 
 #include "projection.glsl"
 #include "rays.glsl"
@@ -34,8 +34,8 @@ TileRay FindTileRay(uint thread) {
   return ray;
 }
 
-// Begins `push.start` ahead of the camera, so that the frame's coordinates are as precise as the mesh
-// is small.
+// Starts `push.start` ahead of the camera, so that the precision of coordinates in its frame is
+// relative to the size of the mesh.
 Ray MakeMovedRay(uint index) {
   Ray ray = MakeRay(index);
   ray.origin += push.start * ray.direction;

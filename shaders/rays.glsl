@@ -1,6 +1,6 @@
-// The rays of a batch: 4 x 2 blocks of pixels of the views that they name. The including kernel
-// declares `push` with jitter_seed and jitter_px. Every ray is moved inside its pixel by its own
-// jitter; with TETREC_ONE_JITTER all rays of the batch are moved alike, as rasterisation needs.
+// The rays of a batch, in blocks of 4 x 2 pixels that name their views. The including kernel declares
+// `push` with its RayPush `rays`. Every ray is moved inside its pixel by its own jitter; with
+// TETREC_ONE_JITTER all rays of the batch are moved alike, as rasterisation requires.
 #include "shared/random.glsl.h"
 #include "views.glsl"
 
@@ -8,18 +8,18 @@ const uint kNoTet = 0xFFFFFFFFu, kNoVertex = 0xFFFFFFFFu;
 
 struct Ray {
   vec3 origin, direction, u, v;
-  bool valid;       // inside the picture
-  uint start_tet;   // tet that holds the camera, or kNoTet
+  bool valid;       // inside the image
+  uint start_tet;   // tet that contains the camera, or kNoTet
   uint pixel;       // index into the targets
 };
 
 vec2 Jitter(uint index) {
 #ifdef TETREC_ONE_JITTER
-  uint random = Hash(push.jitter_seed);
+  uint random = Hash(push.rays.jitter_seed);
 #else
-  uint random = Hash(push.jitter_seed ^ Hash(index));
+  uint random = Hash(push.rays.jitter_seed ^ Hash(index));
 #endif
-  return push.jitter_px * vec2(UnitFloat(random) - 0.5, UnitFloat(Hash(random)) - 0.5);
+  return push.rays.jitter_px * vec2(UnitFloat(random) - 0.5, UnitFloat(Hash(random)) - 0.5);
 }
 
 // Through pixel (x, y) of a view.
@@ -50,14 +50,14 @@ Ray MakeRay(uint index) {
                         block.y + lane / kBlockWidth, Jitter(index));
 }
 
-// Axes u, v across the ray, d along it. The same bits wherever the position is the same.
+// Axes u and v are across the ray, d is along it. Equal positions give equal bits.
 vec3 InRayFrame(Ray ray, vec3 position) {
   precise vec3 r = position - ray.origin;
   precise vec3 p = vec3(dot(r, ray.u), dot(r, ray.v), dot(r, ray.direction));
   return p;
 }
 
-// Twice the area of (0, from, to) across the ray; exactly the opposite for (to, from).
+// Twice the area of (0, from, to) across the ray; exactly its negative for (to, from).
 float EdgeFunction(vec3 from, vec3 to) {
   precise float left = from.x * to.y;
   precise float right = from.y * to.x;

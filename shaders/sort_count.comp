@@ -1,5 +1,5 @@
-// Radix sort: how often each digit occurs in each run of keys; all runs of a digit side by side, so
-// that their prefix sums are the places where the runs' keys go.
+// Radix sort: counts how often each digit occurs in each run of keys. The counts of a digit are
+// side by side, so that their prefix sums are the places where the runs' keys go.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"

@@ -1,4 +1,5 @@
-// Radix sort: moves every key and its item to its place. A run moves its keys in order: stable.
+// Radix sort: moves every key and its item to its place. A run moves its keys in order, so the sort
+// is stable.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"

@@ -1,11 +1,11 @@
-// Cuts a ray with a tet, without a crack or an overlap between neighbours.
+// Cuts a ray with a tet, without cracks or overlaps between neighbours.
 //
-// In the ray's frame (march.glsl) the ray is the origin of the plane and a vertex is a point (x, y) of
-// it with a depth z. The origin lies left or right of each of the six edges. The sign of
-// E(a, b) = a.x b.y - a.y b.x is decided exactly for the float coordinates, and where it is 0 for an
-// origin moved by (t, t^2), t -> 0+. So the four points are in general position for every ray, and the
-// ray crosses exactly two faces of the tet or none; the two tets at a face decide it by the same
-// numbers. A ray inside a mesh without holes is therefore covered once.
+// In the ray's frame (march.glsl) the ray is the origin of the plane and a vertex is a point (x, y)
+// of it with a depth z. The origin is left or right of each of the six edges. The sign of E(a, b) =
+// a.x b.y - a.y b.x is decided exactly for the float coordinates, and if it is 0, for an origin
+// moved by (t, t^2), t -> 0+. So the four points are in general position for every ray, and the ray
+// crosses exactly two faces of the tet or none; the two tets at a face decide by the same numbers.
+// A ray inside a mesh without holes is therefore covered once.
 //
 // The including kernel declares `tets`, `vertices`, `push.start`.
 #include "exact.glsl"
@@ -13,9 +13,9 @@
 struct TetCut {
   bool hit;
   float z0, z1;        // along the ray, from its origin
-  vec4 w0, w1;         // barycentric weights of the ends
-  bvec4 face0, face1;  // of the ends: which vertex they lack
-  bool at_camera;      // where the ray begins, not on face0
+  vec4 w0, w1;         // barycentric weights of the two ends
+  bvec4 face0, face1;  // the vertex that the face of an end lacks
+  bool at_camera;      // the first end is the camera, not on face0
   uvec4 ids;
   vec3 a, b, c, d;  // the vertices in the ray's frame
   vec4 density;     // of the vertices
@@ -33,8 +33,8 @@ Edge MakeEdge(vec3 a, vec3 b) {
   return Edge(abs(EdgeFunction(a, b)), p > q, p == q);
 }
 
-// Rounding is monotonic: products that differ as floats are in the order of the true ones. Of equal
-// ones the roundings decide, and where the true ones are equal, too, the moved origin.
+// Rounding is monotonic: products that differ as floats are in the order of the true ones. If they
+// are equal, the rounding errors decide; if the true ones are equal too, the moved origin decides.
 bool BreakTie(Edge edge, vec3 a, vec3 b) {
   float p_rest = ProductError(a.x, b.y, a.x * b.y), q_rest = ProductError(a.y, b.x, a.y * b.x);
   bool left = p_rest != q_rest ? p_rest > q_rest : a.y != b.y ? a.y > b.y : b.x > a.x;
@@ -67,8 +67,8 @@ TetCut CutTet(Ray ray, uint tet) {
     bd.left = BreakTie(bd, b, d);
     cd.left = BreakTie(cd, c, d);
   }
-  // Faces wound outwards, (b, c, d), (a, d, c), (a, b, d), (a, c, b): the ray comes out where all
-  // three edges have it on their left, and went in where all have it on their right.
+  // Faces wound outwards, (b, c, d), (a, d, c), (a, b, d), (a, c, b): the ray leaves through the
+  // one whose three edges all have it on their left, and enters where all have it on their right.
   bool out_a = bc.left && cd.left && !bd.left, in_a = !bc.left && !cd.left && bd.left;
   bool out_b = !cd.left && !ac.left && ad.left, in_b = cd.left && ac.left && !ad.left;
   bool out_c = ab.left && bd.left && !ad.left, in_c = !ab.left && !bd.left && ad.left;
@@ -87,7 +87,7 @@ TetCut CutTet(Ray ray, uint tet) {
     vec4 z = vec4(a.z, b.z, c.z, d.z);
     cut.z0 = dot(cut.w0, z);
     cut.z1 = max(cut.z0, dot(cut.w1, z));
-    // What lies behind the camera is cut off.
+    // The part behind the camera is cut off.
     float camera = -push.start;
     if (cut.z0 < camera) {
       cut.hit = cut.z1 > camera;

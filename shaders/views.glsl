@@ -1,7 +1,7 @@
-// Views and blocks of rays, read as texels: of a storage buffer lavapipe reads word by word, in a loop
+// Views and blocks of rays, read as texels: lavapipe reads storage buffers word by word, in a loop
 // over lanes.
 layout(binding = kBindViews) uniform utextureBuffer views;    // rows of GpuView
-layout(binding = kBindBlocks) uniform utextureBuffer blocks;  // a GpuBlock each
+layout(binding = kBindBlocks) uniform utextureBuffer blocks;  // one GpuBlock per texel
 
 GpuView FetchView(uint index) {
   int row = int(index * kViewRows);

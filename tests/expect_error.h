@@ -1,4 +1,4 @@
-// Checks on the kind and the wording of errors.
+// Checks of the kind and the wording of errors.
 #pragma once
 
 #include <gmock/gmock.h>

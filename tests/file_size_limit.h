@@ -1,4 +1,4 @@
-// A limit on the size of files: writing ends half-way, as on a full disk.
+// A limit on the size of files, so that writing fails half-way as on a full disk.
 #pragma once
 
 #include <sys/resource.h>

@@ -8,6 +8,11 @@
 #include "glsl_subset.h"
 #endif
 
+// As Activation of field/layout.h.
+#define kActivationIdentity 0
+#define kActivationColor 1
+#define kActivationExp 2
+
 TETREC_BEGIN
 
 TETREC_STRUCT AdamState { Real parameter, first, second; };
@@ -34,9 +39,16 @@ TETREC_FN Real ClampColor(Real color) {
   return color < Real(0.0) ? Real(0.0) : color > Real(1.0) ? Real(1.0) : color;
 }
 
-// As ParametersOf: below e^-80, density and its gradient would be 0 for ever.
-TETREC_FN Real ClampLogDensity(Real log_density, Real largest) {
-  return log_density < Real(-80.0) ? Real(-80.0) : log_density > largest ? largest : log_density;
+// Bounds of a logarithm (kLeastLogDensity of field/layout.h).
+TETREC_FN Real ClampLog(Real parameter, Real least, Real largest) {
+  return parameter < least ? least : parameter > largest ? largest : parameter;
+}
+
+// What an update leaves of a parameter, by its activation.
+TETREC_FN Real ClampParameter(int activation, Real parameter, Real least_log, Real largest_log) {
+  if (activation == kActivationColor) return ClampColor(parameter);
+  if (activation == kActivationExp) return ClampLog(parameter, least_log, largest_log);
+  return parameter;
 }
 
 TETREC_END

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdint>
 namespace tetrec {
-// Found for built-in types; ceres::Jet brings its own by argument-dependent lookup.
+// For built-in types; those of ceres::Jet are found by argument-dependent lookup.
 using std::exp;
 using std::sqrt;
 }  // namespace tetrec
@@ -31,9 +31,9 @@ using std::sqrt;
 #define TETREC_STRUCT struct
 #define TETREC_FN
 #define TETREC_T(type) type
-// A branch that really is skipped: lavapipe runs both sides of an `if` under masks, but leaves a
+// A branch that is really skipped: lavapipe runs both sides of an `if` under masks, but skips a
 // loop that no lane enters. The kernel defines TETREC_NEVER, a condition that is false whenever a
-// ray exists and that the compiler cannot know to be (it would turn the loop back into an `if`).
+// ray exists, which the compiler cannot know (it would turn the loop back into an `if`).
 #define TETREC_RARELY(condition) for (bool rarely_ = (condition); rarely_; rarely_ = TETREC_NEVER)
 #endif
 

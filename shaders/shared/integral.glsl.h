@@ -1,7 +1,7 @@
 // The three forms of the segment integral behind one choice. Kernels pass specialization constants
 // (shaders/integral.glsl), so that the driver folds the choice and unrolls the parts.
 //
-// Kernels may take thick segments, which only the exact form knows, out of their hot loop.
+// Kernels may move thick segments, which only the exact form has, out of their hot loop.
 #ifndef TETREC_INTEGRAL_GLSL_H_
 #define TETREC_INTEGRAL_GLSL_H_
 
@@ -20,7 +20,7 @@ TETREC_FN bool IsThickSegment(int integral, Real s0, Real s1) {
   return integral == kIntegralExact && !IsThinSegment(s0, s1);
 }
 
-// Not for thick segments. `splits` counts for kIntegralSplit only.
+// Not for thick segments. `splits` matters for kIntegralSplit only.
 TETREC_FN TETREC_T(SegmentWeights)
     IntegrateUnlessThick(int integral, int splits, Real s0, Real s1) {
   if (integral == kIntegralMean) return IntegrateMeanSegment(s0, s1);

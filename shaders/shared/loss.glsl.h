@@ -13,24 +13,25 @@
 
 TETREC_BEGIN
 
-// A target brighter than its alpha is no premultiplied colour: it marks a pixel that is not judged.
+// A target brighter than its alpha is not a premultiplied colour: it marks a pixel that is not
+// judged.
 TETREC_FN bool IsJudged(Real target, Real target_alpha) { return target <= target_alpha; }
 
-// The picture is color + transmittance background; the target, premultiplied by its alpha, stands
-// before the same background. 0 for a pixel that is not judged.
+// The image is color + transmittance background; the target, premultiplied by its alpha, is
+// composited on the same background. 0 for a pixel that is not judged.
 TETREC_FN Real ResidualOf(Real color, Real transmittance, Real target, Real target_alpha,
                           Real background) {
   if (!IsJudged(target, target_alpha)) return Real(0.0);
   return color - target + (transmittance - (Real(1.0) - target_alpha)) * background;
 }
 
-// L2: the square, L1: the absolute value.
+// The square for L2, the absolute value for L1.
 TETREC_FN Real LossOf(int loss, Real residual) {
   if (loss == kLossL2) return residual * residual;
   return residual < Real(0.0) ? -residual : residual;
 }
 
-// dloss/dresidual; 0 where L1 has none.
+// dloss/dresidual; 0 where the derivative of L1 does not exist.
 TETREC_FN Real LossSlope(int loss, Real residual) {
   if (loss == kLossL2) return Real(2.0) * residual;
   if (residual == Real(0.0)) return Real(0.0);

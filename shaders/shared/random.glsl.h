@@ -1,4 +1,4 @@
-// Random numbers for the jitter of rays: a hash, so that kernels and C++ draw the same.
+// Random numbers for the jitter of rays: a hash, so that kernels and C++ draw the same numbers.
 #ifndef TETREC_RANDOM_GLSL_H_
 #define TETREC_RANDOM_GLSL_H_
 

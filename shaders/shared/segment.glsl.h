@@ -5,16 +5,16 @@
 //   C = c0 w0 + c1 w1,  w0 = 1 - M,  w1 = M - T,  opacity 1 - T = w0 + w1
 // (integration by parts of int_0^1 tau'(s) e^(-tau(s)) ((1 - s) c0 + s c1) ds).
 //
-// Thin segments (tau < kSegmentSwitch): density being linear, everything follows from three
+// Thin segments (tau < kSegmentSwitch): as density is linear, everything follows from three
 // moments,
 //   E0 = int (1-s)^2 e^(-tau(s)) ds, E1 = int s (1-s) e^(-tau(s)) ds, E2 = int s^2 e^(-tau(s)) ds:
 //   w0 = s0 E0 + s1 E1, w1 = s0 E1 + s1 E2, int s e^(-tau) = E1 + E2, T = 1 - w0 - w1,
 // sums of positive terms that do not cancel. With y = s - 1/2, m = (s0 + s1) / 2, p = (s1 - s0) / 2
 //   e^(-tau(s)) = e^(-tau(1/2)) e^(-m y - p y^2),  e^(-m y) = cosh my - sinh my,
 // integrated by seven-point Gauss-Legendre, nodes in pairs, with short series for cosh, sinh and
-// exp: one true exponential a segment. Relative error in float: 9e-7.
+// exp: one true exponential per segment. Relative error in float: 9e-7.
 //
-// Thick segments: M is closed,
+// Thick segments: M has a closed form,
 //   s1 > s0: M = sqrt(pi / 2D) [erfcx(x0) - T erfcx(x1)],  s1 < s0: M = sqrt(2 / D) [F(x0) - T
 //   F(x1)]
 // with D = |s1 - s0|, x_i = s_i / sqrt(2 D), F Dawson's integral. Relative error in float: 8e-7.
@@ -38,7 +38,7 @@ TETREC_STRUCT SegmentWeights {
 // int (1-s)^2 e^(-tau), int s (1-s) e^(-tau), int s^2 e^(-tau) over the segment.
 TETREC_STRUCT SegmentMoments { Real e0, e1, e2; };
 
-// The weights and their derivatives by s0 and s1; dT/ds0 = dT/ds1 = -T / 2.
+// The weights and their derivatives with respect to s0 and s1; dT/ds0 = dT/ds1 = -T / 2.
 TETREC_STRUCT SegmentAdjoint {
   Real w0, w1;
   Real dw0_ds0, dw0_ds1, dw1_ds0, dw1_ds1;
@@ -97,8 +97,8 @@ TETREC_FN Real SegmentMeanClosed(Real s0, Real s1, Real t) {
   Real d = s1 - s0;
   Real size = d < Real(0.0) ? -d : d;
   Real largest = s0 < s1 ? s1 : s0;
-  // Equal densities: the fits' arguments would run to infinity; the error of the mean is of order
-  // d.
+  // With equal densities the arguments of the fits would go to infinity; the error of the mean is
+  // of order d.
   if (size <= Real(1e-7) * largest) return (Real(1.0) - t) / (Real(0.5) * (s0 + s1));
   Real scale = Real(1.0) / sqrt(Real(2.0) * size);
   if (d > Real(0.0)) {

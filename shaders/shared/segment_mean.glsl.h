@@ -1,12 +1,13 @@
 // The integral over one segment with its mean density in place of the linear one, colour linear.
 //
-// With tau = (s0 + s1) / 2 (segment.glsl.h tells the words) the opacity is exact, and
+// With tau = (s0 + s1) / 2 (segment.glsl.h explains the symbols) the opacity is exact, and
 //   T = e^-tau,  M = (1 - T) / tau,  w0 = 1 - M,  w1 = M - T,  w0 + w1 = 1 - T,
 //   dw0/dtau = w1 / tau,  dw1/dtau = T - w1 / tau.
-// Thin segments (tau < 1), where these cancel, take b(tau) = w1 / tau, a polynomial, and from it
+// Thin segments (tau < 1), where these cancel, use b(tau) = w1 / tau, a polynomial, and from it
 //   w0 = int_0^tau b,  w1 = tau b,  dw0/dtau = b,  dw1/dtau = b + tau b',
-// so that the derivatives are those of the weights as computed. The fit is right to 1e-9, its slope
-// to 2e-7. Error in float: 8e-7 of the weights, relative; 6e-7 of the derivatives, absolute.
+// so that the derivatives are those of the weights as computed. The fit is accurate to 1e-9, its
+// slope to 2e-7. In float, the relative error of the weights is 8e-7 and the absolute error of the
+// derivatives 6e-7.
 #ifndef TETREC_SEGMENT_MEAN_GLSL_H_
 #define TETREC_SEGMENT_MEAN_GLSL_H_
 
@@ -14,10 +15,10 @@
 
 TETREC_BEGIN
 
-// A segment of constant density: transmittance, weights, their derivatives by tau.
+// A segment of constant density: transmittance, weights, their derivatives with respect to tau.
 TETREC_STRUCT ConstantSegment { Real t, w0, w1, dw0, dw1; };
 
-// The Horner step of one more coefficient of b, the k-th, in the four series.
+// The Horner step for the k-th coefficient of b in the four series.
 TETREC_FN TETREC_T(ConstantSegment)
     AddCoefficient(TETREC_T(ConstantSegment) sum, Real tau, Real coefficient, Real k) {
   sum.w0 = sum.w0 * tau + coefficient / (k + Real(1.0));

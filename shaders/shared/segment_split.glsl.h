@@ -3,18 +3,19 @@
 //
 // Part i has the density at its middle, so its optical depth is tau_i = (s0 + (s1 - s0) x) / n at
 // x = (i + 1/2) / n, and the colours at its ends, at the fractions i / n and (i + 1) / n of the
-// segment. Parts are laid over one another front to back. As printed, each part interpolates its
-// colours by the distance in metres where the fraction of the part is meant, so that short parts
-// show their entry colour alone; here a part has the weights of segment_mean.glsl.h. The public
-// code also leaves the first part out of its backward pass; the derivatives here are the product
-// rule over every part. The depths add up to (s0 + s1) / 2: the opacity is exact for every n, and
-// the weights err by O(1 / n^2).
+// segment. Parts are composited front to back. As printed, each part interpolates its colours by
+// the distance in metres where the fraction of the part is meant, so that short parts show only
+// their entry colour; here a part has the weights of segment_mean.glsl.h. The public code also
+// omits the first part in its backward pass; the derivatives here follow the product rule over
+// every part. The depths add up to (s0 + s1) / 2: the opacity is exact for every n, and the error
+// of the weights is O(1 / n^2).
 //
 // With T_i = e^-(tau_0 + ... + tau_(i-1)) and u_i, v_i the weights of part i
 //   w0 = sum_i T_i (u_i (n - i) + v_i (n - i - 1)) / n,  w1 = sum_i T_i (u_i i + v_i (i + 1)) / n,
-// sums of positive terms. T_i depends on s0, s1 by the exact depth before part i, at x = i / n:
+// sums of positive terms. T_i depends on s0 and s1 through the exact depth before part i, at x = i
+// / n:
 //   -dlog T_i / ds0 = x - x^2 / 2,  -dlog T_i / ds1 = x^2 / 2.
-// Relative error in float: 1e-6 and what n roundings of T_i add, 1e-7 n.
+// Relative error in float: 1e-6, plus 1e-7 n from n roundings of T_i.
 #ifndef TETREC_SEGMENT_SPLIT_GLSL_H_
 #define TETREC_SEGMENT_SPLIT_GLSL_H_
 
@@ -22,8 +23,8 @@
 
 TETREC_BEGIN
 
-// Part i: what it has by itself, and its share of w0 and w1 and of their derivatives by its depth
-// where nothing is before it.
+// Part i: its own quantities, and its share of w0 and w1 and of their derivatives with respect to
+// its depth if nothing is before it.
 TETREC_STRUCT SplitPart {
   Real begin, middle;  // fractions of the segment
   Real t, w0, w1, dw0, dw1;

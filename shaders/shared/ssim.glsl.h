@@ -1,4 +1,4 @@
-// Structural similarity of two pictures x and y, and its derivatives.
+// Structural similarity of two images x and y, and its derivatives.
 //
 // Wang, Bovik, Sheikh, Simoncelli 2004: in a Gaussian window of 11 x 11 pixels, sigma 1.5, with the
 // weighted means m_x, m_y, variances v and covariance c,
@@ -15,22 +15,22 @@
 
 TETREC_BEGIN
 
-// Stands in both pictures for a pixel that is not judged: as good as black, and below 0, which no
+// The value in both images of a pixel that is not judged: practically black, and below 0, which no
 // judged pixel is.
 #define kNotJudged (-1e-6)
 
 #define kSsimReach 5  // pixels of the window to either side of its centre
 
-// Of x, y, x^2, y^2 and x y in a window.
+// Means of x, y, x^2, y^2 and x y in a window.
 TETREC_STRUCT WindowMeans { Real x, y, xx, yy, xy; };
 
 TETREC_STRUCT SsimAdjoint {
   Real value;
-  Real by_x, by_xx, by_xy;  // by the window's means of x, x^2, x y
+  Real by_x, by_xx, by_xy;  // derivatives by the window's means of x, x^2 and x y
 };
 
-// Of the pixel `offset` columns (or rows) from the window's centre; their sum is 1. The window's
-// weights are products of two.
+// Weight of the pixel `offset` columns (or rows) from the window's centre; all add up to 1. The
+// weights of the window are products of two of these.
 TETREC_FN Real SsimWindowWeight(Real offset) {
   return exp(-offset * offset / Real(4.5)) / Real(3.759232795169263);
 }

@@ -2,7 +2,8 @@
 #include "core/child_process.h"
 
 #include "core/error.h"
-#include "core/stage.h"
+#include "core/stop_request.h"
+#include "core/timer.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kPoll_ms = 100;
-constexpr double kGrace_s = 5.0;  // between SIGTERM and SIGKILL
+constexpr double kGrace_s = 5.0;  // from SIGTERM to SIGKILL
 constexpr size_t kLastLines = 20;
 constexpr size_t kMaxLineBytes = 65536;  // longer lines are cut into several
 
@@ -51,8 +52,8 @@ struct Pipe {
   }
 };
 
-// Everything that exec needs, made before the fork: after it only async-signal-safe calls may be
-// made.
+// Everything that exec needs, prepared before the fork: after it only async-signal-safe calls are
+// allowed.
 struct Command {
   std::vector<std::string> arguments, environment;
   std::vector<char*> argv, envp;
@@ -96,7 +97,7 @@ struct Command {
   }
   if (folder != nullptr && chdir(folder) != 0) fail();
   if (fixed_addresses) {
-    const int now = personality(0xffffffff);  // asks
+    const int now = personality(0xffffffff);  // only queries
     if (now >= 0) personality(static_cast<unsigned long>(now) | ADDR_NO_RANDOMIZE);
   }
   execve(command.argv[0], command.argv.data(), command.envp.data());
@@ -126,7 +127,7 @@ class LineCutter {
   std::string line_;
 };
 
-// Kills and reaps the child if it is still there when the scope is left by an exception.
+// Kills and reaps the child if it still exists when an exception leaves the scope.
 struct ChildGuard {
   pid_t pid;
   bool reaped = false;
@@ -136,7 +137,7 @@ struct ChildGuard {
     while (waitpid(pid, nullptr, 0) < 0 && errno == EINTR) {
     }
   }
-  // True where the child has ended.
+  // True if the child has ended.
   bool Poll(int* status) {
     if (!reaped && waitpid(pid, status, WNOHANG) == pid) reaped = true;
     return reaped;
@@ -215,7 +216,7 @@ ChildResult RunChild(const fs::path& program, const std::vector<std::string>& ar
   int status = 0;
   bool timed_out = false, ended = false;
   double stop_asked_s = -1;
-  // A grandchild may hold the pipe open after the child's end: the child's end is what counts.
+  // A grandchild may keep the pipe open after the child has ended; only the child counts.
   while (!ended) {
     pollfd waiting{output.read_end, POLLIN, 0};
     const int ready = poll(&waiting, 1, kPoll_ms);
@@ -226,7 +227,7 @@ ChildResult RunChild(const fs::path& program, const std::vector<std::string>& ar
       if (n > 0) lines.Add(block, size_t(n));
       if (n == 0) {
         ended = child.Poll(&status);
-        if (!ended) usleep(1000);  // output closed, process not yet gone
+        if (!ended) usleep(1000);  // output closed, process not yet ended
       }
     }
     timed_out = timed_out || (options.time_limit_s > 0 && timer.seconds() > options.time_limit_s);

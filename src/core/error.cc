@@ -1,4 +1,4 @@
-// Failed checks: our own mistakes, told with their place.
+// Failed checks, reported with their place in the source.
 #include "core/error.h"
 
 #include <filesystem>

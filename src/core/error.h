@@ -1,4 +1,4 @@
-// What can go wrong, by who can mend it. Only StageCommand::Run maps these to exit codes.
+// Errors by who can fix them. Only RunCommand maps them to exit codes.
 #pragma once
 
 #include <stdexcept>
@@ -6,7 +6,7 @@
 
 namespace tetrec {
 
-// The message is one line: what was wrong, the value, where, what to do.
+// The message is one line: what is wrong, the value, where, what to do.
 class Error : public std::runtime_error {
  public:
   Error(const std::string& message, int exit_code)
@@ -33,7 +33,7 @@ struct EnvironmentError : Error {
 struct Interrupted : Error {
   explicit Interrupted(const std::string& message) : Error(message, 130) {}
 };
-// A bug of ours: exit code 1.
+// A bug: exit code 1.
 struct BugError : Error {
   explicit BugError(const std::string& message) : Error(message, 1) {}
 };
@@ -45,7 +45,7 @@ namespace internal {
 
 }  // namespace tetrec
 
-// For our own mistakes, in every build type: TETREC_CHECK(i < n, fmt::format("tet {} of {}", i,
+// For bugs, checked in every build type: TETREC_CHECK(i < n, fmt::format("tet {} of {}", i,
 // n)).
 #define TETREC_CHECK(condition, message)                                        \
   do {                                                                          \

@@ -44,7 +44,7 @@ FileDescriptor OpenForReading(const fs::path& path) {
   return FileDescriptor(fd);
 }
 
-// Up to `size` bytes; fewer only at the end of the file.
+// Reads `size` bytes, fewer only at the end of the file.
 size_t ReadSome(int fd, uint8_t* destination, size_t size, const fs::path& path) {
   size_t done = 0;
   while (done < size) {
@@ -99,7 +99,7 @@ Bytes ReadWhole(const fs::path& path, uint64_t max_bytes) {
   fstat(file.get(), &info);
   const auto size = uint64_t(info.st_size);
   if (size > max_bytes) {
-    throw DataError(fmt::format("{}: has {} bytes, at most {} are read", path.string(),
+    throw DataError(fmt::format("{}: has {} bytes; at most {} are read", path.string(),
                                 WithThousands(size), WithThousands(max_bytes)));
   }
   Bytes bytes(size, {});
@@ -172,20 +172,20 @@ nlohmann::json ParseJson(std::string_view text, const std::string& name) {
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& error) {
-    // "[json.exception.parse_error.101] parse error at line 3, column 7: ...", or out_of_range: a
-    // number that no double holds.
+    // "[json.exception.parse_error.101] parse error at line 3, column 7: ...", or out_of_range for
+    // a number that does not fit in a double.
     std::string what = error.what();
     if (const size_t bracket = what.find("] "); bracket != std::string::npos)
       what.erase(0, bracket + 2);
     for (char& c : what) c = c == '\n' || c == '\r' ? ' ' : c;
-    throw DataError(fmt::format("{}: is no valid JSON: {}", name, what));
+    throw DataError(fmt::format("{}: is not valid JSON: {}", name, what));
   }
 }
 
 nlohmann::json ReadJson(const fs::path& path) { return ParseJson(ReadText(path), path.string()); }
 
 void WriteJson(const fs::path& path, const nlohmann::json& value) {
-  // File names may hold bytes that are not UTF-8.
+  // File names may contain bytes that are not UTF-8.
   WriteText(path, value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
@@ -207,8 +207,8 @@ std::string Sha256OfFile(const fs::path& path) {
 
 void ByteReader::CheckCount(uint64_t count, uint64_t min_record_bytes, const char* what) const {
   if (min_record_bytes > 0 && count > remaining() / min_record_bytes) {
-    throw DataError(fmt::format("{}: byte {}: {} {} do not fit in the {} bytes that are left",
-                                name_, position_, count, what, remaining()));
+    throw DataError(fmt::format("{}: byte {}: {} {} do not fit in the remaining {} bytes", name_,
+                                position_, count, what, remaining()));
   }
 }
 

@@ -13,20 +13,21 @@
 
 namespace tetrec {
 
-// Whole file. Throws DataError (missing, unreadable, larger than max_bytes).
+// Reads a whole file. Throws DataError (missing, unreadable, larger than max_bytes).
 std::vector<uint8_t> ReadBytes(const std::filesystem::path& path,
                                uint64_t max_bytes = uint64_t{1} << 34);
 std::string ReadText(const std::filesystem::path& path, uint64_t max_bytes = uint64_t{1} << 30);
-// The first bytes of a file, at most so many. Throws DataError (missing, unreadable).
+// Reads the first max_bytes of a file, or all if there are fewer. Throws DataError (missing,
+// unreadable).
 std::vector<uint8_t> ReadFront(const std::filesystem::path& path, size_t max_bytes);
 
-// A file written piece by piece, for what should not be copied together in memory before. Writes
-// beside `path`; Finish syncs and renames: no half file ever stands under the final name, and
+// Writes a file piece by piece, for data that should not first be assembled in memory. It writes
+// beside `path`; Finish syncs and renames, so that the final name never shows half a file, and
 // without Finish nothing is left. Throws EnvironmentError naming path, bytes and reason (disk
 // full).
 class FileWriter {
  public:
-  // `bytes`: how many all pieces have together.
+  // `bytes`: the size of all pieces together.
   FileWriter(std::filesystem::path path, uint64_t bytes);
   ~FileWriter();
   FileWriter(const FileWriter&) = delete;
@@ -47,7 +48,7 @@ class FileWriter {
   bool finished_ = false;
 };
 
-// One piece by a FileWriter.
+// Writes all at once, by a FileWriter.
 void WriteBytes(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 void WriteText(const std::filesystem::path& path, const std::string& text);
 
@@ -60,7 +61,7 @@ void WriteJson(const std::filesystem::path& path, const nlohmann::json& value);
 std::string Sha256(std::span<const uint8_t> bytes);
 std::string Sha256OfFile(const std::filesystem::path& path);
 
-// Reads plain little-endian values from a byte span; every read is checked against what is left and
+// Reads plain little-endian values from a byte span; every read is checked against what remains and
 // throws DataError("<name>: ends at byte N where <what> was expected").
 class ByteReader {
  public:
@@ -74,8 +75,8 @@ class ByteReader {
     Copy(&value, sizeof(T), what);
     return value;
   }
-  // Reads `count` values; the count is checked against the bytes that are left before memory is
-  // taken.
+  // Reads `count` values; the count is checked against the remaining bytes before memory is
+  // allocated.
   template <class T>
   std::vector<T> ReadArray(uint64_t count, const char* what) {
     CheckCount(count, sizeof(T), what);
@@ -83,10 +84,10 @@ class ByteReader {
     if (count > 0) Copy(values.data(), count * sizeof(T), what);
     return values;
   }
-  // Throws unless `count` records of at least `min_record_bytes` fit in what is left.
+  // Throws unless `count` records of at least `min_record_bytes` fit in the remaining bytes.
   void CheckCount(uint64_t count, uint64_t min_record_bytes, const char* what) const;
   void Copy(void* destination, size_t size, const char* what);
-  // Throws unless everything was read.
+  // Throws unless everything has been read.
   void ExpectEnd() const;
   size_t position() const { return position_; }
   size_t remaining() const { return bytes_.size() - position_; }
@@ -113,7 +114,7 @@ class ByteWriter {
   const std::vector<uint8_t>& bytes() const { return bytes_; }
 
  private:
-  // Not vector::insert: GCC 12 warns falsely of its memmove.
+  // Not vector::insert: GCC 12 warns falsely about its memmove.
   void Append(const void* source, size_t size) {
     const size_t end = bytes_.size();
     bytes_.resize(end + size);

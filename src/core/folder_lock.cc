@@ -1,4 +1,4 @@
-// The lock of a folder: an flock on a file that names the holder.
+// The lock is an flock on a file that contains the process id of its holder.
 #include "core/folder_lock.h"
 
 #include "core/error.h"

@@ -7,8 +7,8 @@ namespace tetrec {
 
 inline constexpr const char* kLockFile = ".lock";
 
-// Held as long as it lives; a killed process loses it. Throws EnvironmentError where another
-// process holds it (with its pid) or the folder cannot be written.
+// Held during its lifetime; the lock of a killed process is released. Throws EnvironmentError if
+// another process holds it (naming its pid) or the folder cannot be written.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);

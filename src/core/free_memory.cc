@@ -1,4 +1,4 @@
-// Free memory of the host, as Linux tells it.
+// Free memory of the host, as Linux reports it.
 #include "core/free_memory.h"
 
 #include <fstream>
@@ -7,7 +7,8 @@
 namespace tetrec {
 namespace {
 
-// Of a line "NAME:  123 kB" of /proc/meminfo; as many as there can be where there is none.
+// The value of a line "NAME:  123 kB" of /proc/meminfo; the largest number if there is no such
+// line.
 uint64_t MemInfoBytes(const std::string& name) {
   std::ifstream file("/proc/meminfo");
   std::string word;

@@ -1,4 +1,4 @@
-// Memory that there is, for those who refuse early what would not fit.
+// Available memory, so that work that would not fit can be refused early.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ struct FreeMemory {
   std::string of;  // "device 'NAME'", "the host"
 };
 
-// What the host can give away without swapping; as much as there can be where it does not tell.
+// What the host can provide without swapping; the largest number if that is unknown.
 FreeMemory MeasureFreeHostMemory();
 
 }  // namespace tetrec

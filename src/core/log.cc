@@ -1,8 +1,10 @@
-// Log lines, kept apart from the status line that a terminal shows beneath them.
+// Log lines, and the status line that a terminal shows below them.
 #include "core/log.h"
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <ctime>
 #include <mutex>
@@ -11,7 +13,7 @@
 namespace tetrec {
 namespace {
 
-// The one process-wide state: there is one stderr and one log.txt.
+// The only process-wide state: there is one stderr and one log.txt.
 struct LogState {
   std::mutex mutex;
   std::FILE* file = nullptr;
@@ -43,7 +45,7 @@ void WriteToFile(std::FILE* file, const std::string& text) {
   localtime_r(&now, &parts);
   char clock[16];
   std::strftime(clock, sizeof(clock), "%H:%M:%S", &parts);
-  // A full disk must not stop the work by way of its log; whatever matters is written elsewhere.
+  // A log on a full disk must not stop the work; whatever matters is written elsewhere.
   fmt::print(file, "{} {}\n", clock, text);
   std::fflush(file);
 }
@@ -87,6 +89,12 @@ void SetStatusLine(const std::string& line) {
   state.status_line = line;
   std::fputs(("\r\033[K" + line).c_str(), stderr);
   std::fflush(stderr);
+}
+
+std::string OneLine(std::string text) {
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
 }
 
 }  // namespace tetrec

@@ -23,12 +23,15 @@ void LogWarning(fmt::format_string<Args...> format, Args&&... args) {
   LogLine(LogLevel::kWarning, fmt::format(format, std::forward<Args>(args)...));
 }
 
-// Adds (or with an empty path removes) the file that receives every line too.
+// Sets the file that receives every line too; none if the path is empty.
 void SetLogFile(const std::filesystem::path& path);
 // Warnings since the last call, oldest first.
 std::vector<std::string> TakeWarnings();
 
-// For Progress: a line for the log file alone, and the line that a terminal keeps beneath the log
+// The text on one line, without white space at its end.
+std::string OneLine(std::string text);
+
+// For Progress: a line for the log file only, and the line that a terminal keeps below the log
 // (empty: none).
 void LogToFileOnly(const std::string& line);
 void SetStatusLine(const std::string& line);

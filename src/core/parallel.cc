@@ -1,10 +1,14 @@
 // Ranges handed out to threads from one counter.
 #include "core/parallel.h"
 
+#include "core/progress.h"
+#include "core/stop_request.h"
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -37,6 +41,21 @@ void ParallelFor(size_t count, size_t grain, const std::function<void(size_t, si
     work();
   }
   if (first) std::rethrow_exception(first);
+}
+
+void ParallelForEach(size_t count, const std::string& title, const std::string& saved,
+                     const std::function<void(size_t)>& body) {
+  std::optional<Progress> progress;
+  if (!title.empty()) progress.emplace(title, double(count));
+  std::mutex mutex;
+  size_t done = 0;
+  ParallelFor(count, 1, [&](size_t i, size_t) {
+    ThrowIfStopRequested(saved);
+    body(i);
+    const std::scoped_lock lock(mutex);
+    ++done;
+    if (progress) progress->Update(double(done));
+  });
 }
 
 }  // namespace tetrec

@@ -1,4 +1,4 @@
-// PLY files, any elements and scalar or list properties.
+// Reading and writing of PLY headers and values.
 #include "core/ply.h"
 
 #include "core/error.h"
@@ -100,7 +100,7 @@ class HeaderReader {
     for (const TypeInfo& info : kTypes) {
       if (word == info.name || word == info.alias) return info.type;
     }
-    Fail(fmt::format("\"{}\" is no PLY type", word));
+    Fail(fmt::format("\"{}\" is not a PLY type", word));
   }
   size_t position() const { return at_; }
 
@@ -136,7 +136,7 @@ PlyElement ParseElement(const std::vector<std::string>& words, const HeaderReade
   const auto [end, error] =
       std::from_chars(count.data(), count.data() + count.size(), element.count);
   if (error != std::errc() || end != count.data() + count.size()) {
-    header.Fail(fmt::format("\"{}\" is no count", count));
+    header.Fail(fmt::format("\"{}\" is not a count", count));
   }
   return element;
 }
@@ -153,7 +153,7 @@ Format ParseFormat(const std::vector<std::string>& words, const HeaderReader& he
 // Fills comments and elements without their values; returns the format and moves the reader to the
 // data.
 Format ParseHeader(HeaderReader& header, PlyFile& file) {
-  if (header.NextLine() != "ply") header.Fail("is no PLY file (does not start with \"ply\")");
+  if (header.NextLine() != "ply") header.Fail("is not a PLY file (does not start with \"ply\")");
   const Format format = ParseFormat(SplitWords(header.NextLine()), header);
   while (true) {
     const std::string_view line = header.NextLine();
@@ -215,17 +215,17 @@ class AsciiSource {
     const bool fits = !IsInteger(type) || (std::floor(value) == value && value >= Info(type).min &&
                                            value <= Info(type).max);
     if (!number || !fits) {
-      throw DataError(fmt::format("{}: byte {} of its data: \"{}\" is no {} for {}", name_, at_,
-                                  word.substr(0, 40), Info(type).name, what));
+      throw DataError(fmt::format("{}: byte {} of its data: \"{}\" is not a valid {} for {}", name_,
+                                  at_, word.substr(0, 40), Info(type).name, what));
     }
     at_ = end;
     return value;
   }
   void CheckCount(uint64_t count, uint64_t min_bytes, const char* what) const {
-    // The last value needs no space behind it.
+    // The last value needs no space after it.
     if (min_bytes > 0 && count > (text_.size() - at_ + 1) / min_bytes) {
-      throw DataError(fmt::format("{}: {} {} do not fit in the {} bytes that are left", name_,
-                                  count, what, text_.size() - at_));
+      throw DataError(fmt::format("{}: {} {} do not fit in the remaining {} bytes", name_, count,
+                                  what, text_.size() - at_));
     }
   }
   static uint64_t MinBytes(PlyType) { return 2; }  // a digit and a space
@@ -289,9 +289,10 @@ void ReadElements(Source&& source, PlyFile& file) {
 }
 
 void WriteValue(ByteWriter& writer, PlyType type, double value, const std::string& name) {
-  TETREC_CHECK(!IsInteger(type) || (std::floor(value) == value && value >= Info(type).min &&
-                                    value <= Info(type).max),
-               fmt::format("{} is no {} for the PLY property {}", value, Info(type).name, name));
+  TETREC_CHECK(
+      !IsInteger(type) ||
+          (std::floor(value) == value && value >= Info(type).min && value <= Info(type).max),
+      fmt::format("{} is not a valid {} for the PLY property {}", value, Info(type).name, name));
   WithType(type, [&]<class T>(T) { writer.Write(T(value)); });
 }
 

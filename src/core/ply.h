@@ -1,5 +1,5 @@
 // PLY files, any elements and scalar or list properties; ASCII and binary little and big endian in,
-// binary little endian out. Counts are checked against the file's size before memory is taken.
+// binary little endian out. Counts are checked against the file's size before memory is allocated.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,15 @@ struct PlyProperty {
   PlyType type = PlyType::kFloat;
   bool is_list = false;
   PlyType count_type = PlyType::kUint8;  // lists only
-  std::vector<double> values;            // scalars: one an item; lists: all items' values in order
-  std::vector<uint32_t> list_sizes;      // lists only, one an item
+  std::vector<double> values;  // scalars: one per item; lists: the values of all items in order
+  std::vector<uint32_t> list_sizes;  // lists only, one per item
 };
 
 struct PlyElement {
   std::string name;
   uint64_t count = 0;
   std::vector<PlyProperty> properties;
-  // nullptr where there is none of this name.
+  // nullptr if none has this name.
   const PlyProperty* Find(const std::string& property) const;
 };
 

@@ -1,4 +1,4 @@
-// Progress lines with the time that is left.
+// Progress lines with the remaining time.
 #include "core/progress.h"
 
 #include "core/log.h"

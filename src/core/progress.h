@@ -1,4 +1,5 @@
-// Progress of long work: a line rewritten in place on a terminal, a plain line every 10 s in a log.
+// Progress of long work: a line that is rewritten in place on a terminal, a plain line every 10 s
+// in a log.
 #pragma once
 
 #include <chrono>
@@ -9,10 +10,10 @@ namespace tetrec {
 
 class Progress {
  public:
-  // `total` in the unit of Update's `done`; 0: unknown, no ETA.
+  // `total` has the unit of Update's `done`; 0: unknown, no ETA.
   Progress(std::string title, double total);
   ~Progress();
-  // `detail` is shown behind the count, e.g. "loss 0.003  PSNR 24.8 dB  12,402 tets".
+  // `detail` is shown after the count, e.g. "loss 0.003  PSNR 24.8 dB  12,402 tets".
   void Update(double done, const std::string& detail = "");
 
  private:

@@ -1,4 +1,4 @@
-// Many names in one message.
+// Long lists of names in messages.
 #include "core/short_list.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Many names in one message.
+// Long lists of names in messages.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace tetrec {
 
-// "a, b, c and 7 more": the first `most`.
+// "a, b, c and 7 more": the first `most` names and the number of the others.
 std::string ShortList(const std::vector<std::string>& names, size_t most = 10);
 
 }  // namespace tetrec

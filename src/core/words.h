@@ -1,4 +1,4 @@
-// Enumerations and the words that files and the command line have for their values.
+// Enumerations and the words for their values, in files and on the command line.
 #pragma once
 
 #include "core/error.h"
@@ -19,7 +19,7 @@ struct Word {
   const char* word;
 };
 
-// An enumeration that has words specialises this beside its definition, one entry for each value:
+// An enumeration specialises this beside its definition, with one entry per value:
 //   template <>
 //   inline constexpr auto kWords<Split> = std::to_array<Word<Split>>({{Split::kTrain, "train"}});
 template <class E>
@@ -35,7 +35,7 @@ const char* Name(E value) {
   throw BugError(fmt::format("no word for the value {}", int(value)));
 }
 
-// None where no value has the name.
+// None if no value has the name.
 template <class E>
 std::optional<E> FromName(std::string_view name) {
   static_assert(!kWords<E>.empty(), "this enumeration has no words");

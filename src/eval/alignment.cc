@@ -3,8 +3,8 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "geometry/rotation.h"
-#include "scene/checked_json.h"
+#include "geometry/checked_geometry.h"
+#include "image/file_names.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -26,20 +26,16 @@ Points AsColumns(std::span<const glm::dvec3> points) {
   return columns;
 }
 
-// Throws unless the points span a plane: the second singular value must stand out of rounding and
-// of what a hand-held straight walk leaves (a thousandth of its length).
+// Throws unless the points span a plane: the second singular value must exceed rounding errors and
+// the sideways spread of a straight hand-held walk (a thousandth of its length).
 void CheckSpread(const Points& points, const char* what) {
   const Points centered = points.colwise() - points.rowwise().mean();
   const Eigen::Vector3d spread = Eigen::JacobiSVD<Points>(centered).singularValues();
   if (!(spread[0] > 0) || spread[1] < 1e-3 * spread[0]) {
     throw DataError(fmt::format(
-        "{} stand on one line or in one point (spread {:.3g}, {:.3g}); no alignment can be found",
+        "{} are on one line or at one point (spread {:.3g}, {:.3g}), which allows no alignment",
         what, spread[0], spread[1]));
   }
-}
-
-std::string WithoutExtension(const std::string& path) {
-  return std::filesystem::path(path).replace_extension().generic_string();
 }
 
 // "a/b" is a tail of "x/a/b" and of itself, not of "xa/b".
@@ -48,18 +44,18 @@ bool IsTail(const std::string& tail, const std::string& path) {
          (path.size() == tail.size() || path[path.size() - tail.size() - 1] == '/');
 }
 
-bool SamePicture(const std::string& a, const std::string& b) {
-  const std::string x = WithoutExtension(a), y = WithoutExtension(b);
+bool SameImage(const std::string& a, const std::string& b) {
+  const std::string x = WithoutImageExtension(a), y = WithoutImageExtension(b);
   return IsTail(x, y) || IsTail(y, x);
 }
 
 const TrueCamera* FindCamera(const View& view, std::span<const TrueCamera> cameras) {
   const TrueCamera* found = nullptr;
   for (const TrueCamera& camera : cameras) {
-    if (!SamePicture(view.name, camera.file)) continue;
+    if (!SameImage(view.name, camera.file)) continue;
     if (found) {
       throw DataError(
-          fmt::format("view '{}' could be '{}' or '{}' of the true cameras; name it in full",
+          fmt::format("view '{}' matches two true cameras, '{}' and '{}'; give their full names",
                       view.name, found->file, camera.file));
     }
     found = &camera;
@@ -83,10 +79,8 @@ Rigid3 ReadPose(const CheckedJson& rows) {
     for (size_t c = 0; c < 3; ++c) pose.rotation[int(c)][int(r)] = row.Item(c).Number();
     pose.translation[int(r)] = row.Item(3).Number();
   }
-  // Nine digits were written; what is worse than this is another kind of matrix.
-  const double distance = DistanceFromRotation(pose.rotation);
-  if (!(distance <= 1e-3))
-    rows.Fail(fmt::format("is no rotation: R^T R is off by {:.2g}", distance));
+  // The files have nine digits; a larger error means that this is another kind of matrix.
+  CheckedRotation(pose.rotation, 1e-3, rows);
   return pose;
 }
 
@@ -140,8 +134,8 @@ Alignment AlignByCameras(const Scene& scene, std::span<const TrueCamera> cameras
   alignment.matched = centers_in_input.size();
   if (alignment.matched < 3) {
     throw DataError(
-        fmt::format("only {} of {} views have a true camera of the same picture name ({} true "
-                    "cameras); 3 are needed",
+        fmt::format("only {} of {} views have a true camera with the same image name ({} true "
+                    "cameras); at least 3 are required",
                     alignment.matched, scene.views.size(), cameras.size()));
   }
   alignment.truth_from_input = FitSimilarity(centers_in_input, centers_in_truth);

@@ -18,8 +18,8 @@ namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
-// What the numbers were measured on, as far as the folder tells; a run that has not finished has no
-// manifest yet.
+// What the numbers were measured on, as far as the folder records it; a run that has not finished
+// has no manifest yet.
 std::string ProtocolOf(const fs::path& field_folder) {
   if (!fs::exists(field_folder / "manifest.json")) return "unfinished run";
   const RunFacts facts = ReadRunFacts(field_folder);
@@ -41,7 +41,7 @@ std::string ProtocolOf(const fs::path& field_folder) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// The same protocol for all is said once, else each run says its own.
+// States the protocol once if all runs share it; otherwise the legend states it for each run.
 std::string TitleOf(const std::vector<RunCurve>& runs) {
   const bool same = std::all_of(runs.begin(), runs.end(), [&](const RunCurve& run) {
     return run.protocol == runs.front().protocol;
@@ -50,7 +50,7 @@ std::string TitleOf(const std::vector<RunCurve>& runs) {
   return "Held-out PSNR (protocols differ, see the legend)";
 }
 
-// Names as short as they can be and still differ: "a", else "parent/a".
+// The names of the runs, or their folders if several have the same name.
 std::vector<std::string> LegendsOf(const std::vector<RunCurve>& runs, bool with_protocol) {
   std::vector<std::string> legends;
   for (const RunCurve& run : runs) {
@@ -76,24 +76,24 @@ RunCurve ReadRunCurve(const fs::path& run) {
   const fs::path folder = fs::exists(run / "3_field") ? run / "3_field" : run;
   const fs::path absolute = fs::absolute(folder / "").lexically_normal().parent_path();
   RunCurve curve;
-  curve.metrics_csv = folder / "metrics.csv";
+  curve.metrics_csv = folder / kTrainingLogFile;
   if (!fs::exists(curve.metrics_csv)) {
     throw DataError(fmt::format(
         "{}: no metrics.csv here or in 3_field; give a run folder or the output of tetrec-optimize",
         run.string()));
   }
-  // A field folder of the chain is named by its run.
+  // A folder 3_field is named after its run.
   curve.name = absolute.filename() == "3_field" ? absolute.parent_path().filename().string()
                                                 : absolute.filename().string();
   curve.protocol = ProtocolOf(folder);
-  curve.rows = ReadMetricsCsv(curve.metrics_csv);
-  std::erase_if(curve.rows, [](const MetricsRow& row) {
+  curve.rows = ReadTrainingLog(curve.metrics_csv);
+  std::erase_if(curve.rows, [](const TrainingRow& row) {
     return !row.heldout_psnr || !std::isfinite(*row.heldout_psnr) || !std::isfinite(row.seconds);
   });
   if (curve.rows.empty()) {
-    throw DataError(fmt::format(
-        "{}: no row has a held-out PSNR; run tetrec-optimize with --watched-views above 0",
-        curve.metrics_csv.string()));
+    throw DataError(
+        fmt::format("{}: no row has a held-out PSNR; let tetrec-optimize watch at least one view",
+                    curve.metrics_csv.string()));
   }
   return curve;
 }
@@ -122,7 +122,7 @@ void WriteChart(const std::vector<RunCurve>& runs, const ChartOptions& options,
     series.color = int(i);
     nlohmann::json points = nlohmann::json::array();
     double best = runs[i].rows.front().heldout_psnr.value();
-    for (const MetricsRow& row : runs[i].rows) {
+    for (const TrainingRow& row : runs[i].rows) {
       series.x.push_back(row.seconds);
       series.y.push_back(*row.heldout_psnr);
       best = std::max(best, *row.heldout_psnr);
@@ -136,7 +136,7 @@ void WriteChart(const std::vector<RunCurve>& runs, const ChartOptions& options,
                               {"last_psnr", *runs[i].rows.back().heldout_psnr},
                               {"best_psnr", best},
                               {"seconds", runs[i].rows.back().seconds},
-                              {"tets", runs[i].rows.back().tets},
+                              {"tets", double(runs[i].rows.back().tets)},
                               {"seconds_and_heldout_psnr", std::move(points)}});
     plot.series.push_back(std::move(series));
   }
@@ -144,7 +144,8 @@ void WriteChart(const std::vector<RunCurve>& runs, const ChartOptions& options,
   std::error_code error;
   fs::create_directories(out, error);
   if (error) {
-    throw EnvironmentError(fmt::format("{}: cannot be made ({})", out.string(), error.message()));
+    throw EnvironmentError(
+        fmt::format("{}: cannot be created ({})", out.string(), error.message()));
   }
   const fs::path scratch = out / ".gnuplot";
   DrawPlot(plot, out / "chart.svg", scratch);
@@ -152,6 +153,14 @@ void WriteChart(const std::vector<RunCurve>& runs, const ChartOptions& options,
   fs::remove_all(scratch);
   WriteText(out / "chart.csv", csv);
   WriteJson(out / "chart.json", record);
+}
+
+std::vector<RunCurve> DrawChart(const std::vector<fs::path>& runs, const ChartOptions& options,
+                                const fs::path& out) {
+  std::vector<RunCurve> curves;
+  for (const fs::path& run : runs) curves.push_back(ReadRunCurve(run));
+  WriteChart(curves, options, out);
+  return curves;
 }
 
 }  // namespace tetrec

@@ -1,7 +1,7 @@
 // Speed against accuracy: held-out PSNR over seconds of optimisation, for one or more runs.
 #pragma once
 
-#include "eval/metrics_csv.h"
+#include "run/training_log.h"
 
 #include <filesystem>
 #include <string>
@@ -12,8 +12,8 @@ namespace tetrec {
 struct RunCurve {
   std::string name;  // the run folder's
   std::filesystem::path metrics_csv;
-  std::string protocol;          // "optimize 270x480, device llvmpipe"; empty where unknown
-  std::vector<MetricsRow> rows;  // only those with a held-out PSNR
+  std::string protocol;           // "4 held-out views, 270x480 px, ..., llvmpipe"; empty if unknown
+  std::vector<TrainingRow> rows;  // only those with a held-out PSNR
 };
 
 struct ChartOptions {
@@ -22,12 +22,16 @@ struct ChartOptions {
 };
 
 // `run` is a run folder (then its 3_field is read) or a field folder itself; unfinished runs are
-// fine. Throws DataError where there is no metrics.csv or no held-out PSNR in it.
+// fine. Throws DataError if there is no metrics.csv, or no held-out PSNR in it.
 RunCurve ReadRunCurve(const std::filesystem::path& run);
 
 // Writes chart.svg, chart.png, chart.csv (run, seconds, heldout_psnr, tets, ...) and chart.json
-// into `out`. Throws EnvironmentError where gnuplot is missing.
+// into `out`. Throws EnvironmentError if gnuplot is missing.
 void WriteChart(const std::vector<RunCurve>& runs, const ChartOptions& options,
                 const std::filesystem::path& out);
+
+// Reads the runs, writes their chart into `out`, and returns the curves.
+std::vector<RunCurve> DrawChart(const std::vector<std::filesystem::path>& runs,
+                                const ChartOptions& options, const std::filesystem::path& out);
 
 }  // namespace tetrec

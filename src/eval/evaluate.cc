@@ -1,4 +1,4 @@
-// The evaluation stage.
+// The evaluation stage: scores of views, metrics.json, and the content of the report.
 #include "eval/evaluate.h"
 
 #include "core/error.h"
@@ -6,11 +6,16 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "core/stop_request.h"
+#include "core/timer.h"
+#include "eval/evaluate_surface.h"
 #include "eval/image_metrics.h"
-#include "eval/mesh_preview.h"
-#include "eval/metrics_csv.h"
+#include "eval/metrics_json.h"
 #include "eval/plot.h"
 #include "eval/report.h"
+#include "image/psnr.h"
+#include "run/rendered_views.h"
+#include "run/training_log.h"
 
 #include <fmt/format.h>
 
@@ -23,11 +28,6 @@ namespace tetrec {
 namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
-
-void Warn(std::vector<std::string>& warnings, std::string warning) {
-  LogWarning("{}", warning);
-  warnings.push_back(std::move(warning));
-}
 
 Image ReadRgb(const fs::path& path) {
   Image image = ReadImage(path);
@@ -51,7 +51,7 @@ ViewScore ScoreView(const RenderedView& view) {
     const Image seen = ReadImage(*view.seen);
     const auto mse = MaskedMeanSquaredError(render, truth, seen);
     if (!mse) {
-      throw DataError(fmt::format("{}: is black: nothing of the view {} is to be judged",
+      throw DataError(fmt::format("{}: is black, which leaves no pixel of view {} to score",
                                   view.seen->string(), view.name));
     }
     score.mse = *mse;
@@ -70,18 +70,10 @@ ViewScore ScoreView(const RenderedView& view) {
 
 std::vector<ViewScore> ScoreViews(const RenderedViews& rendered) {
   std::vector<ViewScore> scores(rendered.views.size());
-  ParallelFor(scores.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      ThrowIfStopRequested("nothing was written");
-      scores[i] = ScoreView(rendered.views[i]);
-    }
-  });
+  ParallelForEach(scores.size(), "", "nothing was written",
+                  [&](size_t i) { scores[i] = ScoreView(rendered.views[i]); });
   return scores;
 }
-
-// JSON knows no infinity.
-json Finite(double value) { return std::isfinite(value) ? json(value) : json(); }
-json Finite(const std::optional<double>& value) { return value ? Finite(*value) : json(); }
 
 template <class Get>
 double MeanOf(const std::vector<ViewScore>& scores, Get get) {
@@ -106,10 +98,10 @@ json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& s
     ++foreground_count;
   }
   const double mean_mse = MeanOf(scores, [](const ViewScore& s) { return s.mse; });
-  // Views of which only the pixels that a mask leaves are judged.
+  // Views that are scored only on the pixels that their mask selects.
   const auto masked_count = std::count_if(rendered.views.begin(), rendered.views.end(),
                                           [](const RenderedView& view) { return bool(view.seen); });
-  // No mask anywhere: 0 / 0, which Finite writes as null.
+  // Without any mask this is 0 / 0, which Finite writes as null.
   const double mean_foreground = foreground_sum / double(foreground_count);
   return {
       {"schema", 1},
@@ -129,7 +121,7 @@ json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& s
       {"split", rendered.split}};
 }
 
-// Size of the field's own file among the optimiser's outputs.
+// Size of the field's file among the optimiser's outputs.
 json FieldBytes(const StageFacts& optimize) {
   uint64_t bytes = 0;
   for (const json& output : optimize.manifest.value("outputs", json::array())) {
@@ -166,181 +158,24 @@ json RunMetrics(const RunFacts& run) {
           {"git", run.stages.back().manifest.value("git", json())}};
 }
 
-// The one PLY among the stage's outputs, or surface.ply.
-std::string SurfaceFile(const StageFacts& surface) {
-  std::vector<std::string> files;
-  for (const json& output : surface.manifest.value("outputs", json::array())) {
-    const std::string path = output.is_object() ? output.value("path", "") : "";
-    if (fs::path(path).extension() == ".ply") files.push_back(path);
-  }
-  if (files.size() == 1) return files[0];
-  if (std::count(files.begin(), files.end(), "surface.ply") == 1) return "surface.ply";
-  throw DataError(
-      fmt::format("{}: has {} PLY files and none is surface.ply; run tetrec-surface again",
-                  surface.folder.string(), files.size()));
-}
-
-// Up is where the pictures' upper edges point to, on average.
-glm::dvec3 UpInWorld(const Scene& scene) {
-  glm::dvec3 up(0.0);
-  for (const View& view : scene.views) {
-    up += glm::transpose(view.cam_from_world.rotation) * glm::dvec3(0, -1, 0);
-  }
-  // Cameras from all sides, upside down too, tell nothing: then z.
-  const double length = glm::length(up);
-  return length > 0.05 * double(scene.views.size()) ? up / length : glm::dvec3(0, 0, 1);
-}
-
-void DrawPreviews(const TriangleMesh& mesh_in_input, const Scene& scene, SurfaceResult& result) {
-  const TriangleMesh mesh = Transformed(mesh_in_input, scene.input_from_world.Inverse());
-  PreviewOptions options;
-  options.up = UpInWorld(scene);
-  for (const glm::vec3& position : mesh.positions) options.bounds.Add(glm::dvec3(position));
-  const Bounds3 subject = scene.subject_bounds.Scaled(1.1);
-  const Bounds3 common{glm::max(options.bounds.min, subject.min),
-                       glm::min(options.bounds.max, subject.max)};
-  if (!common.IsEmpty()) options.bounds = common;
-  if (options.bounds.IsEmpty()) return;  // no vertex: nothing to show
-  options.bounds = options.bounds.Scaled(1.0001);
-  if (mesh.colors_srgb.size() == mesh.positions.size()) {
-    result.color_pictures = RenderTurntable(mesh, options);
-  }
-  options.use_colors = false;
-  result.clay_pictures = RenderTurntable(mesh, options);
-}
-
-void CompareWithTruth(const TriangleMesh& mesh_in_input, const std::optional<Scene>& scene,
-                      const EvaluateOptions& options, const Stage& stage, SurfaceResult& result,
-                      std::vector<std::string>& warnings) {
-  TriangleMesh mesh_in_truth = mesh_in_input;
-  if (stage.HasInput("cameras")) {
-    if (!scene) throw DataError("--cameras needs the scene folder of the run, which is gone");
-    result.alignment = AlignByCameras(*scene, ReadTrueCameras(stage.Input("cameras")));
-    const Alignment& alignment = *result.alignment;
-    LogInfo(
-        "alignment: {} cameras, centres off by {:.4g} rms ({:.3f} % of their spread), {:.3f} "
-        "degrees",
-        alignment.matched, alignment.center_rms,
-        100 * alignment.center_rms / alignment.center_spread, alignment.rotation_mean_deg);
-    if (!alignment.unmatched.empty()) {
-      Warn(warnings, fmt::format("{} of {} views have no true camera and do not take part in the "
-                                 "alignment, first '{}'",
-                                 alignment.unmatched.size(), scene->views.size(),
-                                 alignment.unmatched.front()));
-    }
-    if (alignment.rotation_mean_deg > 2) {
-      Warn(warnings,
-           fmt::format("after alignment cameras look {:.1f} degrees past the true ones on "
-                       "average: the surface's scores are not to be trusted",
-                       alignment.rotation_mean_deg));
-    }
-    mesh_in_truth = Transformed(mesh_in_input, alignment.truth_from_input);
-  }
-  SurfaceScoreOptions score_options;
-  score_options.threshold = options.threshold_percent / 100;
-  score_options.samples = options.surface_samples;
-  score_options.seed = options.seed;
-  if (const auto& b = options.ground_truth_bounds; !b.empty()) {
-    score_options.bounds = Bounds3{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
-  }
-  const TriangleMesh truth = ReadTriangleMesh(stage.Input("ground-truth"));
-  result.scores = CompareSurfaces(mesh_in_truth, truth, score_options);
-  LogInfo("surface: F-score {:.4f} (precision {:.4f}, recall {:.4f}) at {:.4g}, diagonal {:.4g}",
-          result.scores->f_score, result.scores->precision, result.scores->recall,
-          result.scores->threshold, result.scores->diagonal);
-}
-
-json Vector(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
-json AlignmentJson(const Alignment& a) {
-  json rotation = json::array();
-  for (int r = 0; r < 3; ++r) {
-    const glm::dmat3& m = a.truth_from_input.rotation;
-    rotation.push_back({m[0][r], m[1][r], m[2][r]});
-  }
-  return {{"scale", a.truth_from_input.scale},
-          {"rotation", std::move(rotation)},
-          {"translation", Vector(a.truth_from_input.translation)},
-          {"matched_views", a.matched},
-          {"unmatched_views", a.unmatched},
-          {"center_rms", a.center_rms},
-          {"center_max", a.center_max},
-          {"center_spread", a.center_spread},
-          {"rotation_mean_deg", a.rotation_mean_deg},
-          {"rotation_max_deg", a.rotation_max_deg}};
-}
-
-json ScoresJson(const SurfaceScores& s, const EvaluateOptions& options) {
-  return {
-      {"f_score", s.f_score},
-      {"precision", s.precision},
-      {"recall", s.recall},
-      {"accuracy", Finite(s.accuracy)},
-      {"completeness", Finite(s.completeness)},
-      {"chamfer", Finite(s.chamfer)},
-      {"threshold", s.threshold},
-      {"threshold_percent_of_diagonal", options.threshold_percent},
-      {"diagonal", s.diagonal},
-      {"bounds_min", Vector(s.crop.min)},
-      {"bounds_max", Vector(s.crop.max)},
-      {"bounds_from", options.ground_truth_bounds.empty() ? "the truth's bounding box grown by 5 %"
-                                                          : "--ground-truth-bounds"},
-      {"reconstruction_samples", s.reconstruction_samples},
-      {"ground_truth_samples", s.truth_samples}};
-}
-
-json SurfaceJson(const SurfaceResult& surface, const EvaluateOptions& options) {
-  const MeshFacts& facts = surface.facts;
-  json result = {{"file", surface.file},
-                 {"faces", facts.faces},
-                 {"vertices", facts.vertices},
-                 {"components", facts.components},
-                 {"watertight", facts.watertight},
-                 {"boundary_edges", facts.boundary_edges},
-                 {"non_manifold_edges", facts.non_manifold_edges},
-                 {"area", facts.area},
-                 {"volume", facts.watertight ? json(facts.volume) : json()},
-                 {"ground_truth", nullptr},
-                 {"alignment", nullptr}};
-  if (surface.scores) result["ground_truth"] = ScoresJson(*surface.scores, options);
-  if (surface.alignment) result["alignment"] = AlignmentJson(*surface.alignment);
-  return result;
-}
-
-SurfaceResult JudgeSurface(const EvaluateOptions& options, const std::optional<Scene>& scene,
-                           const StageFacts& surface_stage, const Stage& stage,
-                           std::vector<std::string>& warnings) {
-  SurfaceResult result;
-  result.file = SurfaceFile(surface_stage);
-  const TriangleMesh mesh = ReadTriangleMesh(surface_stage.folder / result.file);
-  result.facts = MeasureMesh(mesh);
-  LogInfo("surface: {} triangles, {} components, {}", WithThousands(result.facts.faces),
-          WithThousands(result.facts.components),
-          result.facts.watertight ? "watertight" : "not watertight");
-  if (mesh.triangles.empty()) Warn(warnings, "the surface has no triangle");
-  if (scene) DrawPreviews(mesh, *scene, result);
-  if (stage.HasInput("ground-truth"))
-    CompareWithTruth(mesh, scene, options, stage, result, warnings);
-  return result;
-}
-
-std::vector<Plot> ConvergencePlots(const std::vector<MetricsRow>& rows) {
+std::vector<Plot> ConvergencePlots(const std::vector<TrainingRow>& rows) {
   PlotSeries train{"training batches", {}, {}, 5, false, false};
   PlotSeries held_out{"held-out views", {}, {}, 1, false, true};
   PlotSeries loss{"loss (left)", {}, {}, 0, false, false},
       tets{"tets (right)", {}, {}, 2, true, false};
-  for (const MetricsRow& row : rows) {
+  for (const TrainingRow& row : rows) {
     const auto add = [&](PlotSeries& series, double y) {
       series.x.push_back(row.seconds);
       series.y.push_back(y);
     };
-    add(train, row.train_psnr);
-    add(loss, row.loss);
-    add(tets, row.tets);
+    // A row without batches leaves a gap in the curves.
+    add(train, row.train_psnr.value_or(NAN));
+    add(loss, row.loss.value_or(NAN));
+    add(tets, double(row.tets));
     if (row.heldout_psnr) add(held_out, *row.heldout_psnr);
   }
   Plot psnr;
-  psnr.title = "PSNR while optimising";
+  psnr.title = "PSNR during optimisation";
   psnr.x_label = "seconds of optimisation";
   psnr.y_label = "PSNR [dB]";
   psnr.height_px = 400;
@@ -354,13 +189,13 @@ std::vector<Plot> ConvergencePlots(const std::vector<MetricsRow>& rows) {
   return {psnr, size};
 }
 
-// The curves are a convenience: a run without gnuplot or metrics.csv still gets its report, which
-// says why they are missing.
+// The curves are optional: without gnuplot or metrics.csv the report is still written and states
+// why they are missing.
 void DrawConvergence(const RunFacts& run, Stage& stage, ReportContent& content) {
   const StageFacts* optimize = run.Find("optimize");
   try {
-    if (!optimize) throw DataError("the optimiser's folder is gone");
-    const auto rows = ReadMetricsCsv(optimize->folder / "metrics.csv");
+    if (!optimize) throw DataError("the optimiser's folder is missing");
+    const auto rows = ReadTrainingLog(optimize->folder / kTrainingLogFile);
     const fs::path scratch = stage.Scratch("gnuplot");
     for (const Plot& plot : ConvergencePlots(rows)) {
       const fs::path svg = scratch / "curve.svg";
@@ -380,7 +215,7 @@ std::string DatasetOf(const RunFacts& run) {
   if (scene) {
     for (const json& input : scene->manifest.value("inputs", json::array())) {
       const fs::path path = input.is_object() ? input.value("path", "") : "";
-      // .../demo/photos says more than photos.
+      // "demo/photos" identifies the data set, "photos" does not.
       const std::string name = path.filename().string(),
                         above = path.parent_path().filename().string();
       const bool plain = name == "photos" || name == "images" || name == "input";
@@ -402,25 +237,25 @@ std::optional<Scene> SceneOf(const RunFacts& run) {
 void EvaluateOptions::Check() const {
   if (!(threshold_percent > 0) || threshold_percent > 100) {
     throw UsageError(
-        fmt::format("--threshold is {}; expected more than 0 and at most 100 [% of the "
+        fmt::format("threshold is {}; expected more than 0 and at most 100 [% of the "
                     "diagonal]",
                     threshold_percent));
   }
   if (surface_samples < 1000 || surface_samples > 50'000'000) {
     throw UsageError(
-        fmt::format("--surface-samples is {}; expected 1,000 to 50,000,000", surface_samples));
+        fmt::format("surface_samples is {}; expected 1,000 to 50,000,000", surface_samples));
   }
   const auto& b = ground_truth_bounds;
   if (!b.empty() && !(b.size() == 6 && b[0] < b[3] && b[1] < b[4] && b[2] < b[5])) {
     throw UsageError(
-        "--ground-truth-bounds must be XMIN YMIN ZMIN XMAX YMAX ZMAX, each least below its "
-        "most");
+        "ground_truth_bounds must be XMIN YMIN ZMIN XMAX YMAX ZMAX, each minimum below its "
+        "maximum");
   }
 }
 
 void Evaluate(const EvaluateOptions& options, Stage& stage) {
   ReportContent content;
-  content.rendered = ReadRenderedViews(stage.Input("VIEWS"));
+  content.rendered = ReadRenderedViews(stage.Input("VIEWS") / kRenderedViewsFile);
   content.run = ReadRunFacts(stage.Input("VIEWS"));
   for (const std::string& warning : content.run.warnings) Warn(content.warnings, warning);
   content.dataset = DatasetOf(content.run);
@@ -438,8 +273,8 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
   if (metrics["identical_views"] > 0) {
     Warn(content.warnings,
          fmt::format(
-             "{} views equal their ground truth to the bit: their PSNR is infinite and the mean "
-             "is not given",
+             "{} views are identical to their ground truth: their PSNR is infinite, and no mean is "
+             "given",
              metrics["identical_views"].get<size_t>()));
   }
 
@@ -447,7 +282,7 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
     const Timer timer;
     AddStage(stage.Input("SURFACE"), content.run);
     content.surface =
-        JudgeSurface(options, scene, content.run.stages.back(), stage, content.warnings);
+        EvaluateSurface(options, scene, content.run.stages.back(), stage, content.warnings);
     stage.Seconds("surface", timer.seconds());
   }
   metrics.update(RunMetrics(content.run));

@@ -60,7 +60,7 @@ std::string EscapeHtml(const std::string& text) {
 }
 
 std::string JpegDataUri(const Image& rgb, int quality) {
-  TETREC_CHECK(rgb.channels == 3 && !rgb.pixels.empty(), "JPEG pictures are RGB");
+  TETREC_CHECK(rgb.channels == 3 && !rgb.pixels.empty(), "JPEG images are RGB");
   const cv::Mat view(rgb.height, rgb.width, CV_8UC3, const_cast<uint8_t*>(rgb.pixels.data()));
   cv::Mat bgr;
   cv::cvtColor(view, bgr, cv::COLOR_RGB2BGR);

@@ -1,37 +1,17 @@
-// Squared error, PSNR, SSIM and error pictures.
+// SSIM and error maps.
 #include "eval/image_metrics.h"
 
-#include "core/error.h"
+#include "image/psnr.h"
 
-#include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 
 namespace tetrec {
 namespace {
-
-void CheckSameSize(const Image& a, const Image& b, const char* b_is) {
-  if (a.width <= 0 || a.height <= 0 || a.width != b.width || a.height != b.height) {
-    throw DataError(fmt::format("render is {}x{} px but its {} is {}x{} px; both must be equal",
-                                a.width, a.height, b_is, b.width, b.height));
-  }
-}
-
-int SquaredDifference(const uint8_t* a, const uint8_t* b) {
-  int sum = 0;
-  for (int c = 0; c < 3; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
-  return sum;
-}
-
-// Sum of 8-bit squared differences of `pixels` pixels as a mean of fractions.
-double AsMean(uint64_t sum, uint64_t pixels) {
-  return double(sum) / (255.0 * 255.0 * 3.0 * double(pixels));
-}
 
 cv::Mat Channel(const Image& image, int channel) {
   cv::Mat values(image.height, image.width, CV_64F);
@@ -70,7 +50,7 @@ cv::Mat SsimOfChannel(const cv::Mat& x, const cv::Mat& y) {
   return ssim;
 }
 
-bool IsMasked(const Image& mask, int x, int y) { return mask.At(x, y)[0] < 128; }
+bool IsHidden(const Image& mask, int x, int y) { return mask.At(x, y)[0] < kSelectedByMask; }
 
 std::array<std::array<uint8_t, 3>, 256> InfernoTable() {
   cv::Mat ramp(1, 256, CV_8U), colors;
@@ -85,37 +65,6 @@ std::array<std::array<uint8_t, 3>, 256> InfernoTable() {
 }
 
 }  // namespace
-
-double MeanSquaredError(const Image& render, const Image& truth) {
-  CheckSameSize(render, truth, "ground truth");
-  uint64_t sum = 0;
-  for (int y = 0; y < render.height; ++y) {
-    for (int x = 0; x < render.width; ++x) {
-      sum += SquaredDifference(render.At(x, y), truth.At(x, y));
-    }
-  }
-  return AsMean(sum, uint64_t(render.width) * render.height);
-}
-
-std::optional<double> MaskedMeanSquaredError(const Image& render, const Image& truth,
-                                             const Image& mask) {
-  CheckSameSize(render, truth, "ground truth");
-  CheckSameSize(render, mask, "mask");
-  uint64_t sum = 0, count = 0;
-  for (int y = 0; y < render.height; ++y) {
-    for (int x = 0; x < render.width; ++x) {
-      if (IsMasked(mask, x, y)) continue;
-      sum += SquaredDifference(render.At(x, y), truth.At(x, y));
-      ++count;
-    }
-  }
-  if (count == 0) return std::nullopt;
-  return AsMean(sum, count);
-}
-
-double PsnrFromMse(double mse) {
-  return mse > 0 ? -10 * std::log10(mse) : std::numeric_limits<double>::infinity();
-}
 
 double Ssim(const Image& render, const Image& truth) {
   CheckSameSize(render, truth, "ground truth");
@@ -140,7 +89,7 @@ std::optional<double> MaskedSsim(const Image& render, const Image& truth, const 
     const cv::Mat ssim = SsimOfChannel(Channel(painted, c), Channel(truth, c));
     for (int y = 0; y < render.height; ++y) {
       for (int x = 0; x < render.width; ++x) {
-        if (IsMasked(mask, x, y)) continue;
+        if (IsHidden(mask, x, y)) continue;
         sum += ssim.at<double>(y, x);
         ++count;
       }
@@ -156,7 +105,7 @@ Image PaintedOver(const Image& image, const Image& other, const Image& mask) {
   Image painted = image;
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      if (IsMasked(mask, x, y)) std::copy_n(other.At(x, y), 3, painted.At(x, y));
+      if (IsHidden(mask, x, y)) std::copy_n(other.At(x, y), 3, painted.At(x, y));
     }
   }
   return painted;

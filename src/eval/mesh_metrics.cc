@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "core/random.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +11,6 @@
 #include <cmath>
 #include <limits>
 #include <nanoflann.hpp>
-#include <random>
 
 namespace tetrec {
 namespace {
@@ -29,9 +29,6 @@ Triangle TriangleOf(const TriangleMesh& mesh, size_t index) {
           glm::dvec3(mesh.positions[ids[2]])};
 }
 
-// In [0, 1); the standard's distributions differ between libraries, this does not.
-double Uniform(std::mt19937_64& random) { return double(random() >> 11) * 0x1p-53; }
-
 double SegmentDistance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
   const glm::dvec3 along = b - a;
   const double squared = glm::dot(along, along);
@@ -39,7 +36,8 @@ double SegmentDistance(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec
   return glm::length(p - (a + t * along));
 }
 
-// To the plane where the foot point lies inside the triangle, else to the nearest edge.
+// Distance to the plane if the foot of the perpendicular is inside the triangle, otherwise to the
+// nearest edge.
 double TriangleDistance(const glm::dvec3& p, const Triangle& t) {
   const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
   const double squared = glm::dot(normal, normal);
@@ -51,7 +49,7 @@ double TriangleDistance(const glm::dvec3& p, const Triangle& t) {
       {SegmentDistance(p, t.a, t.b), SegmentDistance(p, t.b, t.c), SegmentDistance(p, t.c, t.a)});
 }
 
-// nanoflann reads points through this.
+// The interface through which nanoflann reads points.
 struct PointCloud {
   std::vector<glm::dvec3> points;
   size_t kdtree_get_point_count() const { return points.size(); }
@@ -118,17 +116,17 @@ SurfaceSamples SampleSurface(const TriangleMesh& mesh, size_t count, uint64_t se
     throw DataError(fmt::format("mesh of {} triangles has area {:g}; it cannot be sampled",
                                 mesh.triangles.size(), area));
   }
-  std::mt19937_64 random(seed);
+  MersenneRandom random(seed);
   SurfaceSamples samples;
   samples.positions.reserve(count);
   samples.triangles.reserve(count);
   for (size_t i = 0; i < count; ++i) {
     // Stratified over the area: one sample in each of `count` equal shares.
-    const double target = area * (double(i) + Uniform(random)) / double(count);
+    const double target = area * (double(i) + random.Uniform()) / double(count);
     const auto it = std::upper_bound(area_up_to.begin(), area_up_to.end(), target);
     const size_t index = std::min(size_t(it - area_up_to.begin()), mesh.triangles.size() - 1);
     const Triangle t = TriangleOf(mesh, index);
-    const double root = std::sqrt(Uniform(random)), v = Uniform(random);
+    const double root = std::sqrt(random.Uniform()), v = random.Uniform();
     samples.positions.push_back((1 - root) * t.a + root * (1 - v) * t.b + root * v * t.c);
     samples.triangles.push_back(uint32_t(index));
   }
@@ -190,8 +188,8 @@ SurfaceScores CompareSurfaces(const TriangleMesh& reconstruction, const Triangle
   scores.reconstruction_samples = points.size();
   if (points.empty()) return scores;
 
-  // Surfaces to measure against keep a margin around the box: a wall must not cut off the nearest
-  // point.
+  // The surfaces that distances are measured to extend beyond the box, so that its walls do not cut
+  // off the nearest point.
   const glm::dvec3 margin(0.1 * scores.diagonal);
   const Bounds3 wide{scores.crop.min - margin, scores.crop.max + margin};
   const std::vector<double> to_truth =

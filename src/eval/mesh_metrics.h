@@ -14,34 +14,34 @@ namespace tetrec {
 
 struct SurfaceSamples {
   std::vector<glm::dvec3> positions;
-  std::vector<uint32_t> triangles;  // the triangle each sample lies on
+  std::vector<uint32_t> triangles;  // the triangle that each sample is on
 };
 
-// `count` points spread evenly by area. The same seed gives the same points. Throws DataError where
+// `count` points spread evenly by area. The same seed gives the same points. Throws DataError if
 // the mesh has no area.
 SurfaceSamples SampleSurface(const TriangleMesh& mesh, size_t count, uint64_t seed);
 
-// Distance from each point to the surface of `mesh`. Exact for the triangles that carry the point's
-// 16 nearest of `samples` area samples and all triangle centres; what another triangle might
-// undercut is far below the spacing of these samples. Deterministic. Throws DataError for a mesh
-// without area.
+// Distance from each point to the surface of `mesh`: the exact distance to the nearest of a few
+// triangles, those of the 16 points nearest to it among `samples` area samples and all triangle
+// centres. Another triangle can be nearer only by far less than the spacing of these points.
+// Deterministic. Throws DataError for a mesh without area.
 std::vector<double> DistancesToSurface(std::span<const glm::dvec3> points, const TriangleMesh& mesh,
                                        size_t samples, uint64_t seed);
 
 struct SurfaceScoreOptions {
-  double threshold = 0.01;  // of the subject's diagonal: what counts as found
+  double threshold = 0.01;  // distance that counts as found [share of the subject's diagonal]
   size_t samples = 200000;  // points on each surface
   uint64_t seed = 1;
-  // Only what lies inside is judged, of both surfaces [units of the truth]. Default: the truth's
+  // Only the parts of both surfaces inside are scored [units of the truth]. Default: the truth's
   // bounding box, grown by 5 % of its size, so that a table far below does not count.
   std::optional<Bounds3> bounds;
 };
 
-// Distances in the truth's units. Nothing of the reconstruction inside the box: precision, recall
-// and F-score are 0 and the distances empty.
+// Distances in the truth's units. If nothing of the reconstruction is inside the box, precision,
+// recall and F-score are 0 and there are no distances.
 struct SurfaceScores {
   Bounds3 crop;
-  double diagonal = 0;  // of the judged part of the truth's bounding box
+  double diagonal = 0;  // of the part of the truth's bounding box inside `crop`
   double threshold = 0;
   size_t reconstruction_samples = 0, truth_samples = 0;  // inside the box
   std::optional<double> accuracy;                        // mean distance reconstruction -> truth
@@ -51,9 +51,9 @@ struct SurfaceScores {
   double f_score = 0;                // harmonic mean of precision and recall
 };
 
-// Both meshes in the truth's frame. Only samples are cropped, never the surface that they are
-// measured against, so the box's walls cost nothing. Throws DataError where the truth has no area
-// in the box.
+// Both meshes are in the truth's frame. Only samples are cropped, never the surface that distances
+// are measured to, so the walls of the box do not distort them. Throws DataError if the truth has
+// no area in the box.
 SurfaceScores CompareSurfaces(const TriangleMesh& reconstruction, const TriangleMesh& truth,
                               const SurfaceScoreOptions& options);
 

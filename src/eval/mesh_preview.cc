@@ -1,7 +1,8 @@
-// Turntable pictures: orthographic z-buffer, supersampled 2 x 2.
+// Turntable images: orthographic z-buffer, supersampled 2 x 2.
 #include "eval/mesh_preview.h"
 
 #include "core/parallel.h"
+#include "geometry/look_at.h"
 
 #include <algorithm>
 #include <array>
@@ -12,11 +13,11 @@ namespace tetrec {
 namespace {
 
 constexpr int kSupersampling = 2;
-constexpr double kFill = 0.96;  // of the picture's width by the mesh
+constexpr double kFill = 0.96;  // share of the image's width that the mesh fills
 constexpr glm::dvec3 kClay(0.80, 0.78, 0.75), kBackSide(0.45, 0.52, 0.66),
     kPaper(0.955, 0.955, 0.95);
 
-// Rows are the picture's x (right), y (down) and z (away from the viewer).
+// Rows are the image's x (right), y (down) and z (away from the viewer).
 glm::dmat3 ViewRotation(const PreviewOptions& options, int step) {
   const glm::dvec3 up = glm::normalize(options.up);
   // The axis that `up` has least of gives a stable first direction.
@@ -30,8 +31,7 @@ glm::dmat3 ViewRotation(const PreviewOptions& options, int step) {
   const double turn = 2 * M_PI * step / options.views, rise = options.elevation_deg * M_PI / 180;
   const glm::dvec3 to_viewer =
       std::cos(rise) * (std::cos(turn) * front + std::sin(turn) * side) + std::sin(rise) * up;
-  const glm::dvec3 z = -to_viewer, x = glm::normalize(glm::cross(z, up)), y = glm::cross(z, x);
-  return glm::transpose(glm::dmat3(x, y, z));
+  return CamFromWorldRotation(-to_viewer, up);
 }
 
 struct Corner {
@@ -64,13 +64,13 @@ double Cross(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p) {
   return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
 }
 
-// `ambient`: share of the light that comes from everywhere; the rest from the viewer.
+// `ambient`: share of the light that comes from all directions; the rest comes from the viewer.
 void DrawTriangle(Canvas& canvas, const std::array<Corner, 3>& t, double ambient) {
   const double area = Cross(t[0].position, t[1].position, t[2].position);
   if (area == 0 || !std::isfinite(area)) return;
   const glm::dvec3 normal =
       glm::normalize(glm::cross(t[1].position - t[0].position, t[2].position - t[0].position));
-  // y points down, so what faces the viewer turns clockwise on the screen: its normal has z < 0.
+  // y points down, so triangles that face the viewer are clockwise on the screen: z < 0.
   const bool front = normal.z < 0;
   const double light = ambient + (1 - ambient) * std::abs(normal.z);
   const auto low = [&](int axis) {
@@ -98,7 +98,8 @@ void DrawTriangle(Canvas& canvas, const std::array<Corner, 3>& t, double ambient
   }
 }
 
-// Largest distance of a drawn vertex from the middle: the same for all steps, so nothing jumps.
+// Largest distance of a drawn vertex from the centre, shared by all steps so that the scale is
+// constant.
 double RadiusOf(const TriangleMesh& mesh, const Bounds3& bounds) {
   double squared = 0;
   for (const glm::vec3& vertex : mesh.positions) {
@@ -114,7 +115,7 @@ Image RenderStep(const TriangleMesh& mesh, const PreviewOptions& options, double
   const glm::dvec3 center = options.bounds.Center();
   const double scale = radius > 0 ? 0.5 * kFill * size / radius : 1;
   const bool colored = options.use_colors && mesh.colors_srgb.size() == mesh.positions.size();
-  // The field's colours are photographed light: they carry shading already.
+  // The field's colours come from photographs and already include shading.
   const double ambient = colored ? 0.7 : 0.3;
   Canvas canvas(size);
   for (const glm::uvec3& triangle : mesh.triangles) {

@@ -22,7 +22,7 @@ constexpr const char* kPalette[8] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                      "#E69F00", "#56B4E9", "#000000", "#7F7F7F"};
 constexpr int kMarks[8] = {7, 5, 9, 11, 13, 6, 4, 8};
 
-// gnuplot's single-quoted strings know one escape: '' for '.
+// gnuplot's single-quoted strings have one escape: '' for '.
 std::string Quoted(const std::string& text) {
   std::string quoted = "'";
   for (const char c : text) {
@@ -32,9 +32,10 @@ std::string Quoted(const std::string& text) {
   return quoted + "'";
 }
 
-// gnuplot cuts a title that is wider than the chart: lines broken between words, as an expression.
+// gnuplot cuts a title that is wider than the chart off. This breaks it between words into lines,
+// as a gnuplot expression.
 std::string TitleInLines(const Plot& plot) {
-  constexpr double kWidestLetter_px = 8.5;  // of most texts, at gnuplot's 14 pixels
+  constexpr double kWidestLetter_px = 8.5;  // mean width in most texts, at gnuplot's 14 pixels
   const auto room = size_t(plot.width_px / kWidestLetter_px);
   std::istringstream words(plot.title);
   std::vector<std::string> lines(1);
@@ -124,7 +125,7 @@ void DrawPlot(const Plot& plot, const std::filesystem::path& out,
   const std::filesystem::path gnuplot = FindProgram("gnuplot");
   if (gnuplot.empty()) {
     throw EnvironmentError(
-        "no program 'gnuplot' in PATH, which draws the charts; install it: "
+        "gnuplot, which draws the charts, is not in PATH; install it: "
         "apt-get install --no-install-recommends gnuplot-nox");
   }
   const bool svg = out.extension() == ".svg";

@@ -14,7 +14,7 @@ struct PlotSeries {
   int color = 0;                // index into a palette of 8, safe for the colour-blind; wraps
   bool on_second_axis = false;  // y axis on the right
   bool marks = true;            // a mark at each point
-  bool dashed = false;          // as those on the second axis are
+  bool dashed = false;          // always so on the second axis
 };
 
 struct Plot {
@@ -25,9 +25,9 @@ struct Plot {
   std::vector<PlotSeries> series;
 };
 
-// Draws to `out` (.svg or .png); `scratch` receives gnuplot's script, data and log. Texts may hold
-// anything: they are quoted, and control characters become spaces. Throws EnvironmentError where
-// gnuplot is missing or fails.
+// Draws to `out` (.svg or .png); `scratch` receives gnuplot's script, data and log. Texts may
+// contain anything: they are quoted, and control characters become spaces. Throws EnvironmentError
+// if gnuplot is missing or fails.
 void DrawPlot(const Plot& plot, const std::filesystem::path& out,
               const std::filesystem::path& scratch);
 

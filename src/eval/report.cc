@@ -33,7 +33,7 @@ std::string Decibel(double psnr) {
   return std::isfinite(psnr) ? fmt::format("{:.2f} dB", psnr) : "identical (∞ dB)";
 }
 
-// A number of metrics.json in words; a dash where it is null.
+// A number of metrics.json as text; a dash if it is null.
 std::string NumberOr(const json& value, const char* format, const char* otherwise = "–") {
   return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : otherwise;
 }
@@ -133,8 +133,8 @@ std::string Card(const std::string& value, const std::string& label) {
 
 std::string Cards(const ReportContent& content) {
   const json& m = content.metrics;
-  std::string cards = Card(NumberOr(m["psnr"], "{:.2f} dB", "∞ dB"), "PSNR, mean of views");
-  cards += Card(NumberOr(m["ssim"], "{:.3f}"), "SSIM, mean of views");
+  std::string cards = Card(NumberOr(m["psnr"], "{:.2f} dB", "∞ dB"), "PSNR, mean over views");
+  cards += Card(NumberOr(m["ssim"], "{:.3f}"), "SSIM, mean over views");
   if (content.surface && content.surface->scores) {
     cards +=
         Card(fmt::format("{:.3f}", content.surface->scores->f_score), "F-score of the surface");
@@ -154,19 +154,18 @@ std::string Row(const std::string& name, const std::string& value, const std::st
 std::string KeyNumbers(const ReportContent& content) {
   const json& m = content.metrics;
   std::string rows =
-      Row("PSNR, mean of views", MeanPsnr(content),
-          "RGB, 8-bit pictures, mean of each view's PSNR") +
+      Row("PSNR, mean over views", MeanPsnr(content), "RGB, 8-bit images") +
       Row("PSNR of the mean error", NumberOr(m["psnr_of_mean_mse"], "{:.2f} dB", "∞ dB"),
-          "the views' squared errors averaged first");
+          "squared errors averaged over the views first");
   if (m["foreground_psnr"].is_number()) {
     rows += Row("PSNR of the foreground", NumberOr(m["foreground_psnr"], "{:.2f} dB"),
-                "only pixels on the subject (alpha at least one half)");
+                "only pixels on the subject (alpha of one half or more)");
   }
   rows += Row("SSIM", NumberOr(m["ssim"], "{:.4f}"),
               "Gaussian 11×11, σ 1.5, K 0.01 and 0.03, zero padding, mean of RGB");
   if (const int masked = m.value("masked_views", 0); masked > 0) {
     rows += Row("Views with masks", std::to_string(masked),
-                "of these all numbers are of the pixels that the masks leave");
+                "scored only on the pixels that their masks select");
   }
   rows += Row("LPIPS", "–", "not computed: it needs a trained network");
   rows +=
@@ -206,7 +205,7 @@ std::string Comparison(const ReportContent& content) {
       "<div class=\"bar\"><span>0</span>{}<span>{:.0f}/255 and more</span></div>"
       "<p class=\"note\">Error: mean absolute difference of red, green and blue, times {:.0f}.</p>",
       Picture(ErrorMapColorBar(256, 12), 95,
-              "colour scale of the error from dark, none, to bright"),
+              "colour scale of the error, from dark (none) to bright"),
       255 / kErrorMapGain, kErrorMapGain);
   html += Trio(content, order.front(), "Best");
   if (order.size() > 2) html += Trio(content, order[order.size() / 2], "Median");
@@ -232,10 +231,10 @@ std::string Thumbnails(const ReportContent& content) {
         score.foreground_psnr ? " · subject " + Decibel(*score.foreground_psnr) : "");
   }
   std::string heading =
-      "<h2>All views</h2><p class=\"note\">Left the ground truth, right the render.";
+      "<h2>All views</h2><p class=\"note\">Ground truth on the left, render on the right.";
   if (shown < content.scores.size()) {
     heading +=
-        fmt::format(" The first {} of {} views are shown; metrics.json has the numbers of all.",
+        fmt::format(" The first {} of {} views are shown; metrics.json has the scores of all.",
                     shown, content.scores.size());
   }
   return heading + "</p><div class=\"thumbs\">" + html + "</div>";
@@ -246,7 +245,7 @@ std::string Convergence(const ReportContent& content) {
   if (content.curves_svg.empty()) {
     return html + "<p class=\"note\">No curves: " + E(content.no_curves_reason) + "</p>";
   }
-  const char* alts[] = {"PSNR of training and held-out views over seconds of optimisation",
+  const char* alts[] = {"PSNR of training batches and held-out views over seconds of optimisation",
                         "loss and number of tets over seconds of optimisation"};
   for (size_t i = 0; i < content.curves_svg.size(); ++i) {
     html += fmt::format("<div class=\"plot\"><img src=\"{}\" alt=\"{}\"></div>",
@@ -281,21 +280,21 @@ std::string TruthRows(const SurfaceResult& surface) {
       Row("Precision / recall", fmt::format("{:.4f} / {:.4f}", s.precision, s.recall),
           fmt::format("shares of {} and {} surface samples",
                       WithThousands(s.reconstruction_samples), WithThousands(s.truth_samples))) +
-      Row("Accuracy", length(s.accuracy), "mean distance reconstruction to truth") +
-      Row("Completeness", length(s.completeness), "mean distance truth to reconstruction") +
+      Row("Accuracy", length(s.accuracy), "mean distance from reconstruction to truth") +
+      Row("Completeness", length(s.completeness), "mean distance from truth to reconstruction") +
       Row("Chamfer distance", length(s.chamfer), "mean of accuracy and completeness") +
-      Row("Judged box",
+      Row("Scored box",
           fmt::format("{:.3g} × {:.3g} × {:.3g}", s.crop.Size().x, s.crop.Size().y,
                       s.crop.Size().z),
-          "what lies outside of it is not judged, on neither side");
+          "neither surface is scored outside of it");
   if (surface.alignment) {
     const Alignment& a = *surface.alignment;
     rows += Row("Alignment residual", fmt::format("{:.4g}", a.center_rms),
-                fmt::format("rms of {} camera centres after a similarity fit (largest {:.4g}); "
+                fmt::format("RMS over {} camera centres after a similarity fit (maximum {:.4g}); "
                             "directions off by {:.2f}° on average",
                             a.matched, a.center_max, a.rotation_mean_deg));
   } else {
-    rows += Row("Alignment", "none", "both meshes are taken to share the input's coordinates");
+    rows += Row("Alignment", "none", "both meshes are assumed to share the input's coordinates");
   }
   return rows;
 }
@@ -307,7 +306,7 @@ std::string Surface(const ReportContent& content) {
   std::string rows =
       Row("Triangles / vertices",
           WithThousands(facts.faces) + " / " + WithThousands(facts.vertices), surface.file) +
-      Row("Components", WithThousands(facts.components), "pieces connected through vertices") +
+      Row("Components", WithThousands(facts.components), "pieces that share no vertex") +
       Row("Watertight", facts.watertight ? "yes" : "no",
           fmt::format("{}, {}", Plural(facts.boundary_edges, "open edge"),
                       Plural(facts.non_manifold_edges, "non-manifold edge"))) +
@@ -318,8 +317,8 @@ std::string Surface(const ReportContent& content) {
   if (surface.scores) rows += TruthRows(surface);
   return "<h2>Surface</h2>" + Strip(surface.color_pictures, "in its colours") +
          Strip(surface.clay_pictures, "as grey clay") +
-         "<p class=\"note\">One turn around the up axis, in the field's colours and as clay; back "
-         "sides are blue. Cropped to the subject.</p>"
+         "<p class=\"note\">One turn around the up axis, in the field's colours and as grey clay. "
+         "Back sides are blue. Cropped to the subject.</p>"
          "<div class=\"scroll\"><table><tbody>" +
          rows + "</tbody></table></div>";
 }
@@ -346,7 +345,7 @@ std::string Stages(const RunFacts& run) {
         E(stage.stage), Duration(stage.Seconds()), Bytes(stage.PeakRssBytes()),
         E(fmt::format("{}", fmt::join(counts, " · "))));
   }
-  rows += fmt::format("<tr><th>together</th><td class=\"n\">{}</td><td></td><td></td></tr>",
+  rows += fmt::format("<tr><th>Total</th><td class=\"n\">{}</td><td></td><td></td></tr>",
                       Duration(TotalSeconds(run)));
   return "<h2>Stages</h2><div class=\"scroll\"><table><thead><tr><th>Stage</th><th "
          "class=\"n\">Time</th>"
@@ -374,9 +373,8 @@ std::string Commands(const RunFacts& run) {
                                : command) +
              "\n";
   }
-  return "<h2>Commands</h2><p class=\"note\">As they were run; the manifest.json of each stage "
-         "holds "
-         "every option.</p><pre>" +
+  return "<h2>Commands</h2><p class=\"note\">As they were run. The manifest.json of each stage "
+         "lists every option.</p><pre>" +
          lines + "</pre>";
 }
 

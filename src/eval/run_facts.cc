@@ -1,8 +1,8 @@
-// Follows "previous" from manifest to manifest.
+// Reads manifests, following "previous" from one to the next.
 #include "eval/run_facts.h"
 
 #include "core/error.h"
-#include "core/stage.h"
+#include "core/manifest.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ namespace {
 const std::set<std::string> kStages = {"sfm",    "import",  "tetrahedralize", "optimize",
                                        "render", "surface", "evaluate"};
 
-// A field that older or other versions may lack.
+// Null if the field is missing, as in manifests of older versions.
 nlohmann::json Field(const nlohmann::json& object, const std::string& name) {
   if (!object.is_object()) return nullptr;
   const auto found = object.find(name);
@@ -80,17 +80,15 @@ const StageFacts* RunFacts::Scene() const {
 }
 
 RunFacts ReadRunFacts(const std::filesystem::path& last) {
-  constexpr size_t kLongestChain = 16;  // a manifest that names itself must not hang us
   RunFacts facts;
   facts.stages.push_back(FactsOf(last));
-  while (facts.stages.size() < kLongestChain) {
+  while (facts.stages.size() < size_t{kLongestChain}) {
     const StageFacts& newest = facts.stages.back();
-    const nlohmann::json previous = Field(newest.manifest, "previous");
-    if (!previous.is_string()) break;
-    const std::filesystem::path folder =
-        (newest.folder / previous.get<std::string>()).lexically_normal();
+    const std::optional<std::filesystem::path> previous =
+        PreviousFolder(newest.folder, newest.manifest);
+    if (!previous) break;
     try {
-      facts.stages.push_back(FactsOf(folder));
+      facts.stages.push_back(FactsOf(*previous));
     } catch (const DataError& error) {
       facts.warnings.push_back(
           fmt::format("the stages before {} are unknown: {}", newest.stage, error.what()));

@@ -1,4 +1,4 @@
-// What the manifests of a run tell: stages, options, seconds, memory, device.
+// Facts from the manifests of a run: stages, options, seconds, memory, device.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -16,23 +16,23 @@ struct StageFacts {
   nlohmann::json manifest;
 
   double Seconds() const;         // of the whole stage
-  uint64_t PeakRssBytes() const;  // 0 where unknown
-  std::string Device() const;     // empty where the stage used none
-  std::string Command() const;    // as it was typed; empty where unknown
+  uint64_t PeakRssBytes() const;  // 0 if unknown
+  std::string Device() const;     // empty if the stage used none
+  std::string Command() const;    // as it was typed; empty if unknown
   std::vector<std::string> Warnings() const;
-  nlohmann::json Count(const std::string& name) const;  // null where there is none
+  nlohmann::json Count(const std::string& name) const;  // null if there is none
 };
 
 struct RunFacts {
   std::vector<StageFacts> stages;     // in the order of work
-  std::vector<std::string> warnings;  // links of the chain that are gone
+  std::vector<std::string> warnings;  // missing links of the chain
 
-  const StageFacts* Find(const std::string& stage) const;  // nullptr where there is none
+  const StageFacts* Find(const std::string& stage) const;  // nullptr if there is none
   const StageFacts* Scene() const;                         // sfm or import
 };
 
-// Follows the manifests from `last` back to the first stage. A folder that is gone ends the chain
-// with a warning; `last` itself must be there (DataError).
+// Follows the manifests from `last` back to the first stage. A missing folder ends the chain with a
+// warning; `last` itself must exist (DataError).
 RunFacts ReadRunFacts(const std::filesystem::path& last);
 // Adds the folder of a branch (the surface).
 void AddStage(const std::filesystem::path& folder, RunFacts& facts);

@@ -1,4 +1,4 @@
-// A field's attributes moved from vertices to tets, and back.
+// Moves a field's attributes from vertices to tets, and back.
 #include "field/change_storage.h"
 
 #include "core/error.h"
@@ -8,56 +8,66 @@
 namespace tetrec {
 namespace {
 
-// Means of what lies around a place.
-struct Means {
-  double weight = 0, density = 0;
-  glm::dvec3 color{0}, dense_color{0};
+// Weighted means of what lies around each row, for every component of the layout.
+class RowMeans {
+ public:
+  RowMeans(const FieldLayout& layout, size_t rows)
+      : attributes_(layout.ByComponent()),
+        weight_(rows, 0.0),
+        sum_(rows * attributes_.size(), 0.0),
+        dense_sum_(rows * attributes_.size(), 0.0) {}
 
-  void Add(double w, double d, const glm::dvec3& c) {
-    weight += w;
-    density += w * d;
-    color += w * c;
-    dense_color += w * d * c;
+  void Add(size_t row, double weight, const float* values) {
+    weight_[row] += weight;
+    const double by_density = weight * double(values[kDensityOffset]);
+    for (size_t c = 0; c < attributes_.size(); ++c) {
+      sum_[row * attributes_.size() + c] += weight * double(values[c]);
+      dense_sum_[row * attributes_.size() + c] += by_density * double(values[c]);
+    }
   }
-  float Density() const { return weight > 0 ? float(density / weight) : 0.0f; }
-  glm::vec3 Color() const {
-    if (density > 0) return glm::vec3(dense_color / density);
-    return weight > 0 ? glm::vec3(color / weight) : glm::vec3(0.0f);
+
+  // Densities and the like by weight, all else by weight and density.
+  std::vector<float> Values() const {
+    std::vector<float> values;
+    for (size_t row = 0; row < weight_.size(); ++row) {
+      const size_t first = row * attributes_.size();
+      const double density = sum_[first + kDensityOffset];
+      for (size_t c = 0; c < attributes_.size(); ++c) {
+        const bool by_density = attributes_[c]->activation != Activation::kExp && density > 0;
+        values.push_back(by_density         ? float(dense_sum_[first + c] / density)
+                         : weight_[row] > 0 ? float(sum_[first + c] / weight_[row])
+                                            : 0.0f);
+      }
+    }
+    return values;
   }
+
+ private:
+  std::vector<const Attribute*> attributes_;
+  std::vector<double> weight_, sum_, dense_sum_;  // dense: weighted by density too
 };
-
-double Volume(const TetMesh& mesh, const glm::uvec4& tet) {
-  const glm::dvec3 a(mesh.positions[tet[0]]);
-  const glm::dvec3 b = glm::dvec3(mesh.positions[tet[1]]) - a,
-                   c = glm::dvec3(mesh.positions[tet[2]]) - a,
-                   d = glm::dvec3(mesh.positions[tet[3]]) - a;
-  return std::abs(glm::dot(b, glm::cross(c, d))) / 6.0;
-}
 
 }  // namespace
 
 RadianceField WithStorage(const RadianceField& field, FieldStorage storage) {
   if (field.storage == storage) return field;
-  RadianceField result;
-  result.mesh = field.mesh;
-  result.storage = storage;
-  std::vector<Means> means(RowCount(result));
+  FieldLayout layout = LayoutOf(field);
+  layout.storage = storage;
+  const size_t components = size_t(layout.Components());
+  const std::vector<float> values = ValuesOf(field);
+  RowMeans means(layout, RowCount(field.mesh, storage));
   for (size_t t = 0; t < field.mesh.tets.size(); ++t) {
     const glm::uvec4& tet = field.mesh.tets[t];
-    const double volume = Volume(field.mesh, tet);
+    const double volume = std::abs(TetVolume(field.mesh, tet));
     for (int i = 0; i < 4; ++i) {
       if (storage == FieldStorage::kCell) {
-        means[t].Add(1.0, field.density[tet[i]], glm::dvec3(field.color_srgb[tet[i]]));
+        means.Add(t, 1.0, &values[tet[i] * components]);
       } else {
-        means[tet[i]].Add(volume, field.density[t], glm::dvec3(field.color_srgb[t]));
+        means.Add(tet[i], volume, &values[t * components]);
       }
     }
   }
-  for (const Means& mean : means) {
-    result.density.push_back(mean.Density());
-    result.color_srgb.push_back(mean.Color());
-  }
-  return result;
+  return MakeField(field.mesh, layout, means.Values());
 }
 
 }  // namespace tetrec

@@ -1,14 +1,15 @@
-// A field's attributes moved from vertices to tets, and back.
+// Moves a field's attributes from vertices to tets, and back.
 #pragma once
 
 #include "field/radiance_field.h"
 
 namespace tetrec {
 
-// The field itself where it is stored so. To cells: a tet's density is the mean of the linear field
-// in it, its colour that of its vertices, each weighted by its density. To vertices: a vertex's
-// density is the mean of the cells around it, weighted by volume; its colour the mean weighted by
-// volume and density. Where all that density is 0, colours are weighted without it.
+// Returns the field itself if it is already stored so. To cells: a tet's density is the mean of the
+// linear field in it, its other attributes are those of its vertices, each weighted by its density.
+// To vertices: a vertex's density is the mean of the cells around it, weighted by volume; its other
+// attributes are weighted by volume and density. Where all that density is 0, the weight leaves it
+// out. Attributes of an exponential activation are treated as density is.
 RadianceField WithStorage(const RadianceField& field, FieldStorage storage);
 
 }  // namespace tetrec

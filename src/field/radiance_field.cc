@@ -7,22 +7,79 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstring>
 
 namespace tetrec {
-
 namespace {
 
-constexpr std::array<char, 8> kCellMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'F', '2'};
+bool StartsWith(std::span<const uint8_t> bytes, const char (&magic)[9]) {
+  return bytes.size() >= 8 && std::memcmp(bytes.data(), magic, 8) == 0;
+}
+
+void CheckOther(const AttributeValues& other, size_t count, const char* row) {
+  const Attribute& attribute = other.attribute;
+  const size_t components = size_t(attribute.components);
+  if (other.values.size() != count * components) {
+    throw DataError(fmt::format("attribute '{}' has {} values, must have {} for each {}",
+                                attribute.name, other.values.size(), components, row));
+  }
+  for (size_t i = 0; i < other.values.size(); ++i) {
+    const float value = other.values[i];
+    if (std::isfinite(value) && (value >= 0 || attribute.activation != Activation::kExp)) continue;
+    throw DataError(fmt::format("'{}' of {} {} is {}: it must be finite{}", attribute.name, row,
+                                i / components, value,
+                                attribute.activation == Activation::kExp ? " and 0 or more" : ""));
+  }
+}
 
 }  // namespace
 
-const char* RowName(FieldStorage storage) {
-  return storage == FieldStorage::kCell ? "tet" : "vertex";
+FieldLayout LayoutOf(const RadianceField& field) {
+  FieldLayout layout{.storage = field.storage};
+  for (const AttributeValues& other : field.others) layout.attributes.push_back(other.attribute);
+  return layout;
+}
+
+std::vector<float> ValuesOf(const RadianceField& field) {
+  std::vector<float> values;
+  values.reserve(field.density.size() * size_t(LayoutOf(field).Components()));
+  for (size_t row = 0; row < field.density.size(); ++row) {
+    const glm::vec3& color = field.color_srgb[row];
+    for (const float value : {color.r, color.g, color.b, field.density[row]}) {
+      values.push_back(value);
+    }
+    for (const AttributeValues& other : field.others) {
+      const auto first = other.values.begin() + long(row) * other.attribute.components;
+      values.insert(values.end(), first, first + other.attribute.components);
+    }
+  }
+  return values;
+}
+
+RadianceField MakeField(TetMesh mesh, const FieldLayout& layout, std::span<const float> values) {
+  RadianceField field;
+  field.mesh = std::move(mesh);
+  field.storage = layout.storage;
+  for (size_t i = 2; i < layout.attributes.size(); ++i) {
+    field.others.push_back({layout.attributes[i], {}});
+  }
+  const size_t components = size_t(layout.Components());
+  for (size_t at = 0; at + components <= values.size(); at += components) {
+    const float* row = &values[at];
+    field.color_srgb.emplace_back(row[kColorOffset], row[kColorOffset + 1], row[kColorOffset + 2]);
+    field.density.push_back(row[kDensityOffset]);
+    const float* value = row + kStandardComponents;
+    for (AttributeValues& other : field.others) {
+      other.values.insert(other.values.end(), value, value + other.attribute.components);
+      value += other.attribute.components;
+    }
+  }
+  return field;
 }
 
 void CheckField(const RadianceField& field) {
+  CheckLayout(LayoutOf(field));
   const size_t count = RowCount(field);
   const char* row = RowName(field.storage);
   if (field.density.size() != count || field.color_srgb.size() != count) {
@@ -42,18 +99,23 @@ void CheckField(const RadianceField& field) {
                                   color.r, color.g, color.b));
     }
   }
+  for (const AttributeValues& other : field.others) CheckOther(other, count, row);
 }
 
 void WriteField(const std::filesystem::path& path, const RadianceField& field) {
   ByteWriter writer;
-  if (field.storage == FieldStorage::kCell) {
-    writer.Write(kCellMagic);
+  const bool is_standard = field.others.empty();
+  if (!is_standard) {
+    writer.WriteArray<char>({"TETRECF3", 8});
+    AppendLayout(writer, LayoutOf(field));
   } else {
-    writer.WriteArray<char>({"TETRECF1", 8});
+    writer.WriteArray<char>({field.storage == FieldStorage::kCell ? "TETRECF2" : "TETRECF1", 8});
   }
   AppendTetMesh(writer, field.mesh);
-  writer.WriteArray<float>(field.density);
+  if (is_standard) writer.WriteArray<float>(field.density);
   writer.WriteArray<glm::vec3>(field.color_srgb);
+  if (!is_standard) writer.WriteArray<float>(field.density);
+  for (const AttributeValues& other : field.others) writer.WriteArray<float>(other.values);
   WriteBytes(path, writer.bytes());
 }
 
@@ -64,16 +126,30 @@ RadianceField ReadField(const std::filesystem::path& path) {
 RadianceField ParseField(std::span<const uint8_t> bytes, const std::string& name) {
   ByteReader reader(bytes, name);
   RadianceField field;
-  if (bytes.size() >= 8 && std::equal(kCellMagic.begin(), kCellMagic.end(), bytes.begin())) {
-    reader.Read<std::array<char, 8>>("the magic");
-    field.storage = FieldStorage::kCell;
+  if (StartsWith(bytes, "TETRECF3")) {
+    ExpectMagic(reader, "TETRECF3", "radiance field");
+    const FieldLayout layout = TakeLayout(reader);
+    field = MakeField(TakeTetMesh(reader), layout, {});
+    const size_t count = RowCount(field);
+    field.color_srgb = reader.ReadArray<glm::vec3>(count, "colours");
+    field.density = reader.ReadArray<float>(count, "densities");
+    for (AttributeValues& other : field.others) {
+      other.values = reader.ReadArray<float>(count * uint64_t(other.attribute.components),
+                                             other.attribute.name.c_str());
+    }
   } else {
-    ExpectMagic(reader, "TETRECF1", "radiance field");
+    const bool has_cells = StartsWith(bytes, "TETRECF2");
+    if (has_cells) field.storage = FieldStorage::kCell;
+    if (has_cells) {
+      ExpectMagic(reader, "TETRECF2", "radiance field");
+    } else {
+      ExpectMagic(reader, "TETRECF1", "radiance field");
+    }
+    field.mesh = TakeTetMesh(reader);
+    const size_t count = RowCount(field);
+    field.density = reader.ReadArray<float>(count, "densities");
+    field.color_srgb = reader.ReadArray<glm::vec3>(count, "colours");
   }
-  field.mesh = TakeTetMesh(reader);
-  const size_t count = RowCount(field);
-  field.density = reader.ReadArray<float>(count, "densities");
-  field.color_srgb = reader.ReadArray<glm::vec3>(count, "colours");
   reader.ExpectEnd();
   try {
     CheckField(field);

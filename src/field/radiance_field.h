@@ -1,7 +1,7 @@
-// The radiance field: density and colour on a tet mesh.
+// The radiance field: density, colour and further attributes on a tet mesh, and its file (.tetf).
 #pragma once
 
-#include "core/words.h"
+#include "field/layout.h"
 #include "mesh/tet_mesh.h"
 
 #include <glm/glm.hpp>
@@ -14,22 +14,18 @@
 
 namespace tetrec {
 
-enum class FieldStorage {
-  kVertex,  // a row of attributes a vertex, linear inside each tet
-  kCell,    // a row a tet, constant inside
+// An attribute beside density and colour, which renderers that do not know it ignore.
+struct AttributeValues {
+  Attribute attribute;
+  std::vector<float> values;  // rows x components
 };
-template <>
-inline constexpr auto kWords<FieldStorage> = std::to_array<Word<FieldStorage>>(
-    {{FieldStorage::kVertex, "vertex"}, {FieldStorage::kCell, "cell"}});
-
-// "vertex" or "tet": what has the rows.
-const char* RowName(FieldStorage storage);
 
 struct RadianceField {
   TetMesh mesh;
   std::vector<float> density;         // (rows) sigma >= 0 [1 / world unit]
   std::vector<glm::vec3> color_srgb;  // (rows) display sRGB, may leave [0, 1] a little
   FieldStorage storage = FieldStorage::kVertex;
+  std::vector<AttributeValues> others = {};
 };
 
 // Rows of attributes that a mesh has.
@@ -38,11 +34,20 @@ inline size_t RowCount(const TetMesh& mesh, FieldStorage storage) {
 }
 inline size_t RowCount(const RadianceField& field) { return RowCount(field.mesh, field.storage); }
 
-// Throws DataError naming the first offence: sizes, negative or non-finite values.
+FieldLayout LayoutOf(const RadianceField& field);
+
+// Values (not parameters) row by row in the order of the layout: rows x Components().
+std::vector<float> ValuesOf(const RadianceField& field);
+// The field that has them.
+RadianceField MakeField(TetMesh mesh, const FieldLayout& layout, std::span<const float> values);
+
+// Throws DataError naming the first offence: layout, sizes, negative or non-finite values.
 void CheckField(const RadianceField& field);
 
-// Own format, little endian: "TETRECF1", the mesh as in WriteTetMesh, density f32 x V, colour f32 x
-// 3 V. Attributes of cells: "TETRECF2", density f32 x T, colour f32 x 3 T.
+// Own format, little endian. A field of density and colour alone: "TETRECF1", the mesh as in
+// WriteTetMesh, density f32 x V, colour f32 x 3 V; on cells: "TETRECF2", density f32 x T, colour
+// f32 x 3 T. Any other: "TETRECF3", its layout (AppendLayout), the mesh, and each attribute of the
+// layout in turn, f32 x rows x components.
 void WriteField(const std::filesystem::path& path, const RadianceField& field);
 RadianceField ReadField(const std::filesystem::path& path);
 RadianceField ParseField(std::span<const uint8_t> bytes, const std::string& name);

@@ -1,4 +1,5 @@
-// Pinhole cameras. Camera frame as COLMAP: x right, y down, z forward; pixel centres at +0.5.
+// Pinhole cameras. The camera frame is COLMAP's: x right, y down, z forward; pixel centres are at
+// +0.5.
 #pragma once
 
 #include "geometry/rigid3.h"
@@ -9,13 +10,13 @@ namespace tetrec {
 
 struct Camera {
   int width = 0, height = 0;              // [px]
-  double fx = 0, fy = 0, cx = 0, cy = 0;  // [px], from the picture's corner
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // [px], from the image's corner
 
-  // Pixel of a point of the camera frame with z > 0.
+  // Pixel of a point in the camera frame with z > 0.
   glm::dvec2 ImageFromCam(const glm::dvec3& point_in_cam) const {
     return {fx * point_in_cam.x / point_in_cam.z + cx, fy * point_in_cam.y / point_in_cam.z + cy};
   }
-  // Whether a point of the camera frame lies before the camera and inside the picture.
+  // True if a point in the camera frame is in front of the camera and inside the image.
   bool Shows(const glm::dvec3& point_in_cam) const {
     if (!(point_in_cam.z > 0)) return false;
     const glm::dvec2 pixel = ImageFromCam(point_in_cam);

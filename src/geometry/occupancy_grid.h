@@ -1,4 +1,4 @@
-// A box of cells that are inside or outside of something.
+// A box of cells, each inside or outside an object.
 #pragma once
 
 #include "geometry/bounds3.h"
@@ -20,7 +20,7 @@ struct OccupancyGrid {
   size_t Index(int x, int y, int z) const {
     return (size_t(z) * size_t(size.y) + size_t(y)) * size_t(size.x) + size_t(x);
   }
-  // False outside of the grid.
+  // False outside the grid.
   bool Inside(const glm::ivec3& cell) const {
     return cell.x >= 0 && cell.y >= 0 && cell.z >= 0 && cell.x < size.x && cell.y < size.y &&
            cell.z < size.z && inside[Index(cell.x, cell.y, cell.z)] != 0;
@@ -29,14 +29,14 @@ struct OccupancyGrid {
   glm::dvec3 CellCenter(int x, int y, int z) const {
     return bounds.min + (glm::dvec3(x, y, z) + 0.5) * CellSize();
   }
-  // May lie outside of the grid.
+  // May be outside the grid.
   glm::ivec3 CellOf(const glm::dvec3& point) const {
     return glm::ivec3(glm::floor((point - bounds.min) / CellSize()));
   }
   size_t InsideCount() const {
     return size_t(std::count(inside.begin(), inside.end(), uint8_t{1}));
   }
-  // Box of the inside cells; empty where there are none.
+  // Box of the inside cells; empty if there are none.
   Bounds3 InsideBounds() const {
     Bounds3 box;
     for (int z = 0; z < size.z; ++z) {
@@ -52,7 +52,8 @@ struct OccupancyGrid {
   }
 };
 
-// Cells along each axis so that cells are about cubes and the longest side has `cells`.
+// Number of cells along each axis that makes the cells nearly cubic, with `cells` along the longest
+// side.
 inline glm::ivec3 CubicCells(const Bounds3& bounds, int cells) {
   const glm::dvec3 size = bounds.Size();
   const double longest = std::max({size.x, size.y, size.z});

@@ -1,4 +1,4 @@
-// On which side of a plane a point lies, decided exactly.
+// The side of a plane on which a point is, decided exactly.
 #include "geometry/orientation.h"
 
 #include <cmath>
@@ -35,7 +35,7 @@ class ExactSum {
 };
 
 // Adds sign * x * y * z. A product of two floats is exact in double; the third factor leaves a
-// remainder that fma gives exactly. Exponents stay within 3 * [-149, 128]: nothing under- or
+// remainder that fma computes exactly. Exponents stay within 3 * [-149, 128], so nothing under- or
 // overflows.
 void AddProduct(ExactSum& sum, double sign, float x, float y, float z) {
   const double xy = sign * x * y;
@@ -63,7 +63,7 @@ int Orientation(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, cons
                    w = glm::dvec3(d) - origin;
   const glm::dvec3 plus(v.y * w.z, v.z * w.x, v.x * w.y), minus(v.z * w.y, v.x * w.z, v.y * w.x);
   const double determinant = glm::dot(u, plus - minus);
-  // Shewchuk's bound of the error of this evaluation, differences' rounding included.
+  // Shewchuk's bound for the error of this evaluation, including the rounding of the differences.
   constexpr double kUnit = 0.5 * std::numeric_limits<double>::epsilon();
   const double bound =
       (7.0 + 56.0 * kUnit) * kUnit * glm::dot(glm::abs(u), glm::abs(plus) + glm::abs(minus));

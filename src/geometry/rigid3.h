@@ -1,5 +1,5 @@
-// Rigid transforms between frames. b_from_a transforms a point of frame a to frame b; so
-// c_from_a = c_from_b * b_from_a reads itself.
+// Rigid transforms between frames. b_from_a transforms a point from frame a to frame b, so that
+// frames meet in c_from_a = c_from_b * b_from_a.
 #pragma once
 
 #include <glm/glm.hpp>

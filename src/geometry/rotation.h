@@ -1,4 +1,4 @@
-// Rotation matrices from outside: are they rotations, and the nearest one.
+// Rotation matrices from files: how far they are from a rotation, and the nearest one.
 #pragma once
 
 #include "geometry/rigid3.h"
@@ -10,7 +10,7 @@
 
 namespace tetrec {
 
-// Largest absolute entry of R^T R - I; infinite for a reflection or where an entry is not finite.
+// Largest absolute entry of R^T R - I; infinite for a reflection or if an entry is not finite.
 inline double DistanceFromRotation(const glm::dmat3& matrix) {
   const glm::dmat3 error = glm::transpose(matrix) * matrix - glm::dmat3(1.0);
   double largest = 0;
@@ -22,8 +22,8 @@ inline double DistanceFromRotation(const glm::dmat3& matrix) {
   return glm::determinant(matrix) > 0 ? largest : INFINITY;
 }
 
-// The rotation nearest to a matrix that already is one up to rounding (its polar factor, by
-// Newton's iteration R <- (R + R^-T) / 2, which converges quadratically).
+// The rotation nearest to a matrix that is a rotation up to rounding: its polar factor, by Newton's
+// iteration R <- (R + R^-T) / 2, which converges quadratically.
 inline glm::dmat3 NearestRotation(glm::dmat3 matrix) {
   for (int i = 0; i < 8; ++i) {
     matrix = (matrix + glm::transpose(glm::inverse(matrix))) * 0.5;
@@ -31,8 +31,8 @@ inline glm::dmat3 NearestRotation(glm::dmat3 matrix) {
   return matrix;
 }
 
-// A camera's pose after its world was changed: lengths in the camera's frame shrink with the world,
-// which no picture can tell.
+// A camera's pose after its world was changed. Lengths in the camera's frame shrink with the world,
+// which does not change the image.
 inline Rigid3 CamFromWorld(const Rigid3& cam_from_input, const Similarity3& input_from_world) {
   return {cam_from_input.rotation * input_from_world.rotation,
           (cam_from_input * input_from_world.translation) / input_from_world.scale};

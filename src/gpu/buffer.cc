@@ -24,7 +24,7 @@ uint32_t TexelBytes(VkFormat format) {
   }
 }
 
-// A memory type out of `allowed` with all `wanted` flags; -1 where there is none.
+// A memory type among `allowed` that has all `wanted` flags; -1 if there is none.
 int FindMemoryType(const Device& device, uint32_t allowed, VkMemoryPropertyFlags wanted) {
   for (uint32_t i = 0; i < device.memory.memoryTypeCount; ++i) {
     const bool fits = (device.memory.memoryTypes[i].propertyFlags & wanted) == wanted;
@@ -66,7 +66,7 @@ Allocation Allocate(const Device& device, const std::string& name, uint64_t byte
   if (status != VK_SUCCESS) {
     vkDestroyBuffer(device.handle, result.buffer, nullptr);
     throw EnvironmentError(fmt::format(
-        "device '{}' has no memory for buffer '{}' of {} MiB: use fewer tets or smaller pictures",
+        "device '{}' has no memory for buffer '{}' of {} MiB: use fewer tets or smaller images",
         device.properties.deviceName, name, bytes >> 20));
   }
   TETREC_VK(vkBindBufferMemory(device.handle, result.buffer, result.memory, 0));
@@ -77,7 +77,7 @@ Allocation Allocate(const Device& device, const std::string& name, uint64_t byte
   return result;
 }
 
-// A host-visible copy of part of a buffer, for devices with memory of their own.
+// A host-visible copy of part of a buffer, for devices that have their own memory.
 class Staging {
  public:
   Staging(const Device& device, uint64_t bytes)
@@ -114,10 +114,10 @@ Buffer::Buffer(const Device& device, std::string name, uint64_t bytes, VkFormat 
   const uint64_t limit = is_texel ? uint64_t(limits.maxTexelBufferElements) * TexelBytes(texels)
                                   : limits.maxStorageBufferRange;
   if (bytes_ > limit) {
-    throw EnvironmentError(
-        fmt::format("buffer '{}' needs {} MiB, device '{}' takes {} MiB in one: use fewer tets or "
-                    "smaller pictures",
-                    name_, bytes_ >> 20, device.properties.deviceName, limit >> 20));
+    throw EnvironmentError(fmt::format(
+        "buffer '{}' needs {} MiB; device '{}' allows {} MiB per buffer: use fewer tets "
+        "or smaller images",
+        name_, bytes_ >> 20, device.properties.deviceName, limit >> 20));
   }
   VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                              VK_BUFFER_USAGE_TRANSFER_DST_BIT;

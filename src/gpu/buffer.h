@@ -10,12 +10,12 @@
 
 namespace tetrec {
 
-// Owns its memory. Mapped where the device's memory is the host's (software and integrated
-// devices); elsewhere transfers go through a staging copy.
+// Owns its memory. It is mapped if the device's memory is the host's (software and integrated
+// devices); otherwise transfers go through a staging copy.
 class Buffer {
  public:
   Buffer() = default;
-  // `texels`: the format through which kernels read it as a texel buffer, or VK_FORMAT_UNDEFINED.
+  // `texels` is the format in which kernels read it as a texel buffer, or VK_FORMAT_UNDEFINED.
   Buffer(const Device& device, std::string name, uint64_t bytes,
          VkFormat texels = VK_FORMAT_UNDEFINED);
   Buffer(Buffer&& other) noexcept { Swap(other); }
@@ -60,7 +60,7 @@ class Buffer {
   void* mapped_ = nullptr;
 };
 
-// A buffer filled with values; never empty (Vulkan knows no empty buffer).
+// A buffer filled with values; never empty, because Vulkan has no empty buffers.
 template <class T>
 Buffer MakeBuffer(const Device& device, std::string name, const std::vector<T>& values,
                   VkFormat texels = VK_FORMAT_UNDEFINED) {
@@ -69,8 +69,7 @@ Buffer MakeBuffer(const Device& device, std::string name, const std::vector<T>& 
   return buffer;
 }
 
-// Makes a buffer anew where it has fewer bytes; what was in it is lost. The device must be done
-// with it.
+// Replaces a buffer that has fewer bytes; its contents are lost. The device must be done with it.
 inline void Grow(const Device& device, Buffer& buffer, const char* name, uint64_t bytes) {
   if (buffer.bytes() > 0 && buffer.bytes() >= bytes) return;
   buffer = {};  // frees the old one before the new one takes memory

@@ -8,6 +8,51 @@
 #include <algorithm>
 
 namespace tetrec {
+namespace {
+
+// A binding that a kernel uses, and the buffer for it.
+struct Use {
+  const KernelBinding* binding;
+  const Buffer* buffer;
+};
+
+const KernelBinding* FindBinding(const Program& program, uint32_t number) {
+  for (const KernelBinding& binding : program.bindings()) {
+    if (binding.number == number) return &binding;
+  }
+  return nullptr;
+}
+
+std::vector<Use> MatchBuffers(const Program& program, const BoundBuffers& buffers) {
+  std::vector<Use> uses;
+  for (const KernelBinding& binding : program.bindings()) {
+    if (binding.is_used) uses.push_back({&binding, nullptr});
+  }
+  for (const auto& [number, buffer] : buffers) {
+    const KernelBinding* binding = FindBinding(program, number);
+    TETREC_CHECK(binding != nullptr, fmt::format("kernel {} has no binding {} for buffer '{}'",
+                                                 program.name(), number, buffer->name()));
+    if (!binding->is_used) continue;
+    Use& use = *std::find_if(uses.begin(), uses.end(),
+                             [&](const Use& other) { return other.binding == binding; });
+    TETREC_CHECK(
+        use.buffer == nullptr && buffer->handle() != VK_NULL_HANDLE,
+        fmt::format("kernel {}: the buffer '{}' for binding {} ({}) is empty or the second",
+                    program.name(), buffer->name(), number, binding->name));
+    TETREC_CHECK(binding->access != Access::kTexelRead || buffer->view() != VK_NULL_HANDLE,
+                 fmt::format("kernel {}: binding {} ({}) needs a texel buffer; '{}' has no format",
+                             program.name(), number, binding->name, buffer->name()));
+    use.buffer = buffer;
+  }
+  for (const Use& use : uses) {
+    TETREC_CHECK(use.buffer != nullptr,
+                 fmt::format("kernel {}: no buffer for binding {} ({})", program.name(),
+                             use.binding->number, use.binding->name));
+  }
+  return uses;
+}
+
+}  // namespace
 
 CommandRecorder::CommandRecorder(const Device& device) : device_(device) {
   VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
@@ -40,7 +85,7 @@ void CommandRecorder::Begin() {
   if (device_.kernel_times) BeginTiming();
 }
 
-// The pool grows to what the last recording would have needed.
+// The pool grows to the size that the last recording would have needed.
 void CommandRecorder::BeginTiming() {
   const uint32_t needed = uint32_t(timed_.size()) + 1;
   if (needed > query_capacity_) {
@@ -65,7 +110,7 @@ void CommandRecorder::WriteTimestamp(const std::string& name) {
   }
 }
 
-// All commands before a timestamp are done when it is written: differences do not overlap.
+// All commands before a timestamp are done when it is written, so differences do not overlap.
 void CommandRecorder::CollectTimes() {
   const size_t count = std::min<size_t>(timed_.size() + 1, query_capacity_);
   std::vector<uint64_t> ticks(count);
@@ -110,39 +155,34 @@ void CommandRecorder::Barrier(VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_
   ++barriers_;
 }
 
-void CommandRecorder::Bind(const Program& program, std::span<const Buffer* const> buffers,
-                           const void* push, uint32_t push_bytes) {
-  const std::vector<BindingSpec>& specs = program.bindings();
-  TETREC_CHECK(
-      buffers.size() == specs.size() && push_bytes == program.push_bytes(),
-      fmt::format("{}: {} buffers, {} push bytes", program.name(), buffers.size(), push_bytes));
-  bool races = false;
-  for (size_t i = 0; i < specs.size(); ++i) {
-    const VkBuffer buffer = buffers[i]->handle();
-    const bool writes = specs[i].access == Access::kWrite || specs[i].access == Access::kReadWrite;
-    races |= written_.contains(buffer) || (writes && read_.contains(buffer));
-  }
+void CommandRecorder::Bind(const Program& program, const BoundBuffers& buffers, const void* push,
+                           uint32_t push_bytes) {
+  TETREC_CHECK(push_bytes == program.push_bytes(),
+               fmt::format("kernel {} has {} bytes of push constants, not {}", program.name(),
+                           program.push_bytes(), push_bytes));
+  const std::vector<Use> uses = MatchBuffers(program, buffers);
+  const bool races = std::any_of(uses.begin(), uses.end(), [&](const Use& use) {
+    const VkBuffer buffer = use.buffer->handle();
+    return written_.contains(buffer) || (Writes(use.binding->access) && read_.contains(buffer));
+  });
   if (races) WorkBarrier();
 
-  std::vector<VkDescriptorBufferInfo> infos(specs.size());
-  std::vector<VkBufferView> views(specs.size());
-  std::vector<VkWriteDescriptorSet> writes(specs.size());
-  for (size_t i = 0; i < specs.size(); ++i) {
-    const bool is_texel = specs[i].access == Access::kTexelRead;
-    TETREC_CHECK(!is_texel || buffers[i]->view() != VK_NULL_HANDLE,
-                 fmt::format("{}: '{}' is no texel buffer", program.name(), buffers[i]->name()));
-    infos[i] = {.buffer = buffers[i]->handle(), .offset = 0, .range = VK_WHOLE_SIZE};
-    views[i] = buffers[i]->view();
+  std::vector<VkDescriptorBufferInfo> infos(uses.size());
+  std::vector<VkBufferView> views(uses.size());
+  std::vector<VkWriteDescriptorSet> writes(uses.size());
+  for (size_t i = 0; i < uses.size(); ++i) {
+    const auto& [binding, buffer] = uses[i];
+    const bool is_texel = binding->access == Access::kTexelRead;
+    infos[i] = {.buffer = buffer->handle(), .offset = 0, .range = VK_WHOLE_SIZE};
+    views[i] = buffer->view();
     writes[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                 .dstBinding = specs[i].binding,
+                 .dstBinding = binding->number,
                  .descriptorCount = 1,
                  .descriptorType = is_texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
                                             : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
                  .pBufferInfo = is_texel ? nullptr : &infos[i],
                  .pTexelBufferView = is_texel ? &views[i] : nullptr};
-    const bool is_write =
-        specs[i].access == Access::kWrite || specs[i].access == Access::kReadWrite;
-    (is_write ? written_ : read_).insert(buffers[i]->handle());
+    (Writes(binding->access) ? written_ : read_).insert(buffer->handle());
   }
   const VkPipelineBindPoint bind_point = program.stages() == VK_SHADER_STAGE_COMPUTE_BIT
                                              ? VK_PIPELINE_BIND_POINT_COMPUTE
@@ -155,12 +195,12 @@ void CommandRecorder::Bind(const Program& program, std::span<const Buffer* const
   }
 }
 
-void CommandRecorder::DispatchBytes(const Program& program, std::span<const Buffer* const> buffers,
+void CommandRecorder::DispatchBytes(const Program& program, const BoundBuffers& buffers,
                                     const void* push, uint32_t push_bytes, uint64_t threads,
-                                    uint32_t local_size, bool in_rows) {
+                                    bool in_rows) {
   TETREC_CHECK(program.stages() == VK_SHADER_STAGE_COMPUTE_BIT, program.name());
   const uint32_t* limits = device_.properties.limits.maxComputeWorkGroupCount;
-  const uint64_t groups = (threads + local_size - 1) / local_size;
+  const uint64_t groups = (threads + program.local_size() - 1) / program.local_size();
   if (groups == 0) return;
   const uint64_t rows = in_rows ? (groups + limits[0] - 1) / limits[0] : 1;
   const uint64_t columns = (groups + rows - 1) / rows;
@@ -171,7 +211,7 @@ void CommandRecorder::DispatchBytes(const Program& program, std::span<const Buff
   WriteTimestamp(program.name());
 }
 
-void CommandRecorder::DrawBytes(const Program& program, std::span<const Buffer* const> buffers,
+void CommandRecorder::DrawBytes(const Program& program, const BoundBuffers& buffers,
                                 const void* push, uint32_t push_bytes, uint32_t vertices,
                                 const PixelRect& viewport, const PixelRect& area) {
   TETREC_CHECK(program.stages() != VK_SHADER_STAGE_COMPUTE_BIT, program.name());

@@ -1,4 +1,4 @@
-// A Vulkan device with one compute queue.
+// A Vulkan device with one queue for compute and, if possible, graphics.
 #include "gpu/device.h"
 
 #include "core/error.h"
@@ -144,12 +144,12 @@ VkPhysicalDevice ChooseDevice(VkInstance instance, const std::string& wish) {
     const size_t number = wish.size() > 6 ? devices.size() : std::stoul(wish);
     if (number < devices.size()) return devices[number];
     throw EnvironmentError(
-        fmt::format("--device {}: no such Vulkan device; here are {}, numbered from 0; give a "
-                    "lower number or auto",
+        fmt::format("no Vulkan device {}: there are {}, numbered from 0; choose a lower number or "
+                    "'auto'",
                     wish, devices.size()));
   }
   if (wish != "auto" && wish != "cpu" && wish != "gpu") {
-    throw UsageError(fmt::format("--device '{}' is not auto, cpu, gpu or a number", wish));
+    throw UsageError(fmt::format("device '{}': expected auto, cpu, gpu or a number", wish));
   }
   VkPhysicalDevice best = VK_NULL_HANDLE;
   int best_rank = 5;
@@ -163,12 +163,13 @@ VkPhysicalDevice ChooseDevice(VkInstance instance, const std::string& wish) {
     }
   }
   if (best == VK_NULL_HANDLE) {
-    throw EnvironmentError(fmt::format("no Vulkan device of kind '{}': use --device auto", wish));
+    throw EnvironmentError(
+        fmt::format("no Vulkan device of kind '{}': choose the device 'auto'", wish));
   }
   return best;
 }
 
-// The family that computes, and draws too where one does both.
+// The family that computes; one that draws too is preferred.
 uint32_t ChooseQueueFamily(VkPhysicalDevice device, bool& has_graphics) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
@@ -182,7 +183,7 @@ uint32_t ChooseQueueFamily(VkPhysicalDevice device, bool& has_graphics) {
       return i;
     }
   }
-  throw EnvironmentError("the Vulkan device has no compute queue: choose another with --device");
+  throw EnvironmentError("the Vulkan device has no compute queue: choose another device");
 }
 
 uint32_t TimestampBits(VkPhysicalDevice device, uint32_t family) {
@@ -212,7 +213,7 @@ bool AddsFloatsAtomically(VkPhysicalDevice device) {
   return atomics.shaderBufferFloat32AtomicAdd == VK_TRUE;
 }
 
-// What device->has_raster and has_int64_atomics need.
+// The features that Device::has_raster and has_int64_atomics need.
 struct CoreFeatures {
   bool raster, int64_atomics;
 };
@@ -233,7 +234,7 @@ CoreFeatures QueryFeatures(VkPhysicalDevice device) {
 
 void CreateLogicalDevice(Device& device) {
   if (device.properties.apiVersion < VK_API_VERSION_1_3) {
-    throw EnvironmentError(fmt::format("Vulkan device '{}' has API {}.{}, 1.3 is needed",
+    throw EnvironmentError(fmt::format("Vulkan device '{}' has API {}.{}; 1.3 is needed",
                                        device.properties.deviceName,
                                        VK_API_VERSION_MAJOR(device.properties.apiVersion),
                                        VK_API_VERSION_MINOR(device.properties.apiVersion)));
@@ -329,8 +330,9 @@ std::unique_ptr<Device> CreateDevice(const DeviceOptions& options) {
     device->has_int64_atomics = features.int64_atomics;
     if (!device->has_int64_atomics) {
       throw EnvironmentError(fmt::format(
-          "--deterministic: Vulkan device '{}' lacks 64-bit integer atomics (shaderInt64, "
-          "shaderBufferInt64Atomics): choose another with --device, or leave the option out",
+          "Vulkan device '{}' lacks 64-bit integer atomics (shaderInt64, "
+          "shaderBufferInt64Atomics), which deterministic sums need: choose another device or do "
+          "without determinism",
           device->properties.deviceName));
     }
   }

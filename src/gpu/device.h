@@ -1,4 +1,4 @@
-// A Vulkan device with one queue for compute and, where it can, graphics.
+// A Vulkan device with one queue for compute and, if possible, graphics.
 #pragma once
 
 #include "gpu/device_options.h"
@@ -14,9 +14,9 @@
 
 namespace tetrec {
 
-// Of a device's buffers.
+// Memory that a device's buffers take.
 struct MemoryUse {
-  uint64_t bytes = 0, most_bytes = 0;  // now, and at most since the device was made
+  uint64_t bytes = 0, most_bytes = 0;  // now, and the maximum since the device was made
 };
 
 struct Device {
@@ -36,8 +36,8 @@ struct Device {
   PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
   std::vector<std::string> validation_messages;  // empty means clean
   const std::unique_ptr<MemoryUse> memory_use = std::make_unique<MemoryUse>();
-  std::unique_ptr<KernelTimes> kernel_times;  // null unless asked for and possible
-  uint32_t timestamp_bits = 0;                // that count; 0: the queue has no timestamps
+  std::unique_ptr<KernelTimes> kernel_times;  // null unless requested and possible
+  uint32_t timestamp_bits = 0;                // valid bits; 0: the queue has no timestamps
 
   Device() = default;
   Device(const Device&) = delete;
@@ -45,22 +45,22 @@ struct Device {
   ~Device();
 };
 
-// Throws EnvironmentError: no Vulkan loader or driver, no such device, a feature that is missing
-// (named).
+// Throws EnvironmentError if there is no Vulkan loader or driver or no such device, or if a feature
+// is missing, which it names; UsageError if `options.device` has no meaning.
 std::unique_ptr<Device> CreateDevice(const DeviceOptions& options);
 
-// Rounds that all loops of one kernel invocation may run, nested ones counted. llvmpipe ends them
-// beyond that and says nothing: results are wrong.
+// Rounds that all loops of one kernel invocation may run together, nested ones included. Beyond
+// that llvmpipe silently ends them, and results are wrong.
 uint32_t MostLoopRounds(const Device& device);
 
 // Names of the devices in the order of their numbers.
 std::vector<std::string> ListDevices();
 
-// For the manifest: name, type, API version, driver.
+// Name, type, API version and driver, for the manifest.
 nlohmann::json DescribeDevice(const Device& device);
 
-// Throws EnvironmentError (out of memory, device lost) or BugError with the call and the result's
-// name.
+// Throws EnvironmentError (out of memory, device lost) or BugError with the call and the name of
+// the result.
 void CheckVulkan(VkResult result, const char* call);
 #define TETREC_VK(call) ::tetrec::CheckVulkan((call), #call)
 

@@ -1,4 +1,4 @@
-// Which Vulkan device to use and how; no Vulkan type in it.
+// Which Vulkan device to use and how, without Vulkan types.
 #pragma once
 
 #include <string>
@@ -6,12 +6,12 @@
 namespace tetrec {
 
 struct DeviceOptions {
-  // "auto" (a GPU where there is one, else software), "cpu", "gpu", or a number of ListDevices.
+  // "auto" (a GPU if there is one, otherwise software), "cpu", "gpu", or an index of ListDevices.
   std::string device = "auto";
-  bool validation = false;     // core and synchronization validation; messages are counted
-  bool float_atomics = true;   // false: compare and swap even where the device adds floats natively
-  bool time_kernels = false;   // by timestamps; nothing where the device has none
-  bool int64_atomics = false;  // needed; a device without them is an EnvironmentError
+  bool validation = false;     // core and synchronization validation; messages are collected
+  bool float_atomics = true;   // false: compare-and-swap even if the device adds floats natively
+  bool time_kernels = false;   // by timestamps, if the device has them
+  bool int64_atomics = false;  // required: a device without them is an EnvironmentError
 };
 
 }  // namespace tetrec

@@ -13,7 +13,7 @@ struct KernelTimes {
     double seconds = 0;
   };
   std::map<std::string, Entry> by_name;
-  uint64_t untimed_calls = 0;  // for which there was no room in the query pool
+  uint64_t untimed_calls = 0;  // that found no room in the query pool
 };
 
 }  // namespace tetrec

@@ -1,6 +1,11 @@
 // A kernel: pipeline, layout of its bindings, size of its push constants.
 #include "gpu/program.h"
 
+#include "core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -15,17 +20,38 @@ VkShaderModule MakeShaderModule(const Device& device, std::span<const uint32_t> 
   return shader;
 }
 
-Program::Program(const Device& device, std::string name, std::vector<BindingSpec> bindings,
-                 uint32_t push_bytes, VkShaderStageFlags stages)
+namespace {
+
+void CheckKernel(const std::string& name, const Reflection& kernel,
+                 std::span<const SpecializationConstant> constants) {
+  for (const SpecializationConstant& constant : constants) {
+    TETREC_CHECK(
+        std::binary_search(kernel.constant_ids.begin(), kernel.constant_ids.end(), constant.id),
+        fmt::format("kernel {} has no specialization constant {}", name, constant.id));
+  }
+  // Threads are numbered along x. lavapipe fills its 8 lanes along x only.
+  const auto& size = kernel.local_size;
+  TETREC_CHECK(size[0] > 0 && size[0] % 8 == 0 && size[1] == 1 && size[2] == 1,
+               fmt::format("kernel {} has a local size of {} x {} x {}; expected 8 n x 1 x 1", name,
+                           size[0], size[1], size[2]));
+}
+
+}  // namespace
+
+Program::Program(const Device& device, std::string name, Reflection reflection,
+                 VkShaderStageFlags stages)
     : device_(&device),
       name_(std::move(name)),
-      bindings_(std::move(bindings)),
-      push_bytes_(push_bytes),
+      reflection_(std::move(reflection)),
       stages_(stages) {
+  TETREC_CHECK(push_bytes() <= device.properties.limits.maxPushConstantsSize,
+               fmt::format("kernel {} has {} bytes of push constants; the device takes {}", name_,
+                           push_bytes(), device.properties.limits.maxPushConstantsSize));
   std::vector<VkDescriptorSetLayoutBinding> slots;
-  for (const BindingSpec& spec : bindings_) {
-    slots.push_back({.binding = spec.binding,
-                     .descriptorType = spec.access == Access::kTexelRead
+  for (const KernelBinding& binding : bindings()) {
+    if (!binding.is_used) continue;
+    slots.push_back({.binding = binding.number,
+                     .descriptorType = binding.access == Access::kTexelRead
                                            ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
                                            : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
                      .descriptorCount = 1,
@@ -38,20 +64,19 @@ Program::Program(const Device& device, std::string name, std::vector<BindingSpec
       .bindingCount = uint32_t(slots.size()),
       .pBindings = slots.data()};
   TETREC_VK(vkCreateDescriptorSetLayout(device.handle, &set, nullptr, &set_layout_));
-  const VkPushConstantRange range{stages_, 0, push_bytes};
+  const VkPushConstantRange range{stages_, 0, push_bytes()};
   VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                     .setLayoutCount = 1,
                                     .pSetLayouts = &set_layout_,
-                                    .pushConstantRangeCount = push_bytes > 0 ? 1u : 0u,
+                                    .pushConstantRangeCount = push_bytes() > 0 ? 1u : 0u,
                                     .pPushConstantRanges = &range};
   TETREC_VK(vkCreatePipelineLayout(device.handle, &layout, nullptr, &layout_));
 }
 
 Program::Program(const Device& device, std::string name, std::span<const uint32_t> spirv,
-                 std::vector<BindingSpec> bindings, uint32_t push_bytes,
                  std::span<const SpecializationConstant> constants)
-    : Program(device, std::move(name), std::move(bindings), push_bytes,
-              VK_SHADER_STAGE_COMPUTE_BIT) {
+    : Program(device, name, Reflect(name, spirv), VK_SHADER_STAGE_COMPUTE_BIT) {
+  CheckKernel(name_, reflection_, constants);
   const VkShaderModule shader = MakeShaderModule(device, spirv);
   std::vector<VkSpecializationMapEntry> entries;
   for (size_t i = 0; i < constants.size(); ++i) {
@@ -88,8 +113,7 @@ Program::~Program() {
 void Program::Swap(Program& other) noexcept {
   std::swap(device_, other.device_);
   std::swap(name_, other.name_);
-  std::swap(bindings_, other.bindings_);
-  std::swap(push_bytes_, other.push_bytes_);
+  std::swap(reflection_, other.reflection_);
   std::swap(stages_, other.stages_);
   std::swap(set_layout_, other.set_layout_);
   std::swap(layout_, other.layout_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gpu/device.h"
+#include "gpu/reflection.h"
 
 #include <span>
 #include <string>
@@ -9,26 +10,19 @@
 
 namespace tetrec {
 
-// How a kernel uses a binding; the command recorder derives barriers from it.
-enum class Access { kTexelRead, kRead, kWrite, kReadWrite };
-
-struct BindingSpec {
-  uint32_t binding;
-  Access access;
-};
-
 // A value for `layout(constant_id = id) const int`; the driver compiles the kernel for it.
 struct SpecializationConstant {
   uint32_t id;
   int32_t value;
 };
 
+// What the kernel binds and how large its push constants and workgroups are comes from its SPIR-V.
 class Program {
  public:
   Program() = default;
-  // A compute kernel; raster_program.h makes the other kind.
+  // A compute kernel; raster_program.h makes the other kind. Throws BugError if the kernel lacks
+  // one of the constants or has a local size that lavapipe runs badly.
   Program(const Device& device, std::string name, std::span<const uint32_t> spirv,
-          std::vector<BindingSpec> bindings, uint32_t push_bytes,
           std::span<const SpecializationConstant> constants = {});
   Program(Program&& other) noexcept { Swap(other); }
   Program& operator=(Program&& other) noexcept {
@@ -40,24 +34,22 @@ class Program {
   VkPipeline pipeline() const { return pipeline_; }
   VkPipelineLayout layout() const { return layout_; }
   VkShaderStageFlags stages() const { return stages_; }
-  const std::vector<BindingSpec>& bindings() const { return bindings_; }
-  uint32_t push_bytes() const { return push_bytes_; }
+  const std::vector<KernelBinding>& bindings() const { return reflection_.bindings; }
+  uint32_t push_bytes() const { return reflection_.push_bytes; }
+  uint32_t local_size() const { return reflection_.local_size[0]; }
   const std::string& name() const { return name_; }
 
  private:
   // Without a pipeline.
-  Program(const Device& device, std::string name, std::vector<BindingSpec> bindings,
-          uint32_t push_bytes, VkShaderStageFlags stages);
+  Program(const Device& device, std::string name, Reflection reflection, VkShaderStageFlags stages);
   friend Program MakeRasterProgram(const Device& device, std::string name,
                                    std::span<const uint32_t> vertex_spirv,
-                                   std::span<const uint32_t> fragment_spirv,
-                                   std::vector<BindingSpec> bindings, uint32_t push_bytes);
+                                   std::span<const uint32_t> fragment_spirv);
   void Swap(Program& other) noexcept;
 
   const Device* device_ = nullptr;
   std::string name_;
-  std::vector<BindingSpec> bindings_;
-  uint32_t push_bytes_ = 0;
+  Reflection reflection_;
   VkShaderStageFlags stages_ = 0;
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
   VkPipelineLayout layout_ = VK_NULL_HANDLE;

@@ -9,16 +9,16 @@ namespace tetrec {
 
 Program MakeRasterProgram(const Device& device, std::string name,
                           std::span<const uint32_t> vertex_spirv,
-                          std::span<const uint32_t> fragment_spirv,
-                          std::vector<BindingSpec> bindings, uint32_t push_bytes) {
+                          std::span<const uint32_t> fragment_spirv) {
   if (!device.has_raster) {
     throw EnvironmentError(
         fmt::format("Vulkan device '{}' cannot rasterise into buffers (no graphics queue, dynamic "
-                    "rendering or fragmentStoresAndAtomics): choose another with --device or use "
-                    "--renderer march",
+                    "rendering or fragmentStoresAndAtomics): choose another device or the renderer "
+                    "'march'",
                     device.properties.deviceName));
   }
-  Program program(device, std::move(name), std::move(bindings), push_bytes,
+  Reflection both = Merge(name, Reflect(name, vertex_spirv), Reflect(name, fragment_spirv));
+  Program program(device, std::move(name), std::move(both),
                   VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT);
   const VkShaderModule vertex = MakeShaderModule(device, vertex_spirv);
   const VkShaderModule fragment = MakeShaderModule(device, fragment_spirv);

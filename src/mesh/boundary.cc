@@ -1,4 +1,4 @@
-// The boundary of a mesh: its faces and vertices, whether it is convex, a tree of boxes over them.
+// The boundary of a mesh: its faces and vertices, a check for convexity, a tree of boxes over them.
 #include "mesh/boundary.h"
 
 #include "core/error.h"
@@ -21,13 +21,13 @@ std::array<uint32_t, 3> VerticesOf(const TetMesh& mesh, const BoundaryFace& face
   return ids;
 }
 
-// Positive where `point` lies outside the plane of the face.
+// Positive if `point` is outside the plane of the face.
 int SideOf(const TetMesh& mesh, const std::array<uint32_t, 3>& face, uint32_t point) {
   return Orientation(mesh.positions[face[0]], mesh.positions[face[1]], mesh.positions[face[2]],
                      mesh.positions[point]);
 }
 
-// The vertices of least and greatest x, y, z.
+// The vertices with the smallest and the largest x, y and z.
 std::array<uint32_t, 6> ExtremeVertices(const TetMesh& mesh) {
   std::array<uint32_t, 6> extremes{};
   for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
@@ -65,8 +65,8 @@ struct HalfEdge {
   uint64_t Key() const { return uint64_t(std::min(from, to)) << 32 | std::max(from, to); }
 };
 
-// Two faces must meet at every edge, neither's far vertex outside the other's plane. A closed,
-// connected surface that is convex along every edge bounds a convex solid.
+// Two faces must meet at every edge, and the far vertex of neither may be outside the plane of the
+// other. A closed, connected surface that is convex along every edge bounds a convex solid.
 std::string FirstEdgeNotConvex(const TetMesh& mesh, std::span<const BoundaryFace> faces) {
   std::vector<HalfEdge> edges;
   edges.reserve(3 * faces.size());
@@ -102,7 +102,7 @@ class TreeBuilder {
   TreeBuilder(const TetMesh& mesh, std::span<const BoundaryFace> faces, BoxTree& tree)
       : mesh_(mesh), tree_(tree) {
     const Bounds3 bounds = BoundsOf(mesh.positions);
-    // A kernel's coordinates err by up to 2^-21 of these.
+    // The error of a kernel's coordinates is at most 2^-21 of these lengths.
     margin_ = float(4e-6 * (glm::length(bounds.Center()) + bounds.Diagonal()));
     splits_.reserve(faces.size());
     for (const BoundaryFace& face : faces) splits_.push_back({Middle(face), face});
@@ -185,20 +185,20 @@ std::vector<uint8_t> BoundaryVertices(const TetMesh& mesh) {
 }
 
 std::string WhyNotConvex(const TetMesh& mesh, std::span<const BoundaryFace> faces) {
-  // Around a hole the first faces already have an outermost vertex of the mesh before them.
+  // A cheap test first: faces around a hole usually have an outermost vertex of the mesh in front.
   const std::array<uint32_t, 6> extremes = ExtremeVertices(mesh);
   for (const BoundaryFace& face : faces) {
     const std::array<uint32_t, 3> v = VerticesOf(mesh, face);
     for (uint32_t extreme : extremes) {
       if (SideOf(mesh, v, extreme) > 0) {
-        return fmt::format("the boundary is not convex: vertex {} lies before face {}-{}-{}",
+        return fmt::format("the boundary is not convex: vertex {} is in front of face {}-{}-{}",
                            extreme, v[0], v[1], v[2]);
       }
     }
   }
   const uint64_t reached = CountReachable(mesh);
   if (reached != mesh.tets.size()) {
-    return fmt::format("the mesh falls into parts: {} of {} tets are reached from tet 0", reached,
+    return fmt::format("the mesh is not connected: {} of {} tets are reached from tet 0", reached,
                        mesh.tets.size());
   }
   return FirstEdgeNotConvex(mesh, faces);
@@ -207,7 +207,7 @@ std::string WhyNotConvex(const TetMesh& mesh, std::span<const BoundaryFace> face
 BoxTree BuildBoxTree(const TetMesh& mesh, std::vector<BoundaryFace>& faces) {
   TETREC_CHECK(!faces.empty(), "a boundary without faces");
   BoxTree tree;
-  tree.leaves = std::bit_floor(uint32_t(faces.size()));  // one or two faces a leaf
+  tree.leaves = std::bit_floor(uint32_t(faces.size()));  // one or two faces per leaf
   tree.nodes.resize(2 * size_t(tree.leaves));
   TreeBuilder builder(mesh, faces, tree);
   builder.Build(1, 0, faces.size());

@@ -26,14 +26,14 @@ using Triangulation =
     CGAL::Delaunay_triangulation_3<Kernel,
                                    CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 
-// CGAL accepts NaN and infinity silently in a release build.
+// Rejects NaN and infinity, which a release build of CGAL accepts silently.
 std::vector<Kernel::Point_3> CheckedPoints(std::span<const glm::vec3> points) {
   if (points.size() < 4) {
     throw DataError(fmt::format("{} points are too few for a tetrahedron: at least 4 are needed",
                                 points.size()));
   }
   if (points.size() >= kNoTet) {
-    throw DataError(fmt::format("{} points are more than 32-bit ids can name", points.size()));
+    throw DataError(fmt::format("{} points are too many for 32-bit ids", points.size()));
   }
   std::vector<Kernel::Point_3> checked;
   checked.reserve(points.size());
@@ -48,8 +48,8 @@ std::vector<Kernel::Point_3> CheckedPoints(std::span<const glm::vec3> points) {
   return checked;
 }
 
-// Inserts in spatial order, each point near the one before. A vertex' info is its smallest input
-// index.
+// Inserts in spatial order, so that each point is near the previous one. The info of a vertex is
+// the smallest input index of its point.
 Triangulation Insert(const std::vector<Kernel::Point_3>& points) {
   std::vector<size_t> order(points.size());  // size_t: the key type of CGAL's property map
   std::iota(order.begin(), order.end(), size_t{0});

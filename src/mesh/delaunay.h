@@ -1,4 +1,4 @@
-// Delaunay tetrahedralization. The only door to CGAL.
+// Delaunay tetrahedralization, the only header that leads to CGAL.
 #pragma once
 
 #include "mesh/tet_mesh.h"
@@ -11,12 +11,12 @@
 namespace tetrec {
 
 struct DelaunayResult {
-  TetMesh mesh;                           // Morton-sorted, valid (CheckTetMesh holds)
+  TetMesh mesh;                           // Morton-sorted, passes CheckTetMesh
   std::vector<uint32_t> point_of_vertex;  // (V) index of the input point; duplicates are dropped
 };
 
-// Exact predicates: right for every finite input. Points are taken as the exact values of their
-// floats. Throws DataError: non-finite point, fewer than 4 points, all coplanar.
+// Uses exact predicates, so the result is correct for every finite input. Throws DataError if a
+// point is not finite, there are fewer than 4 points or all are coplanar.
 DelaunayResult BuildDelaunay(std::span<const glm::vec3> points);
 
 }  // namespace tetrec

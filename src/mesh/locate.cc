@@ -1,4 +1,4 @@
-// Which tet holds a point.
+// Search for the tet that contains a point.
 #include "mesh/locate.h"
 
 #include "core/parallel.h"
@@ -8,8 +8,8 @@
 namespace tetrec {
 namespace {
 
-// Six times the signed volume of the tet with its vertex `face` replaced by the point: negative
-// where the point lies beyond that face.
+// Six times the signed volume of the tet with its vertex `face` replaced by the point. Negative if
+// the point is beyond that face.
 double Side(const TetMesh& mesh, uint32_t tet, int face, const glm::dvec3& point) {
   glm::dvec3 p[4];
   for (int i = 0; i < 4; ++i) {
@@ -18,7 +18,7 @@ double Side(const TetMesh& mesh, uint32_t tet, int face, const glm::dvec3& point
   return glm::dot(p[3] - p[0], glm::cross(p[1] - p[0], p[2] - p[0]));
 }
 
-// The face that the point lies farthest beyond; -1 where the tet holds it.
+// The face that the point is farthest beyond, or -1 if the tet contains the point.
 int FaceBeyond(const TetMesh& mesh, uint32_t tet, const glm::dvec3& point) {
   int face = -1;
   double least = 0.0;
@@ -32,7 +32,7 @@ int FaceBeyond(const TetMesh& mesh, uint32_t tet, const glm::dvec3& point) {
   return face;
 }
 
-bool BoxHolds(const TetMesh& mesh, uint32_t tet, const glm::dvec3& point) {
+bool BoxContains(const TetMesh& mesh, uint32_t tet, const glm::dvec3& point) {
   const glm::uvec4& ids = mesh.tets[tet];
   glm::vec3 low = mesh.positions[ids[0]], high = low;
   for (int i = 1; i < 4; ++i) {
@@ -43,12 +43,12 @@ bool BoxHolds(const TetMesh& mesh, uint32_t tet, const glm::dvec3& point) {
          glm::all(glm::lessThanEqual(point, glm::dvec3(high)));
 }
 
-// The first of all tets that holds the point.
+// The first tet that contains the point, found by trying all of them.
 uint32_t ScanForTet(const TetMesh& mesh, const glm::dvec3& point) {
   std::atomic<uint32_t> found = kNoTet;
   ParallelFor(mesh.tets.size(), 1 << 14, [&](size_t begin, size_t end) {
     for (uint32_t t = uint32_t(begin); t < end && t < found.load(std::memory_order_relaxed); ++t) {
-      if (!BoxHolds(mesh, t, point) || FaceBeyond(mesh, t, point) >= 0) continue;
+      if (!BoxContains(mesh, t, point) || FaceBeyond(mesh, t, point) >= 0) continue;
       uint32_t before = found;
       while (t < before && !found.compare_exchange_weak(before, t)) {
       }
@@ -68,7 +68,7 @@ uint32_t FindTet(const TetMesh& mesh, const glm::dvec3& point, uint32_t start, b
     if (next == kNoTet) return is_convex ? kNoTet : ScanForTet(mesh, point);
     tet = next;
   }
-  return ScanForTet(mesh, point);  // the walk went in circles by rounding
+  return ScanForTet(mesh, point);  // rounding made the walk circle
 }
 
 }  // namespace tetrec

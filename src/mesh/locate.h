@@ -1,14 +1,14 @@
-// Which tet holds a point.
+// Search for the tet that contains a point.
 #pragma once
 
 #include "mesh/tet_mesh.h"
 
 namespace tetrec {
 
-// The tet that holds `point` (on a shared face: either), or kNoTet outside the mesh. Walks from tet
-// to tet through the face that the point lies beyond, from `start`. Where the walk ends at the
-// boundary the point is outside a mesh whose boundary `is_convex`; of others all tets are tried
-// then (5 ns each).
+// The tet that contains `point` (either one if it is on a shared face), or kNoTet outside the mesh.
+// Walks from `start` from tet to tet, through a face that separates the tet from the point. A walk
+// that reaches the boundary proves that the point is outside if the boundary `is_convex`; otherwise
+// all tets are tried (5 ns each).
 uint32_t FindTet(const TetMesh& mesh, const glm::dvec3& point, uint32_t start = 0,
                  bool is_convex = false);
 

@@ -11,7 +11,8 @@
 
 namespace tetrec {
 
-static_assert(std::endian::native == std::endian::little, "our formats are little endian");
+static_assert(std::endian::native == std::endian::little,
+              "all formats of this project are little endian");
 static_assert(sizeof(glm::vec3) == 12 && sizeof(glm::uvec4) == 16);
 
 void ExpectMagic(ByteReader& reader, const char (&magic)[9], const char* kind) {
@@ -22,7 +23,7 @@ void ExpectMagic(ByteReader& reader, const char (&magic)[9], const char* kind) {
       other_version
           ? fmt::format("{}: is a {} of format version '{}', this program reads '{}'",
                         reader.name(), kind, found[7], magic[7])
-          : fmt::format("{}: is not a {} (it does not begin with {})", reader.name(), kind, magic));
+          : fmt::format("{}: is not a {} (it does not start with {})", reader.name(), kind, magic));
 }
 
 void AppendTetMesh(ByteWriter& writer, const TetMesh& mesh) {

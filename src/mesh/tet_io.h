@@ -1,4 +1,4 @@
-// The tet mesh inside other files of ours.
+// Tet meshes embedded in other files of this project.
 #pragma once
 
 #include "core/file.h"
@@ -6,13 +6,13 @@
 
 namespace tetrec {
 
-// Appends what WriteTetMesh writes, magic included.
+// Appends the contents of a .tet file, magic included.
 void AppendTetMesh(ByteWriter& writer, const TetMesh& mesh);
 
-// Reads it back and runs CheckTetMesh. Throws DataError naming the reader's file.
+// Reads these contents back and runs CheckTetMesh. Throws DataError that names the reader's file.
 TetMesh TakeTetMesh(ByteReader& reader);
 
-// Throws DataError unless the next 8 bytes are `magic`; `kind` is what the file should have been.
+// Throws DataError unless the next 8 bytes are `magic`; `kind` is the kind of file expected.
 void ExpectMagic(ByteReader& reader, const char (&magic)[9], const char* kind);
 
 }  // namespace tetrec

@@ -17,11 +17,11 @@ namespace {
 void CheckSizesAndIds(const TetMesh& mesh) {
   if (mesh.tets.empty()) throw DataError("the mesh has no tet");
   if (mesh.tets.size() >= kNoTet || mesh.positions.size() >= kNoTet) {
-    throw DataError(fmt::format("{} tets and {} vertices are more than 32-bit ids can name",
+    throw DataError(fmt::format("{} tets and {} vertices are too many for 32-bit ids",
                                 mesh.tets.size(), mesh.positions.size()));
   }
   if (mesh.neighbors.size() != mesh.tets.size()) {
-    throw DataError(fmt::format("the mesh has {} tets but neighbours of {}", mesh.tets.size(),
+    throw DataError(fmt::format("the mesh has {} tets but neighbours for {}", mesh.tets.size(),
                                 mesh.neighbors.size()));
   }
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -45,12 +45,6 @@ void CheckSizesAndIds(const TetMesh& mesh) {
   }
 }
 
-double Volume(const TetMesh& mesh, const glm::uvec4& tet) {
-  const glm::dvec3 p0(mesh.positions[tet[0]]), p1(mesh.positions[tet[1]]),
-      p2(mesh.positions[tet[2]]), p3(mesh.positions[tet[3]]);
-  return glm::dot(p1 - p0, glm::cross(p2 - p0, p3 - p0)) / 6;
-}
-
 void CheckOrientations(const TetMesh& mesh) {
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
     const glm::uvec4 tet = mesh.tets[t];
@@ -59,7 +53,7 @@ void CheckOrientations(const TetMesh& mesh) {
     if (sign > 0) continue;
     throw DataError(fmt::format("tet {} (vertices {}, {}, {}, {}) is {}: its volume is {:.6g}", t,
                                 tet[0], tet[1], tet[2], tet[3], sign < 0 ? "inverted" : "flat",
-                                sign < 0 ? Volume(mesh, tet) : 0.0));
+                                sign < 0 ? TetVolume(mesh, tet) : 0.0));
   }
 }
 
@@ -74,7 +68,7 @@ glm::uvec3 SortedFace(const glm::uvec4& tet, int face) {
   return v;
 }
 
-// Every link must be answered by one back, over the same three vertices.
+// For every link there must be one back, over the same three vertices.
 void CheckLinks(const TetMesh& mesh) {
   for (uint32_t t = 0; t < mesh.tets.size(); ++t) {
     for (int i = 0; i < 4; ++i) {
@@ -88,7 +82,7 @@ void CheckLinks(const TetMesh& mesh) {
             "tet {} links to {} over its face {}, but that has no link back", t, neighbor, i));
       }
       const glm::uvec3 face = SortedFace(mesh.tets[t], i);
-      // A tet may link back twice in a damaged mesh; the faces tell.
+      // In a damaged mesh a tet may link back twice; the right link is the one over the same face.
       bool is_shared = false;
       for (int k = back; k < 4; ++k) {
         is_shared |= mesh.neighbors[neighbor][k] == t && SortedFace(mesh.tets[neighbor], k) == face;
@@ -136,8 +130,8 @@ uint64_t SpreadBits(uint64_t x) {
   return x;
 }
 
-// Indices of `points` along a Morton curve through their bounding cube; equal codes keep their
-// order.
+// Indices of `points` along a Morton curve through their bounding cube. Points of equal code keep
+// their order.
 std::vector<uint32_t> MortonOrder(const std::vector<glm::vec3>& points) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (const glm::vec3& p : points) {
@@ -168,10 +162,16 @@ std::vector<uint32_t> Inverse(const std::vector<uint32_t>& order) {
 
 }  // namespace
 
+double TetVolume(const TetMesh& mesh, const glm::uvec4& tet) {
+  const glm::dvec3 p0(mesh.positions[tet[0]]), p1(mesh.positions[tet[1]]),
+      p2(mesh.positions[tet[2]]), p3(mesh.positions[tet[3]]);
+  return glm::dot(p1 - p0, glm::cross(p2 - p0, p3 - p0)) / 6;
+}
+
 std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count) {
-  // Faces are gathered by their smallest vertex: buckets are short, so matching inside is cheap.
+  // Faces are grouped by their smallest vertex: groups are short, so matching within them is cheap.
   std::vector<uint32_t> begin(vertex_count + 1, 0);
-  TETREC_CHECK(tets.size() < (size_t{1} << 30), "4 faces a tet must fit into 32 bits");
+  TETREC_CHECK(tets.size() < (size_t{1} << 30), "4 faces per tet must fit into 32 bits");
   for (size_t t = 0; t < tets.size(); ++t) {
     for (int i = 0; i < 4; ++i) {
       const glm::uvec3 face = SortedFace(tets[t], i);
@@ -237,7 +237,8 @@ void CheckConvexDomain(const TetMesh& mesh) {
   const std::string why = WhyNotConvex(mesh, BoundaryFaces(mesh));
   if (!why.empty()) {
     throw DataError(fmt::format(
-        "{}: only tetrec-render takes such a mesh; make another with tetrec-tetrahedralize", why));
+        "{}: only tetrec-render accepts such a mesh; make another with tetrec-tetrahedralize",
+        why));
   }
 }
 
@@ -277,7 +278,7 @@ std::vector<uint32_t> SortAlongMortonCurve(TetMesh& mesh) {
   std::vector<glm::vec3> centers(mesh.tets.size());
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
     const glm::uvec4 tet = mesh.tets[t];
-    // Quarters are added, not divided afterwards: no overflow for huge coordinates.
+    // Adds quarters instead of dividing the sum, which overflows for huge coordinates.
     for (int i = 0; i < 4; ++i) centers[t] += 0.25f * mesh.positions[tet[i]];
   }
   const std::vector<uint32_t> old_tet = MortonOrder(centers);

@@ -30,30 +30,33 @@ struct TetMeshQuality {
   uint64_t boundary_faces = 0;
 };
 
-// Neighbour links from vertex ids. Throws DataError where more than two tets share a face.
+// Signed volume, positive for a positively oriented tet.
+double TetVolume(const TetMesh& mesh, const glm::uvec4& tet);
+
+// Finds neighbours by vertex ids. Throws DataError if more than two tets share a face.
 std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count);
 
-// Throws DataError naming the first offence: non-finite position, id out of range, tet not
-// positively oriented (exact predicate), unreferenced vertex, link that is not symmetric or not
-// over equal faces. Linear in time, a second for 4 M tets. A face that two tets share without a
-// link is no offence here: it is taken for boundary.
+// Throws DataError that names the first fault: a position that is not finite, an id out of range, a
+// tet that is not positively oriented (exact predicate), an unreferenced vertex, a link that is not
+// symmetric or not over equal faces. Takes linear time, a second for 4 M tets. A face that two tets
+// share without a link is not a fault here but part of the boundary.
 void CheckTets(const TetMesh& mesh);
 
-// CheckTets, and that no link is missing. Holes, cavities and several parts are allowed.
+// Runs CheckTets and checks that no link is missing. Holes, cavities and several parts are allowed.
 void CheckTetMesh(const TetMesh& mesh);
 
-// For stages that fill a convex domain. Throws DataError where the mesh is not one part with a
-// convex boundary.
+// For stages that require a convex domain. Throws DataError unless the mesh is connected and its
+// boundary is convex.
 void CheckConvexDomain(const TetMesh& mesh);
 
 TetMeshQuality MeasureQuality(const TetMesh& mesh);
 
 // Sorts vertices and tets along a Morton curve (marching is 1.9 times faster than in random order
-// at 1 M tets). Returns old vertex index per new vertex.
+// at 1 M tets). Returns the old index of each new vertex.
 std::vector<uint32_t> SortAlongMortonCurve(TetMesh& mesh);
 
-// Own format, little endian: "TETRECM1", u64 V, u64 T, positions f32 x 3 V, tets u32 x 4 T,
-// neighbours u32 x 4 T. The reader checks counts and runs the cheap part of CheckTetMesh.
+// The .tet format, little endian: "TETRECM1", u64 V, u64 T, positions f32 x 3 V, tets u32 x 4 T,
+// neighbours u32 x 4 T. The reader checks counts and runs CheckTetMesh.
 void WriteTetMesh(const std::filesystem::path& path, const TetMesh& mesh);
 TetMesh ReadTetMesh(const std::filesystem::path& path);
 TetMesh ParseTetMesh(std::span<const uint8_t> bytes, const std::string& name);

@@ -1,4 +1,4 @@
-// Triangle meshes on disk: PLY in and out, OBJ out.
+// Files of triangle meshes: reads and writes PLY, writes OBJ.
 #include "core/error.h"
 #include "core/file.h"
 #include "core/ply.h"
@@ -35,7 +35,7 @@ void ReadPositions(const PlyElement& vertices, const std::string& name, Triangle
   }
 }
 
-// Colours are 8 bit, or floats in [0, 1].
+// Colours are 8-bit integers or floats in [0, 1].
 void ReadColors(const PlyElement& vertices, TriangleMesh& mesh) {
   const PlyProperty* channels[3] = {vertices.Find("red"), vertices.Find("green"),
                                     vertices.Find("blue")};
@@ -48,7 +48,7 @@ void ReadColors(const PlyElement& vertices, TriangleMesh& mesh) {
         channels[c]->type == PlyType::kFloat || channels[c]->type == PlyType::kDouble;
     for (size_t v = 0; v < mesh.positions.size(); ++v) {
       const double value = channels[c]->values[v] * (is_real ? 255.0 : 1.0);
-      // Written so that NaN becomes 0.
+      // This form turns NaN into 0.
       const double clamped = value > 0 ? (value < 255 ? value : 255.0) : 0.0;
       mesh.colors_srgb[v][c] = uint8_t(std::lround(clamped));
     }
@@ -91,7 +91,7 @@ TriangleMesh ReadTriangleMesh(const std::filesystem::path& path) {
   const PlyFile file = ReadPly(path);
   const PlyElement *vertices = file.Find("vertex"), *faces = file.Find("face");
   if (vertices == nullptr || faces == nullptr) {
-    throw DataError(fmt::format("{}: is no mesh, it has no element '{}'", path.string(),
+    throw DataError(fmt::format("{}: is not a mesh: it has no element '{}'", path.string(),
                                 vertices == nullptr ? "vertex" : "face"));
   }
   TriangleMesh mesh;

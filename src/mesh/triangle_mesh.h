@@ -14,16 +14,17 @@ namespace tetrec {
 
 struct TriangleMesh {
   std::vector<glm::vec3> positions;
-  std::vector<std::array<uint8_t, 3>> colors_srgb;  // empty or one a vertex
+  std::vector<std::array<uint8_t, 3>> colors_srgb;  // empty, or one per vertex
   std::vector<glm::uvec3> triangles;                // counter-clockwise seen from outside
 };
 
-// PLY (any scalar types, faces triangulated as fans) in; binary PLY, OBJ with vertex colours out.
+// Reads PLY (any scalar types; faces are triangulated as fans), writes binary PLY and OBJ with
+// vertex colours.
 TriangleMesh ReadTriangleMesh(const std::filesystem::path& path);
 void WriteTriangleMeshPly(const std::filesystem::path& path, const TriangleMesh& mesh);
 void WriteTriangleMeshObj(const std::filesystem::path& path, const TriangleMesh& mesh);
 
-// Moved from frame a to frame b.
+// The mesh moved from frame a to frame b.
 TriangleMesh Transformed(TriangleMesh mesh, const Similarity3& b_from_a);
 
 }  // namespace tetrec

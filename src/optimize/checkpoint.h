@@ -1,8 +1,8 @@
-// A run of the optimiser on disk, so that a stopped or killed run goes on where it was.
+// The state of a run on disk, from which a stopped or killed run continues.
 #pragma once
 
+#include "field/field_state.h"
 #include "mesh/tet_mesh.h"
-#include "render/renderer.h"
 
 #include <filesystem>
 #include <span>
@@ -14,17 +14,17 @@ struct Checkpoint {
   double seconds = 0;      // of optimisation
   uint64_t rays = 0;
   uint32_t rounds = 0;         // refinements done
-  uint64_t metrics_bytes = 0;  // length of metrics.csv then
+  uint64_t metrics_bytes = 0;  // length of metrics.csv at that time
   TetMesh mesh;
-  VertexState state;
+  FieldState state;
 };
 
-// Own format, little endian: "TETRECK2", u64 iteration, f64 seconds, u64 rays, u32 rounds,
-// u64 metrics bytes, u64 V, u64 T, u32 storage (0 vertex, 1 cell), positions f32 x 3 V, tets and
-// neighbours u32 x 4 T each, then parameters, first and second moments f32 x 4 a vertex, or a tet,
-// each. Written by rename.
+// Own format, little endian: "TETRECK3", u64 iteration, f64 seconds, u64 rays, u32 rounds,
+// u64 metrics bytes, u64 V, u64 T, the layout (AppendLayout), positions f32 x 3 V, tets and
+// neighbours u32 x 4 T each, then parameters, first moments and second moments, each f32 x rows x
+// components. Written by rename.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
-// Throws DataError where the file is cut off or does not fit together.
+// Throws DataError if the file is truncated or inconsistent.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);
 Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& name);
 

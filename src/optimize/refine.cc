@@ -1,11 +1,11 @@
-// Coarse to fine: new vertices where the pictures are wrong, none where there is nothing.
+// Coarse to fine: adds vertices where the images are wrong, removes them where space is empty.
 #include "optimize/refine.h"
 
 #include "core/error.h"
+#include "core/random.h"
 #include "mesh/boundary.h"
 #include "mesh/delaunay.h"
 #include "mesh/locate.h"
-#include "optimize/random.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,10 +65,11 @@ std::vector<Edge> ChooseEdges(const TetMesh& mesh, std::span<const float> error,
   return edges;
 }
 
-// A vertex is empty where no edge of its tets is opaque enough to show.
-std::vector<uint8_t> EmptyVertices(const TetMesh& mesh, const VertexState& state,
+// A vertex is empty if no edge of its tets is opaque enough to be visible.
+std::vector<uint8_t> EmptyVertices(const TetMesh& mesh, const FieldState& state,
                                    double empty_depth) {
   std::vector<uint8_t> empty(mesh.positions.size(), 1);
+  const size_t components = size_t(state.layout.Components());
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
     const glm::uvec4& tet = mesh.tets[t];
     double longest = 0.0, densest = 0.0;
@@ -76,40 +77,14 @@ std::vector<uint8_t> EmptyVertices(const TetMesh& mesh, const VertexState& state
       longest = std::max(longest, EdgeLength(mesh, {tet[ends[0]], tet[ends[1]]}));
     }
     for (int i = 0; i < 4; ++i) {
-      const size_t row = state.storage == FieldStorage::kCell ? t : tet[i];
-      densest = std::max(densest, double(std::exp(state.parameters[row].a)));
+      const size_t row = state.layout.storage == FieldStorage::kCell ? t : tet[i];
+      const float log_density = state.parameters[row * components + kDensityOffset];
+      densest = std::max(densest, double(ValueOf(kDensityAttribute.activation, log_density)));
     }
     if (longest * densest < empty_depth) continue;
     for (int i = 0; i < 4; ++i) empty[tet[i]] = 0;
   }
   return empty;
-}
-
-// Linear interpolation of the field at share f from a to b; density is linear, its logarithm is
-// not.
-glm::vec4 MixParameters(const glm::vec4& a, const glm::vec4& b, float f) {
-  glm::vec4 result = glm::mix(a, b, f);
-  result.a = std::log(std::max(glm::mix(std::exp(a.a), std::exp(b.a), f), 1.8e-35f));
-  return result;
-}
-
-// A vertex of the new mesh: at share f of the way from a to b, vertices of the old one.
-struct Source {
-  uint32_t a, b;
-  float f;
-};
-
-VertexState MixVertices(const VertexState& state, std::span<const Source> sources,
-                        std::span<const uint32_t> source_of_vertex) {
-  VertexState mixed;
-  for (const uint32_t s : source_of_vertex) {
-    const auto [a, b, f] = sources[s];
-    mixed.parameters.push_back(a == b ? state.parameters[a]
-                                      : MixParameters(state.parameters[a], state.parameters[b], f));
-    mixed.first_moment.push_back(glm::mix(state.first_moment[a], state.first_moment[b], f));
-    mixed.second_moment.push_back(glm::mix(state.second_moment[a], state.second_moment[b], f));
-  }
-  return mixed;
 }
 
 glm::dvec3 Centroid(const TetMesh& mesh, const glm::uvec4& tet) {
@@ -118,7 +93,7 @@ glm::dvec3 Centroid(const TetMesh& mesh, const glm::uvec4& tet) {
   return 0.25 * sum;
 }
 
-// For a point that rounding puts outside of the hull.
+// For a point that rounding puts outside the hull.
 uint32_t NearestTet(const TetMesh& mesh, const glm::dvec3& point) {
   uint32_t nearest = 0;
   double least = std::numeric_limits<double>::infinity();
@@ -131,35 +106,32 @@ uint32_t NearestTet(const TetMesh& mesh, const glm::dvec3& point) {
   return nearest;
 }
 
-// Both meshes fill the same hull.
-VertexState CarryCells(const TetMesh& mesh, const VertexState& state, const TetMesh& new_mesh) {
-  VertexState carried;
-  carried.storage = FieldStorage::kCell;
+// For each new tet the old one that contains its centroid; both meshes fill the same hull.
+std::vector<RowSource> SourcesOfCells(const TetMesh& mesh, const TetMesh& new_mesh) {
+  std::vector<RowSource> sources;
   uint32_t old = 0;
   for (const glm::uvec4& tet : new_mesh.tets) {
     const glm::dvec3 point = Centroid(new_mesh, tet);
     const uint32_t found = FindTet(mesh, point, old);
     old = found == kNoTet ? NearestTet(mesh, point) : found;
-    carried.parameters.push_back(state.parameters[old]);
-    carried.first_moment.push_back(state.first_moment[old]);
-    carried.second_moment.push_back(state.second_moment[old]);
+    sources.push_back({old, old, 0.0f});
   }
-  return carried;
+  return sources;
 }
 
 }  // namespace
 
-RefineResult Refine(const TetMesh& mesh, const VertexState& state, std::span<const float> error,
+RefineResult Refine(const TetMesh& mesh, const FieldState& state, std::span<const float> error,
                     const RefineOptions& options) {
   const size_t count = mesh.positions.size();
-  TETREC_CHECK(error.size() == mesh.tets.size(), "one score a tet");
+  TETREC_CHECK(error.size() == mesh.tets.size(), "one score per tet");
   const std::vector<uint8_t> on_hull = BoundaryVertices(mesh);
   const std::vector<uint8_t> empty = EmptyVertices(mesh, state, options.empty_depth);
 
   RefineResult result;
   Random random(options.seed, count);
   std::vector<glm::vec3> points;
-  std::vector<Source> sources;
+  std::vector<RowSource> sources;
   for (uint32_t v = 0; v < count; ++v) {
     if (!on_hull[v] && empty[v] && random.Uniform() < options.drop_share) {
       ++result.dropped_empty;
@@ -181,9 +153,13 @@ RefineResult Refine(const TetMesh& mesh, const VertexState& state, std::span<con
 
   DelaunayResult delaunay = BuildDelaunay(points);
   result.mesh = std::move(delaunay.mesh);
-  result.state = state.storage == FieldStorage::kCell
-                     ? CarryCells(mesh, state, result.mesh)
-                     : MixVertices(state, sources, delaunay.point_of_vertex);
+  if (state.layout.storage == FieldStorage::kCell) {
+    result.state = Prolong(state, SourcesOfCells(mesh, result.mesh));
+  } else {
+    std::vector<RowSource> of_vertex;
+    for (const uint32_t point : delaunay.point_of_vertex) of_vertex.push_back(sources[point]);
+    result.state = Prolong(state, of_vertex);
+  }
   return result;
 }
 

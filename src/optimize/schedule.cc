@@ -1,4 +1,4 @@
-// When what happens in a run, as functions of its progress in [0, 1].
+// The schedule of a run, as functions of its progress in [0, 1].
 #include "optimize/schedule.h"
 
 #include <algorithm>

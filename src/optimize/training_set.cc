@@ -1,10 +1,10 @@
-// The views that a field learns from, and which blocks of their pixels to draw.
+// The views that a field is fitted to, and the choice of blocks of their pixels.
 #include "optimize/training_set.h"
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "optimize/random.h"
-#include "scene/image.h"
+#include "core/random.h"
+#include "image/image.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@
 namespace tetrec {
 namespace {
 
-// Of pictures with masks (Scene::has_masks).
+// For images with masks (Scene::has_masks).
 TargetImage LeaveOutUnseen(const Image& image) {
   TargetImage target{image.width, image.height, {}};
   for (size_t i = 0; i < image.pixels.size(); i += 4) {
@@ -49,7 +49,7 @@ bool ShowsSomething(const TargetImage& target, int x0, int y0, int margin) {
   return false;
 }
 
-// Less than `size` to either side.
+// A random shift of less than `size` to either side.
 int Shift(Random& random, int size) {
   return int(random.Below(uint32_t(2 * size - 1))) - (size - 1);
 }
@@ -74,12 +74,12 @@ TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Sce
       const Camera& camera = scene.cameras[view.camera];
       const Image image = ReadImage(scene_folder / view.image);
       if (image.width != camera.width || image.height != camera.height) {
-        throw DataError(fmt::format("{}: picture is {}x{}, its camera {}x{}",
+        throw DataError(fmt::format("{}: the image has {}x{} pixels, its camera {}x{}",
                                     (scene_folder / view.image).string(), image.width, image.height,
                                     camera.width, camera.height));
       }
       if (image.width < kRayBlockWidth || image.height < kRayBlockHeight) {
-        throw DataError(fmt::format("{}: picture of {}x{} is too small to learn from",
+        throw DataError(fmt::format("{}: an image of {}x{} pixels is too small to train on",
                                     (scene_folder / view.image).string(), image.width,
                                     image.height));
       }
@@ -88,7 +88,7 @@ TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Sce
           scene.has_masks && image.channels == 4 ? LeaveOutUnseen(image) : Premultiply(image);
     }
   });
-  // A little beside the subject too, where floaters would hide.
+  // Includes a margin around the subject, where floaters would hide.
   constexpr int kMarginPx = 4;
   for (uint32_t v = 0; v < set.views.size(); ++v) {
     const TargetImage& target = set.targets[v];
@@ -103,7 +103,7 @@ TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Sce
     }
   }
   if (scene.has_masks && set.subject_blocks.empty()) {
-    throw DataError(fmt::format("{}: the masks leave no pixel of any training view to learn from",
+    throw DataError(fmt::format("{}: the masks leave no pixel of any training view to train on",
                                 scene_folder.string()));
   }
   return set;
@@ -118,7 +118,7 @@ std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double su
     block = subject
                 ? set.blocks[set.subject_blocks[random.Below(uint32_t(set.subject_blocks.size()))]]
                 : set.blocks[random.Below(uint32_t(set.blocks.size()))];
-    // Any offset, not only aligned ones; the picture's border still keeps whole blocks.
+    // Offsets need not be aligned, but blocks stay inside the image.
     const TargetImage& target = set.targets[block.view];
     const int x = int(block.x) + Shift(random, kRayBlockWidth);
     const int y = int(block.y) + Shift(random, kRayBlockHeight);
@@ -138,7 +138,7 @@ DrawnTiles DrawTiles(const TrainingSet& set, size_t tiles, size_t count, double 
       height = std::min(height, target.height);
     }
   }
-  // About square in pixels, whole blocks inside the picture.
+  // About square in pixels, and of whole blocks inside the image.
   const double side_px = std::sqrt(double(count * kRaysPerBlock));
   const int columns =
       std::clamp(int(std::lround(side_px / kRayBlockWidth)), 1, width / kRayBlockWidth);

@@ -1,7 +1,7 @@
-// The views that a field learns from, and which blocks of their pixels to draw.
+// The views that a field is fitted to, and the choice of blocks of their pixels.
 #pragma once
 
-#include "render/renderer.h"
+#include "render/training_renderer.h"
 #include "scene/scene.h"
 
 #include <cstdint>
@@ -13,26 +13,26 @@ struct TrainingSet {
   std::vector<RenderView> views;
   std::vector<TargetImage> targets;
   std::vector<RayBlock> blocks;          // every aligned 4 x 2 block of every view
-  std::vector<uint32_t> subject_blocks;  // those that show something, or lie beside it
+  std::vector<uint32_t> subject_blocks;  // those that show something, or are next to one
   uint64_t pixels = 0;
 };
 
-// Reads and premultiplies the pictures of a split on all cores; pixels that masks leave out are
-// kNotJudgedTarget. Throws DataError (no view, picture of another size than its camera, smaller
-// than a block, masks that leave nothing).
+// Reads and premultiplies the images of a split on all cores; pixels that masks exclude are
+// kNotJudgedTarget. Throws DataError (no views, an image whose size differs from its camera's or is
+// below that of a block, masks that exclude everything).
 TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Scene& scene,
                             const std::vector<int>& views);
 
 RenderView MakeRenderView(const Scene& scene, int view);
 
-// Draws the blocks of one step: `subject_share` of them from subject_blocks. Depends on seed and
-// iteration only, so a resumed run draws what the first would have drawn.
+// Draws the blocks of one step, `subject_share` of them from subject_blocks. The result depends
+// only on seed and iteration, so a resumed run draws what the first one would have drawn.
 std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double subject_share,
                                  uint64_t seed, uint64_t iteration);
 
 // `tiles` rectangles of about `count` blocks each, all of one shape, around blocks drawn as by
-// DrawBlocks, each row by row; none wider or higher than the smallest picture where there are
-// several, or than its own where there is one.
+// DrawBlocks, each with its blocks in row order. Several are no wider or higher than the smallest
+// image, a single one no wider or higher than its own.
 struct DrawnTiles {
   std::vector<RayBlock> blocks;
   TileShape shape;

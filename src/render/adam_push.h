@@ -1,29 +1,37 @@
 // The constants of one step of Adam, for the kernel and for the CPU.
 #pragma once
 
-#include "render/renderer.h"
+#include "render/training_renderer.h"
+#include "shared/adam.glsl.h"
 #include "shared/gpu_types.glsl.h"
 
 #include <cmath>
 
 namespace tetrec {
 
+static_assert(uint32_t(Activation::kIdentity) == kActivationIdentity &&
+              uint32_t(Activation::kColor) == kActivationColor &&
+              uint32_t(Activation::kExp) == kActivationExp);
+static_assert(uint32_t(RateClass::kColor) == kRateColor &&
+              uint32_t(RateClass::kDensity) == kRateDensity && kRateClasses <= 4);
+
 // Quanta of fixed-point gradients are 1.
-inline gpu_types::AdamPush MakeAdamPush(const TrainingStep& step, uint32_t row_count) {
-  const AdamOptions& adam = step.adam;
-  const double t = step.adam_step;
-  const float first_correction = float(1.0 / (1.0 - std::pow(double(adam.beta1), t)));
-  return {.row_count = row_count,
-          .beta1 = adam.beta1,
-          .beta2 = adam.beta2,
-          .epsilon = adam.epsilon,
-          .color_rate = adam.color_rate * first_correction,
-          .density_rate = adam.density_rate * first_correction,
-          .second_moment_correction = float(1.0 / (1.0 - std::pow(double(adam.beta2), t))),
-          .max_log_density = std::log(adam.max_density),
-          .density_decay = adam.density_decay * adam.density_rate,
-          .color_quantum = 1.0f,
-          .density_quantum = 1.0f};
+inline gpu_types::AdamPush MakeAdamPush(const AdamUpdate& update, uint32_t row_count) {
+  const double t = update.step;
+  const float first_correction = float(1.0 / (1.0 - std::pow(double(update.beta1), t)));
+  glm::vec4 rates(0.0f);
+  rates[kRateColor] = float(update.color_rate) * first_correction;
+  rates[kRateDensity] = float(update.density_rate) * first_correction;
+  return {.rates = rates,
+          .quanta = glm::vec4(1.0f),
+          .row_count = row_count,
+          .beta1 = update.beta1,
+          .beta2 = update.beta2,
+          .epsilon = update.epsilon,
+          .second_moment_correction = float(1.0 / (1.0 - std::pow(double(update.beta2), t))),
+          .least_log = kLeastLogDensity,
+          .largest_log = std::log(float(update.max_density)),
+          .density_decay = float(update.density_decay) * float(update.density_rate)};
 }
 
 }  // namespace tetrec

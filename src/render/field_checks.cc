@@ -1,66 +1,38 @@
-// What a renderer refuses at its door: fields that are no fields, and fields that do not fit.
+// What a renderer refuses at its door: invalid fields, and fields that do not fit into memory.
 #include "render/field_checks.h"
 
 #include "core/error.h"
 #include "mesh/boundary.h"
-#include "render/device_field.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 namespace tetrec {
-namespace {
 
-// `owner`: vertex or tet.
-void CheckRows(const std::vector<glm::vec4>& rows, size_t owners, const char* owner,
+void CheckRows(std::span<const float> values, const FieldLayout& layout, size_t rows,
                const char* what) {
-  if (rows.size() != owners) {
-    throw DataError(fmt::format("{} for {} of {}: one row each is wanted", what, rows.size(),
-                                fmt::format("{} {}", owners, owner)));
+  const size_t components = size_t(layout.Components());
+  const char* owner = RowName(layout.storage);
+  if (values.size() != rows * components) {
+    throw DataError(fmt::format("{} {}: {} {} have {} components each", values.size(), what, rows,
+                                layout.storage == FieldStorage::kCell ? "tets" : "vertices",
+                                components));
   }
-  for (size_t v = 0; v < owners; ++v) {
-    const glm::vec4& row = rows[v];
-    for (int i = 0; i < 4; ++i) {
-      if (!std::isfinite(row[i])) {
-        throw DataError(fmt::format("{} {} has {} that are not finite: ({}, {}, {}, {})", owner, v,
-                                    what, row[0], row[1], row[2], row[3]));
-      }
-    }
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) continue;
+    throw DataError(fmt::format("{} {} has {} that are not finite: {} is {}", owner, i / components,
+                                what, layout.ParameterNames()[i % components], values[i]));
   }
 }
 
-}  // namespace
-
-void CheckRenderable(const TetMesh& mesh, const VertexState& state) {
+void CheckRenderable(const TetMesh& mesh, const FieldState& state) {
   CheckTets(mesh);
-  const size_t rows = RowCount(mesh, state.storage);
-  const char* owner = state.storage == FieldStorage::kCell ? "tet" : "vertex";
-  CheckRows(state.parameters, rows, owner, "parameters (r, g, b, log density)");
-  if (state.first_moment.empty() && state.second_moment.empty()) return;
-  CheckRows(state.first_moment, rows, owner, "first moments");
-  CheckRows(state.second_moment, rows, owner, "second moments");
-}
-
-uint64_t FieldBytes(const TetMesh& mesh, FieldStorage storage, bool fixed_point) {
-  uint64_t faces = 0;
-  for (const glm::uvec4& neighbors : mesh.neighbors) {
-    for (int i = 0; i < 4; ++i) faces += neighbors[i] == kNoTet;
-  }
-  const DeviceFieldBytes bytes = BytesOf(storage, fixed_point);
-  return mesh.tets.size() * bytes.of_tet + mesh.positions.size() * bytes.of_vertex +
-         faces * bytes.of_face;
-}
-
-FreeMemory MeasureFreeMemory(const Device& device) {
-  if (device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU) {
-    return MeasureFreeHostMemory();
-  }
-  uint64_t largest = 0;
-  for (uint32_t i = 0; i < device.memory.memoryHeapCount; ++i) {
-    largest = std::max<uint64_t>(largest, device.memory.memoryHeaps[i].size);
-  }
-  return {largest, fmt::format("device '{}'", device.properties.deviceName)};
+  CheckLayout(state.layout);
+  const size_t rows = RowCount(mesh, state.layout.storage);
+  CheckRows(state.parameters, state.layout, rows, "parameters");
+  CheckRows(state.first_moment, state.layout, rows, "first moments");
+  CheckRows(state.second_moment, state.layout, rows, "second moments");
 }
 
 void CheckMemory(const TetMesh& mesh, uint64_t needed, const FreeMemory& free) {

@@ -1,4 +1,4 @@
-// Which form of the segment integral a renderer computes.
+// The form of the segment integral that a renderer computes.
 #include "render/integral.h"
 
 #include "core/error.h"
@@ -19,15 +19,14 @@ IntegralOptions ParseIntegral(const std::string& words) {
   if (words == "exact") return {IntegralKind::kExact};
   if (words == "mean") return {IntegralKind::kMean};
   if (!words.starts_with(prefix)) {
-    throw UsageError(
-        fmt::format("--integral {}: no such integral; use exact, mean or split:N", words));
+    throw UsageError(fmt::format("{}: no such integral; use exact, mean or split:N", words));
   }
   IntegralOptions integral{IntegralKind::kSplit};
   std::from_chars(words.data() + prefix.size(), words.data() + words.size(), integral.splits);
   const bool in_range = integral.splits >= 1 && integral.splits <= kMaxSplits;
   if (!in_range || Name(integral) != words) {
-    throw UsageError(fmt::format("--integral {}: after split: comes a number of parts from 1 to {}",
-                                 words, kMaxSplits));
+    throw UsageError(
+        fmt::format("{}: expected a number of parts from 1 to {} after split:", words, kMaxSplits));
   }
   return integral;
 }

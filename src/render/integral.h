@@ -1,4 +1,4 @@
-// Which form of the segment integral a renderer computes (shaders/shared/integral.glsl.h).
+// The form of the segment integral that a renderer computes (shaders/shared/integral.glsl.h).
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace tetrec {
 enum class IntegralKind {
   kExact,  // linear density, linear colour
   kMean,   // exact opacity; colour by the segment's mean density
-  kSplit,  // as kMean in each of equal parts
+  kSplit,  // kMean in each of several equal parts
 };
 
 constexpr int kMaxSplits = 64;
@@ -22,7 +22,7 @@ struct IntegralOptions {
 // "exact", "mean", or "split:N". Throws UsageError.
 IntegralOptions ParseIntegral(const std::string& words);
 
-// The words of an integral.
+// The words for an integral.
 std::string Name(const IntegralOptions& integral);
 
 }  // namespace tetrec

@@ -1,4 +1,4 @@
-// Where the device's time went, for a log.
+// A table of the time that the device spent in each kernel, for the log.
 #include "render/kernel_table.h"
 
 #include "core/log.h"
@@ -34,7 +34,7 @@ void LogKernelTimes(const RendererOptions& options, const Renderer& renderer) {
   if (!options.device.time_kernels) return;
   const KernelReport report = renderer.KernelTimes();
   if (!report.has_timestamps) {
-    LogInfo("--time-kernels: '{}' has no timestamps, nothing was timed",
+    LogInfo("kernel times: '{}' has no timestamps, nothing was timed",
             renderer.DescribeDevice()["name"].get<std::string>());
     return;
   }

@@ -1,4 +1,4 @@
-// Where the device's time went, for a log.
+// A table of the time that the device spent in each kernel, for the log.
 #pragma once
 
 #include "render/renderer.h"
@@ -8,10 +8,10 @@
 
 namespace tetrec {
 
-// A heading and a line a kernel, the longest first: name, calls, milliseconds in all, share.
+// A heading and one line per kernel, the longest first: name, calls, total milliseconds, share.
 std::vector<std::string> KernelTable(const KernelReport& report);
 
-// Logs the table where RendererOptions::device.time_kernels asked for it, or why there is none.
+// Logs the table, or why there is none, if RendererOptions::device.time_kernels asks for it.
 void LogKernelTimes(const RendererOptions& options, const Renderer& renderer);
 
 }  // namespace tetrec

@@ -1,4 +1,4 @@
-// From rendered colour and transmittance to pictures.
+// Images made from rendered colour and transmittance.
 #include "render/picture.h"
 
 #include <algorithm>
@@ -27,6 +27,14 @@ Image OverBackground(const Image& image, Background background) {
   if (image.channels == 3) return image;
   const uint8_t level = background == Background::kWhite ? 255 : 0;
   return CompositeOver(image, level, level, level);
+}
+
+Image MaskOf(const Image& rgba) {
+  Image mask{rgba.width, rgba.height, 3, {}};
+  for (size_t i = 0; i < rgba.pixels.size(); i += 4) {
+    mask.pixels.insert(mask.pixels.end(), 3, rgba.pixels[i + 3]);
+  }
+  return mask;
 }
 
 }  // namespace tetrec

@@ -1,4 +1,4 @@
-// Pictures as 4 x 2 blocks of rays.
+// Images as 4 x 2 blocks of rays.
 #include "render/ray_blocks.h"
 
 namespace tetrec {

@@ -1,7 +1,7 @@
-// Pictures as 4 x 2 blocks of rays.
+// Images as 4 x 2 blocks of rays.
 #pragma once
 
-#include "render/renderer.h"
+#include "render/training_renderer.h"
 
 #include <glm/glm.hpp>
 
@@ -10,13 +10,13 @@
 
 namespace tetrec {
 
-// 4 x 2 blocks that cover width x height of view `view`, row of blocks by row.
+// 4 x 2 blocks that cover width x height pixels of view `view`, in row order.
 std::vector<RayBlock> CoveringBlocks(int width, int height, uint32_t view = 0);
 
-// Pixel (x, y) of ray `ray` of the batch of `blocks`.
+// The pixel (x, y) of ray number `ray` of a batch.
 glm::ivec2 PixelOfRay(std::span<const RayBlock> blocks, size_t ray);
 
-// Blocks a row where `blocks` are a tile: a rectangle of one view, row of blocks by row. Else 0.
+// Blocks per row if `blocks` are a tile: a rectangle of one view in row order. Otherwise 0.
 uint32_t TileColumns(std::span<const RayBlock> blocks);
 
 }  // namespace tetrec

@@ -1,18 +1,22 @@
-// Pictures of a finished field, beside the ground truth.
+// Renders views of a finished field and stores the ground truth beside them.
 #include "render/render_views.h"
 
 #include "core/error.h"
-#include "core/file.h"
 #include "core/log.h"
+#include "core/manifest.h"
 #include "core/progress.h"
+#include "core/stop_request.h"
+#include "core/timer.h"
+#include "image/file_names.h"
+#include "image/image.h"
+#include "render/create_renderer.h"
 #include "render/kernel_table.h"
 #include "render/picture.h"
-#include "scene/image.h"
+#include "run/rendered_views.h"
 #include "scene/scene.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <numeric>
 
 namespace tetrec {
@@ -28,19 +32,11 @@ std::vector<int> ChooseViews(const Scene& scene, const std::string& choice) {
   return all;
 }
 
-// "test/r_0.png" becomes "test_r_0".
-std::string FlatName(std::string name) {
-  std::replace(name.begin(), name.end(), '/', '_');
-  const size_t dot = name.rfind('.');
-  return dot == std::string::npos ? name : name.substr(0, dot);
-}
-
-Image MaskOf(const Image& rgba) {
-  Image mask{rgba.width, rgba.height, 3, {}};
-  for (size_t i = 0; i < rgba.pixels.size(); i += 4) {
-    mask.pixels.insert(mask.pixels.end(), 3, rgba.pixels[i + 3]);
-  }
-  return mask;
+// One file for each view of the scene, the same whichever of them are rendered.
+std::vector<std::string> FileNamesOf(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const View& view : scene.views) names.push_back(view.name);
+  return PngFiles(names, Folders::kFlatten);
 }
 
 bool ShowsAnythingSeen(const Image& rgba) {
@@ -50,7 +46,7 @@ bool ShowsAnythingSeen(const Image& rgba) {
   return false;
 }
 
-// Pictures tell of lost rays, whatever renders them.
+// Lost rays are counted whichever renderer is used.
 RendererOptions CheckingRays(RendererOptions options) {
   options.count_steps |= !ChecksRays(options);
   return options;
@@ -68,62 +64,65 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
                                                                 : scene.background;
   const std::vector<int> views = ChooseViews(scene, options.views);
   if (views.empty()) {
-    throw DataError(fmt::format("{}: the scene has no {} views; use --views all",
+    throw DataError(fmt::format("{}: the scene has no {} views; choose all views",
                                 scene_folder.string(), options.views));
   }
   const std::unique_ptr<TrainingRenderer> renderer = CreateRenderer(CheckingRays(options.renderer));
   stage.Device(renderer->DescribeDevice());
   renderer->SetField(field);
   for (const char* folder : {"renders", "gt"}) fs::create_directories(stage.Output(folder));
-  // What is on the subject, or what is to be judged.
+  // Masks select the subject, or the pixels that count.
   const std::string mask_folder = scene.has_masks ? "seen" : "masks";
   if (scene.has_alpha || scene.has_masks) fs::create_directories(stage.Output(mask_folder));
 
   const Timer timer;
   double render_seconds = 0;
   Progress progress("render", double(views.size()));
-  nlohmann::json list = nlohmann::json::array();
+  const std::vector<std::string> files = FileNamesOf(scene);
+  RenderedViews result;
   for (size_t i = 0; i < views.size(); ++i) {
-    ThrowIfStopRequested("pictures rendered so far are made again");
+    ThrowIfStopRequested("images rendered so far will be rendered again");
     const View& view = scene.views[views[i]];
     const Timer render_timer;
     const RenderedImage rendered =
         renderer->Render({scene.cameras[view.camera], view.cam_from_world}, options.samples);
     render_seconds += render_timer.seconds();
-    const std::string file = FlatName(view.name) + ".png";
+    const std::string& file = files[views[i]];
     const Image truth = ReadImage(scene_folder / view.image);
     const bool has_mask = truth.channels == 4;
     if (scene.has_masks && has_mask && !ShowsAnythingSeen(truth)) {
-      LogWarning("{}: its mask leaves nothing to judge; it is left out", view.name);
+      LogWarning("{}: its mask hides all pixels; the view is left out", view.name);
       continue;
     }
-    WriteImage(stage.folder() / "renders" / file, ToPicture(rendered, background));
-    WriteImage(stage.folder() / "gt" / file, OverBackground(truth, background));
-    if (has_mask) WriteImage(stage.folder() / mask_folder / file, MaskOf(truth));
-    list.push_back(
-        {{"name", view.name},
-         {"split", Name(view.split)},
-         {"render", "renders/" + file},
-         {"ground_truth", "gt/" + file},
-         {scene.has_masks ? "seen" : "mask",
-          has_mask ? nlohmann::json(mask_folder + "/" + file) : nlohmann::json(nullptr)}});
+    RenderedView entry{view.name,
+                       Name(view.split),
+                       stage.folder() / "renders" / file,
+                       stage.folder() / "gt" / file,
+                       {},
+                       {}};
+    WriteImage(entry.render, ToPicture(rendered, background));
+    WriteImage(entry.truth, OverBackground(truth, background));
+    if (has_mask) {
+      const fs::path mask = stage.folder() / mask_folder / file;
+      WriteImage(mask, MaskOf(truth));
+      (scene.has_masks ? entry.seen : entry.mask) = mask;
+    }
+    result.views.push_back(std::move(entry));
     progress.Update(double(i + 1), view.name);
   }
   const Camera& camera = scene.cameras[scene.views[views[0]].camera];
-  WriteJson(stage.Output("views.json"),
-            {{"schema", 1},
-             {"background", Name(background)},
-             {"rays_per_pixel", options.samples * options.samples},
-             {"split", options.views == "heldout" ? Name(scene.views[views[0]].split)
-                                                  : options.views.c_str()},
-             {"resolution", {camera.width, camera.height}},
-             {"views", list}});
+  result.background = Name(background);
+  result.split = options.views == "heldout" ? Name(scene.views[views[0]].split) : options.views;
+  result.rays_per_pixel = options.samples * options.samples;
+  result.width = camera.width;
+  result.height = camera.height;
+  WriteRenderedViews(stage.Output(kRenderedViewsFile), result);
   const RenderCounts counts = renderer->counts();
   stage.Count("views", views.size());
   stage.Count("rays", counts.rays);
   stage.Count("lost_rays", counts.lost_rays);
   stage.Seconds("render", render_seconds);
-  LogInfo("{} pictures, {} rays, {} lost; {:.1f} s on the device, {:.1f} s in all", views.size(),
+  LogInfo("{} images, {} rays, {} lost; {:.1f} s on the device, {:.1f} s in total", views.size(),
           WithThousands(counts.rays), counts.lost_rays, render_seconds, timer.seconds());
   LogKernelTimes(options.renderer, *renderer);
 }

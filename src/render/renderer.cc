@@ -1,27 +1,32 @@
-// What all renderers share.
+// The options of the renderers.
 #include "render/renderer.h"
 
-#include "render/reference_renderer.h"
-#include "render/vulkan_renderer.h"
+#include "core/error.h"
 
-#include <algorithm>
-#include <cmath>
+#include <fmt/format.h>
 
 namespace tetrec {
 
-std::vector<glm::vec4> ParametersOf(const RadianceField& field) {
-  constexpr float kLeastDensity = 1.8e-35f;  // e^-80, above float's denormals
-  std::vector<glm::vec4> parameters(field.density.size());
-  for (size_t v = 0; v < parameters.size(); ++v) {
-    parameters[v] =
-        glm::vec4(field.color_srgb[v], std::log(std::max(field.density[v], kLeastDensity)));
-  }
-  return parameters;
-}
-
-std::unique_ptr<TrainingRenderer> CreateRenderer(const RendererOptions& options) {
-  if (options.kind == RendererKind::kReference) return CreateReferenceRenderer(options);
-  return CreateVulkanRenderer(options);
+void RendererOptions::Check() const {
+  const auto refuse_if = [](bool wrong, const std::string& option, const char* why) {
+    if (wrong) throw UsageError(fmt::format("{}: {}; leave it out", option, why));
+  };
+  const RendererOptions defaults;
+  const bool has_lists = kind == RendererKind::kPpll || kind == RendererKind::kProjection;
+  refuse_if(order != defaults.order && kind != RendererKind::kProjection,
+            fmt::format("order {}", Name(order)), "only the renderer projection sorts tets");
+  refuse_if(fragment_memory != defaults.fragment_memory && !has_lists,
+            fmt::format("fragment-memory {}", fragment_memory >> 20),
+            "only the renderers ppll and projection make lists");
+  refuse_if(fragment_sort != defaults.fragment_sort && kind != RendererKind::kPpll,
+            fmt::format("fragment-sort {}", Name(fragment_sort)),
+            "only the renderer ppll sorts lists of fragments");
+  refuse_if(device.device != defaults.device.device && kind == RendererKind::kReference,
+            fmt::format("device {}", device.device),
+            "the renderer reference runs on the CPU without Vulkan");
+  refuse_if(precision != defaults.precision && kind != RendererKind::kReference,
+            fmt::format("precision {}", Name(precision)),
+            "only the renderer reference offers a choice");
 }
 
 }  // namespace tetrec

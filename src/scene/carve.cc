@@ -4,7 +4,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/parallel.h"
-#include "scene/image.h"
+#include "image/image.h"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@
 namespace tetrec {
 namespace {
 
-// A mask ready to answer: is any pixel of this rectangle not transparent?
+// A mask prepared for the query whether any pixel of a rectangle is not transparent.
 struct MaskLookup {
   Camera camera;
   Rigid3 cam_from_world;
@@ -45,11 +45,12 @@ MaskLookup MakeLookup(const AlphaMask& mask) {
 
 enum class Sight { kNotWhole, kOccupied, kTransparent };
 
-// What one view says about a ball.
+// What one view shows of a ball.
 Sight Look(const MaskLookup& view, const glm::dvec3& center_in_world, double radius) {
   const glm::dvec3 center = view.cam_from_world * center_in_world;
   const double nearest_z = center.z - radius;
-  if (nearest_z <= radius) return Sight::kNotWhole;  // behind, around or right before the camera
+  if (nearest_z <= radius)
+    return Sight::kNotWhole;  // behind, around or just in front of the camera
   // For |d| <= r: |(x + dx) / (z + dz) - x / z| = |dx - dz x / z| / (z + dz)
   //                                            <= r sqrt(1 + (x / z)^2) / (z - r)
   const Camera& camera = view.camera;
@@ -104,7 +105,7 @@ OccupancyGrid Carve(std::span<const MaskLookup> views, const Bounds3& bounds,
   return grid;
 }
 
-// The point nearest to all optical axes: sum_i (I - d_i d_i^T) (p - o_i) = 0. None where they are
+// The point nearest to all optical axes: sum_i (I - d_i d_i^T) (p - o_i) = 0. Nothing if they are
 // parallel.
 std::optional<glm::dvec3> LookAtPoint(std::span<const AlphaMask> masks) {
   glm::dmat3 matrix(0.0);
@@ -117,7 +118,8 @@ std::optional<glm::dvec3> LookAtPoint(std::span<const AlphaMask> masks) {
     right += projector * world_from_cam.translation;
   }
   matrix /= double(masks.size());
-  // About the square of the angle [rad] between the axes: 1e-6 is a twentieth of a degree.
+  // The determinant is about the squared angle [rad] between the axes: 1e-6 is a twentieth of a
+  // degree.
   if (!(glm::determinant(matrix) > 1e-6)) return std::nullopt;
   return glm::inverse(matrix) * (right / double(masks.size()));
 }
@@ -125,11 +127,12 @@ std::optional<glm::dvec3> LookAtPoint(std::span<const AlphaMask> masks) {
 [[noreturn]] void FailLookAt(size_t count, const char* look) {
   throw DataError(fmt::format(
       "the {} training cameras look {}, not at one place that their alpha could be carved around; "
-      "tell the subject's box by --bounds (points of --triangulate do not: alpha comes first)",
+      "give the subject's bounds (triangulated points do not help: alpha takes precedence)",
       count, look));
 }
 
-// Cube around the look-at point, as wide as the widest view is there from corner to corner.
+// The cube around the look-at point that is as wide as the widest view there, from corner to
+// corner.
 Bounds3 BoxAroundLookAt(std::span<const AlphaMask> masks) {
   const std::optional<glm::dvec3> center = LookAtPoint(masks);
   if (!center) FailLookAt(masks.size(), "along one line");
@@ -144,7 +147,7 @@ Bounds3 BoxAroundLookAt(std::span<const AlphaMask> masks) {
   return {*center - half_side, *center + half_side};
 }
 
-// Carves three times, each time only where the last one left something. May be empty.
+// Carves three times, each time only the box that the previous pass left. May return an empty box.
 Bounds3 ShrinkToInside(std::span<const MaskLookup> views, const Bounds3& search_box,
                        int min_views) {
   constexpr int kCells = 64;
@@ -153,7 +156,7 @@ Bounds3 ShrinkToInside(std::span<const MaskLookup> views, const Bounds3& search_
     const OccupancyGrid grid = Carve(views, box, CubicCells(box, kCells), min_views);
     const Bounds3 inside = grid.InsideBounds();
     if (inside.IsEmpty()) return inside;
-    // One cell more: the next grid's cells lie elsewhere.
+    // One cell more, because the cells of the next grid are placed differently.
     const glm::dvec3 border = pass < 2 ? grid.CellSize() : glm::dvec3(0.0);
     box = {glm::max(inside.min - border, search_box.min),
            glm::min(inside.max + border, search_box.max)};
@@ -162,15 +165,15 @@ Bounds3 ShrinkToInside(std::span<const MaskLookup> views, const Bounds3& search_
 }
 
 bool RayMeetsBox(const glm::dvec3& origin, const glm::dvec3& direction, const Bounds3& box) {
-  // Division by zero is meant: a ray along a slab gives infinities of the right sign.
+  // Division by zero is intended: a ray parallel to a slab gives infinities of the right sign.
   const glm::dvec3 to_min = (box.min - origin) / direction;
   const glm::dvec3 to_max = (box.max - origin) / direction;
   const glm::dvec3 enter = glm::min(to_min, to_max), leave = glm::max(to_min, to_max);
   return std::max({enter.x, enter.y, enter.z, 0.0}) <= std::min({leave.x, leave.y, leave.z});
 }
 
-// True where the rays through all pixels that are more opaque than not meet the box: no part of the
-// subject that any picture shows lies beside it.
+// True if the rays through all pixels of at least half opacity meet the box, that is, no part of
+// the subject that any image shows is outside it.
 bool ExplainsMasks(std::span<const AlphaMask> masks, const Bounds3& box) {
   if (box.IsEmpty()) return false;
   std::atomic<bool> explained{true};
@@ -194,7 +197,7 @@ bool ExplainsMasks(std::span<const AlphaMask> masks, const Bounds3& box) {
 
 std::vector<AlphaMask> ReadTrainingMasks(const std::filesystem::path& folder, const Scene& scene) {
   if (!scene.has_alpha) {
-    throw DataError(fmt::format("{}: its pictures have no alpha, which carving needs",
+    throw DataError(fmt::format("{}: its images have no alpha, which carving needs",
                                 (folder / "scene.json").string()));
   }
   const std::vector<int> training = scene.ViewsOf(Split::kTrain);
@@ -233,7 +236,7 @@ std::optional<Bounds3> BoxSeenByAll(std::span<const AlphaMask> masks) {
   for (const AlphaMask& mask : masks) {
     const Camera& camera = mask.camera;
     const glm::dvec3 center_in_cam = mask.cam_from_world * *center;
-    // Distance from the centre to the planes through the camera and its picture's sides.
+    // Distances from the centre to the planes through the camera and the sides of its image.
     const glm::dvec3 top_left = camera.CamFromImage({0, 0});
     const glm::dvec3 bottom_right = camera.CamFromImage({camera.width, camera.height});
     for (const glm::dvec3& inward :
@@ -248,15 +251,15 @@ std::optional<Bounds3> BoxSeenByAll(std::span<const AlphaMask> masks) {
 }
 
 Bounds3 BoxAroundCameras(std::span<const AlphaMask> masks) {
-  constexpr double kOnePlace = 1e-9;  // of the coordinates: their rounding
+  constexpr double kOnePlace = 1e-9;  // relative to the coordinates: their rounding
   Bounds3 box;
   for (const AlphaMask& mask : masks) box.Add(mask.cam_from_world.Inverse().translation);
   const glm::dvec3 size = box.Size();
   const double longest = std::max({size.x, size.y, size.z});
   if (!(longest > kOnePlace * std::max(glm::length(box.min), glm::length(box.max)))) {
     throw DataError(fmt::format(
-        "the training cameras ({}) are all at one place, from which depth cannot be told, nor by "
-        "--triangulate; add pictures from other places, or tell the subject's box by --bounds",
+        "the training cameras ({}) are all at one place, from which neither carving nor "
+        "triangulation can find depth; add images from other places, or give the subject's bounds",
         masks.size()));
   }
   return {box.min - longest, box.max + longest};
@@ -274,12 +277,13 @@ Bounds3 FindSubjectBounds(std::span<const AlphaMask> masks, double margin) {
   if (box.IsEmpty()) {
     throw DataError(
         fmt::format("the alpha masks of the {} training views have nothing in common; check that "
-                    "poses and pictures belong together and that alpha is not 0 everywhere",
+                    "poses and images belong together and that alpha is not 0 everywhere",
                     masks.size()));
   }
   const bool touches = glm::any(glm::lessThanEqual(box.min, search_box.min)) ||
                        glm::any(glm::greaterThanEqual(box.max, search_box.max));
-  if (touches) LogWarning("the subject fills all that the cameras see; so do its bounds");
+  if (touches)
+    LogWarning("the subject fills everything that the cameras see, and so do its bounds");
   const glm::dvec3 size = box.Size();
   const double grow = margin * std::max({size.x, size.y, size.z});
   return {box.min - grow, box.max + grow};

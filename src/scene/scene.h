@@ -1,9 +1,9 @@
-// The scene folder: undistorted pictures, pinhole cameras, sparse points, bounds and split. Every
-// input becomes this, and every later stage reads only this.
+// A scene: undistorted images, pinhole cameras, sparse points, bounds and split. Every kind of
+// input becomes a scene folder, the only input of the later stages.
 //
-// On disk: images/NAME.png (8-bit RGB, or RGBA with straight alpha), points.ply (x y z as double,
-// red green blue, reprojection_error, track_length; absent without points) and scene.json, matrices
-// by rows:
+// A scene folder contains images/NAME.png (8-bit RGB, or RGBA with straight alpha), points.ply (x y
+// z as double, red green blue, reprojection_error, track_length; absent if there are no points) and
+// scene.json, with matrices by rows:
 //   {"schema": 1, "background": "white|black|scene", "has_alpha": bool, "has_masks": bool,
 //    "point_count": N,
 //    "subject_bounds": {"min": [x, y, z], "max": [x, y, z]},
@@ -26,14 +26,14 @@
 
 namespace tetrec {
 
-// train: optimised on; validation: watched while optimising; test: judged at the end. Photo scenes
-// have train and test only.
+// Training views are optimised on, validation views are watched during optimisation, test views are
+// judged at the end. Photo scenes have training and test views only.
 enum class Split { kTrain, kValidation, kTest };
 template <>
 inline constexpr auto kWords<Split> = std::to_array<Word<Split>>(
     {{Split::kTrain, "train"}, {Split::kValidation, "validation"}, {Split::kTest, "test"}});
 
-// What stands behind everything: a constant for pictures with alpha, the scene's own far shell for
+// What is behind everything: a constant colour for images with alpha, the scene's own far shell for
 // photos.
 enum class Background { kWhite, kBlack, kScene };
 template <>
@@ -52,34 +52,36 @@ struct ScenePoint {
   glm::dvec3 position{0.0};  // [world units]
   std::array<uint8_t, 3> color_srgb{0, 0, 0};
   float reprojection_error_px = 0;
-  uint32_t track_length = 0;  // views that see it
+  uint32_t track_length = 0;  // number of views that see it
 };
 
 struct Scene {
   std::vector<Camera> cameras;
   std::vector<View> views;
   std::vector<ScenePoint> points;
-  Bounds3 subject_bounds;  // the subject, told from the background
+  Bounds3 subject_bounds;  // the subject without the background
   Background background = Background::kScene;
-  bool has_alpha = false;  // of all pictures: opacity of what they show
-  // Of all pictures alpha tells instead which pixels count, from kSeenAlpha on; the others show
-  // something that is not to be modelled nor judged. Never with has_alpha.
+  bool has_alpha = false;  // all images have alpha, the opacity of what they show
+  // All images have an alpha channel that marks instead which pixels count: those of at least
+  // kSeenAlpha. The others show something that is neither modelled nor judged. Excludes has_alpha.
   bool has_masks = false;
-  // The input's own coordinates (COLMAP model, transforms.json) from ours; exported meshes go back
-  // through it. Our world is scaled so that the subject's longest side is 2 and its centre is 0.
+  // To the input's own coordinates (COLMAP model, transforms.json); exported meshes are transformed
+  // back by it. The world is scaled so that the subject's longest side is 2 and its centre is 0.
   Similarity3 input_from_world;
 
   std::vector<int> ViewsOf(Split split) const;
-  // Held-out views: test where there are any, else validation.
+  // The test views if there are any, otherwise the validation views.
   std::vector<int> HeldOutViews() const;
 };
 
+// The least alpha of a pixel that counts in a scene with masks.
 inline constexpr uint8_t kSeenAlpha = 128;
 
 // Throws DataError naming the file and the field.
 Scene ReadScene(const std::filesystem::path& folder);
-// Writes scene.json and points.ply; pictures are the caller's. Throws DataError for what ReadScene
-// would not take (not finite, no rotation, two views of one name).
+// Writes scene.json and points.ply; the caller writes the images. Throws DataError for anything
+// that ReadScene would refuse (values that are not finite, matrices that are not rotations, two
+// views of one name).
 void WriteScene(const std::filesystem::path& folder, const Scene& scene);
 
 }  // namespace tetrec

@@ -1,15 +1,12 @@
 // The scene folder on disk: scene.json (schema 1) and points.ply.
 #include "core/error.h"
 #include "core/file.h"
-#include "geometry/rotation.h"
-#include "scene/checked_json.h"
+#include "geometry/checked_geometry.h"
+#include "scene/points.h"
 #include "scene/scene.h"
-#include "scene/scene_points.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <unordered_set>
 
 namespace tetrec {
@@ -17,11 +14,11 @@ namespace {
 
 constexpr int kSchema = 1;
 constexpr int kMaxSide_px = 1 << 16;
-// Rotations are written with 17 digits; what is worse than this was not written by us.
+// Rotations are written with 17 digits, so anything less accurate was not written by Tetrec.
 constexpr double kRotationTolerance = 1e-6;
 constexpr const char* kPointsFile = "points.ply";
 
-// The value that has the name that `json` gives.
+// The enumeration value with the name in `json`.
 template <class E>
 E ReadWord(const CheckedJson& json) {
   const std::string name = json.Text();
@@ -30,19 +27,14 @@ E ReadWord(const CheckedJson& json) {
   return *value;
 }
 
-using tetrec::ToJson;  // else hidden by the overloads of this file
+using tetrec::ToJson;  // the overloads in this file would hide it
 
 nlohmann::json ToJson(const Rigid3& transform) {
   return {{"rotation", ToJson(transform.rotation)}, {"translation", ToJson(transform.translation)}};
 }
 
 glm::dmat3 ReadRotation(const CheckedJson& json) {
-  const glm::dmat3 rotation = json.Matrix3();
-  const double distance = DistanceFromRotation(rotation);
-  if (!(distance <= kRotationTolerance)) {
-    json.Fail(fmt::format("is no rotation: R^T R is off by {:.2g}", distance));
-  }
-  return rotation;
+  return CheckedRotation(json.Matrix3(), kRotationTolerance, json);
 }
 
 Rigid3 ReadRigid(const CheckedJson& json) {
@@ -80,7 +72,7 @@ View ReadView(const CheckedJson& json, size_t camera_count) {
   view.camera = int(json.Field("camera").IntegerIn(0, int64_t(camera_count) - 1));
   view.split = ReadWord<Split>(json.Field("split"));
   view.cam_from_world = ReadRigid(json.Field("cam_from_world"));
-  // Later stages name their own files after views.
+  // Later stages name their files after views.
   if (!StaysInside(view.name)) {
     json.Field("name").Fail(fmt::format("is \"{}\"; expected a relative path", view.name));
   }
@@ -90,28 +82,22 @@ View ReadView(const CheckedJson& json, size_t camera_count) {
   return view;
 }
 
-Bounds3 ReadBounds(const CheckedJson& json) {
-  const Bounds3 bounds{json.Field("min").Vector3(), json.Field("max").Vector3()};
-  const glm::dvec3 size = bounds.Size();
-  if (!(std::min({size.x, size.y, size.z}) > 0)) json.Fail("is an empty box");
-  return bounds;
-}
-
 Similarity3 ReadSimilarity(const CheckedJson& json) {
   return {json.Field("scale").NumberIn(1e-12, 1e12), ReadRotation(json.Field("rotation")),
           json.Field("translation").Vector3()};
 }
 
-// All but the points; looks at no other file.
+// Everything except the points; accesses no other file.
 Scene SceneFromJson(const CheckedJson& json) {
   json.Field("schema").IntegerIn(kSchema, kSchema);
   Scene scene;
   scene.background = ReadWord<Background>(json.Field("background"));
   scene.has_alpha = json.Field("has_alpha").Flag();
-  // Scenes of earlier versions have none.
+  // Scenes written by earlier versions lack this field.
   scene.has_masks = json.Has("has_masks") && json.Field("has_masks").Flag();
   if (scene.has_alpha && scene.has_masks) {
-    json.Field("has_masks").Fail("is true beside has_alpha; alpha means one of both");
+    json.Field("has_masks")
+        .Fail("is true although has_alpha is; alpha has only one of the two meanings");
   }
   scene.subject_bounds = ReadBounds(json.Field("subject_bounds"));
   scene.input_from_world = ReadSimilarity(json.Field("input_from_world"));
@@ -154,7 +140,8 @@ Scene ReadScene(const std::filesystem::path& folder) {
   Scene scene = SceneFromJson(json);
   for (size_t i = 0; i < scene.views.size(); ++i) {
     const std::filesystem::path image = folder / scene.views[i].image;
-    std::error_code unusable;  // e.g. a name too long for the file system: not there either
+    std::error_code
+        unusable;  // such as a name too long for the file system, which does not exist either
     if (!std::filesystem::is_regular_file(image, unusable)) {
       json.Field("views").Item(i).Field("image").Fail(
           fmt::format("is missing: {}; run the stage that wrote the scene again", image.string()));
@@ -164,7 +151,7 @@ Scene ReadScene(const std::filesystem::path& folder) {
   if (point_count == 0) return scene;
   scene.points = ReadScenePoints(folder / kPointsFile);
   if (scene.points.size() != point_count) {
-    throw DataError(fmt::format("{}: has {} points where scene.json counts {}",
+    throw DataError(fmt::format("{}: has {} points, but scene.json states {}",
                                 (folder / kPointsFile).string(), scene.points.size(), point_count));
   }
   return scene;
@@ -174,21 +161,19 @@ void WriteScene(const std::filesystem::path& folder, const Scene& scene) {
   nlohmann::json cameras = nlohmann::json::array(), views = nlohmann::json::array();
   for (const Camera& camera : scene.cameras) cameras.push_back(ToJson(camera));
   for (const View& view : scene.views) views.push_back(ToJson(view));
-  const nlohmann::json file = {
-      {"schema", kSchema},
-      {"background", Name(scene.background)},
-      {"has_alpha", scene.has_alpha},
-      {"has_masks", scene.has_masks},
-      {"subject_bounds",
-       {{"min", ToJson(scene.subject_bounds.min)}, {"max", ToJson(scene.subject_bounds.max)}}},
-      {"input_from_world",
-       {{"scale", scene.input_from_world.scale},
-        {"rotation", ToJson(scene.input_from_world.rotation)},
-        {"translation", ToJson(scene.input_from_world.translation)}}},
-      {"cameras", cameras},
-      {"views", views},
-      {"point_count", scene.points.size()}};
-  SceneFromJson(CheckedJson(file, folder / "scene.json"));  // nothing that could not be read again
+  const nlohmann::json file = {{"schema", kSchema},
+                               {"background", Name(scene.background)},
+                               {"has_alpha", scene.has_alpha},
+                               {"has_masks", scene.has_masks},
+                               {"subject_bounds", ToJson(scene.subject_bounds)},
+                               {"input_from_world",
+                                {{"scale", scene.input_from_world.scale},
+                                 {"rotation", ToJson(scene.input_from_world.rotation)},
+                                 {"translation", ToJson(scene.input_from_world.translation)}}},
+                               {"cameras", cameras},
+                               {"views", views},
+                               {"point_count", scene.points.size()}};
+  SceneFromJson(CheckedJson(file, folder / "scene.json"));  // refuses what could not be read again
   std::filesystem::create_directories(folder);
   if (!scene.points.empty()) {
     WriteScenePoints(folder / kPointsFile, scene.points);

@@ -4,6 +4,8 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "geometry/look_at.h"
+#include "geometry/random_vectors.h"
+#include "scene/supersampling.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <random>
 #include <span>
 
 namespace tetrec {
@@ -32,10 +33,7 @@ std::span<const Ball> Balls(SyntheticKind kind) {
   return kind == SyntheticKind::kTwoBalls ? std::span<const Ball>(kPair) : kOneBall;
 }
 
-// The generator's own uniform distribution: the library's differ between implementations.
-double Uniform(std::mt19937_64& generator) { return double(generator() >> 11) * 0x1p-53; }
-
-// Three sine waves through space for each channel; between 0.05 and 0.95.
+// Three sine waves through space per channel, with values between 0.05 and 0.95.
 struct Texture {
   struct Wave {
     glm::dvec3 frequency;
@@ -55,27 +53,25 @@ struct Texture {
 };
 
 Texture MakeTexture(uint64_t seed) {
-  std::mt19937_64 generator(seed);
+  MersenneRandom random(seed);
   Texture texture{};
   for (auto& channel : texture.waves) {
     double length = 2.0;
     for (Texture::Wave& wave : channel) {
-      const double z = 2 * Uniform(generator) - 1, angle = 2 * kPi * Uniform(generator);
-      const double r = std::sqrt(1 - z * z);
-      wave.frequency = length * glm::dvec3(r * std::cos(angle), r * std::sin(angle), z);
-      wave.phase = 2 * kPi * Uniform(generator);
+      wave.frequency = length * RandomDirection(random);
+      wave.phase = 2 * kPi * random.Uniform();
       length *= 2;
     }
   }
   return texture;
 }
 
-// Colour of the fog at a point; linear, and in [0.05, 0.95] within the ball.
+// Colour of the fog at a point; linear in position, and in [0.05, 0.95] within the ball.
 glm::dvec3 FogColor(const glm::dvec3& point) {
   return glm::dvec3(0.5) + 0.5 * glm::dvec3(point.x, point.y, point.z);
 }
 
-// Ray parameters where a line enters and leaves a ball.
+// Ray parameters at which a line enters and leaves a ball.
 struct Chord {
   double enter, leave;
 };
@@ -83,7 +79,8 @@ std::optional<Chord> Intersect(const Ball& ball, const glm::dvec3& origin,
                                const glm::dvec3& unit_direction) {
   const glm::dvec3 to_center = ball.center - origin;
   const double middle = glm::dot(to_center, unit_direction);
-  // The distance to the line by the rejected vector: without the cancellation of |c|^2 - middle^2.
+  // The rejected vector gives the distance to the line without the cancellation in |c|^2 -
+  // middle^2.
   const glm::dvec3 rejection = to_center - middle * unit_direction;
   const double half_squared = ball.radius * ball.radius - glm::dot(rejection, rejection);
   if (half_squared <= 0) return std::nullopt;
@@ -100,7 +97,7 @@ std::optional<double> FirstHit(SyntheticKind kind, const glm::dvec3& origin,
     if (chord && chord->enter > 0 && (!first || chord->enter < *first)) first = chord->enter;
   }
   if (first || kind != SyntheticKind::kRoom) return first;
-  double wall = INFINITY;  // from inside: the nearest of the three walls ahead
+  double wall = INFINITY;  // seen from inside: the nearest of the three walls ahead
   for (int axis = 0; axis < 3; ++axis) {
     const double ahead = std::copysign(kRoomHalfSide, unit_direction[axis]);
     if (unit_direction[axis] != 0) {
@@ -130,7 +127,8 @@ RaySample Sample(SyntheticKind kind, const Texture& texture, const glm::dvec3& o
   return {texture.At(origin + *hit * unit_direction), 1.0};
 }
 
-// `count` views spread evenly over a sphere but its poles (a Fibonacci lattice turned by `turn`).
+// Adds `count` views spread evenly over a sphere except its poles (a Fibonacci lattice turned by
+// `turn`).
 void AddViews(Scene& scene, Split split, int count, double turn) {
   const double golden_angle = kPi * (3 - std::sqrt(5.0));
   for (int i = 0; i < count; ++i) {
@@ -149,29 +147,10 @@ void AddViews(Scene& scene, Split split, int count, double turn) {
 Image RenderView(const SyntheticOptions& options, const Texture& texture, const Camera& camera,
                  const Rigid3& cam_from_world) {
   const bool has_alpha = options.kind != SyntheticKind::kRoom;
-  const Rigid3 world_from_cam = cam_from_world.Inverse();
-  Image image = MakeImage(camera.width, camera.height, has_alpha ? 4 : 3);
-  const int side = options.rays_per_side;
-  for (int y = 0; y < camera.height; ++y) {
-    for (int x = 0; x < camera.width; ++x) {
-      RaySample sum;
-      for (int i = 0; i < side * side; ++i) {
-        const glm::dvec2 offset((i % side + 0.5) / side, (i / side + 0.5) / side);
-        const glm::dvec3 ray_in_cam = camera.CamFromImage(glm::dvec2(x, y) + offset);
-        const RaySample sample = Sample(options.kind, texture, world_from_cam.translation,
-                                        glm::normalize(world_from_cam.rotation * ray_in_cam));
-        sum.premultiplied_srgb += sample.premultiplied_srgb;
-        sum.alpha += sample.alpha;
-      }
-      uint8_t* pixel = image.At(x, y);
-      if (has_alpha) pixel[3] = uint8_t(std::lround(255 * sum.alpha / (side * side)));
-      if (has_alpha && pixel[3] == 0) continue;
-      for (int c = 0; c < 3; ++c) {
-        pixel[c] = uint8_t(std::lround(255 * sum.premultiplied_srgb[c] / sum.alpha));
-      }
-    }
-  }
-  return image;
+  return RenderSupersampled(camera, cam_from_world, options.rays_per_side, has_alpha,
+                            [&](const glm::dvec3& origin, const glm::dvec3& direction) {
+                              return Sample(options.kind, texture, origin, direction);
+                            });
 }
 
 bool Sees(const Camera& camera, const Rigid3& cam_from_world, SyntheticKind kind,
@@ -183,15 +162,15 @@ bool Sees(const Camera& camera, const Rigid3& cam_from_world, SyntheticKind kind
   return hit && *hit > distance * (1 - 1e-9);
 }
 
-// A point where a random ray of a random training view ends: dense where the cameras look, as from
-// structure from motion.
-void AddPoints(const SyntheticOptions& options, const Texture& texture, std::mt19937_64& generator,
+// Adds points where random rays of random training views end, so that they are dense where the
+// cameras look, like those of structure from motion.
+void AddPoints(const SyntheticOptions& options, const Texture& texture, MersenneRandom& random,
                Scene& scene) {
   const std::vector<int> training = scene.ViewsOf(Split::kTrain);
   const Camera& camera = scene.cameras[0];
   while (int(scene.points.size()) < options.points) {
-    const size_t chosen = size_t(Uniform(generator) * double(training.size()));
-    const double x = Uniform(generator) * camera.width, y = Uniform(generator) * camera.height;
+    const size_t chosen = size_t(random.Uniform() * double(training.size()));
+    const double x = random.Uniform() * camera.width, y = random.Uniform() * camera.height;
     const Rigid3 world_from_cam = scene.views[size_t(training[chosen])].cam_from_world.Inverse();
     const glm::dvec3 direction =
         glm::normalize(world_from_cam.rotation * camera.CamFromImage({x, y}));
@@ -226,7 +205,7 @@ SyntheticScene MakeSyntheticScene(const SyntheticOptions& options) {
   CheckOptions(options);
   const bool is_room = options.kind == SyntheticKind::kRoom;
   const Texture texture = MakeTexture(options.seed);
-  std::mt19937_64 generator(options.seed + 1);
+  MersenneRandom random(options.seed + 1);
 
   SyntheticScene synthetic;
   Scene& scene = synthetic.scene;
@@ -239,10 +218,10 @@ SyntheticScene MakeSyntheticScene(const SyntheticOptions& options) {
   scene.subject_bounds = {glm::dvec3(-1.0), glm::dvec3(1.0)};
   const int validation_views = is_room ? 0 : options.validation_views;
   const int train_views = options.train_views + options.validation_views - validation_views;
-  AddViews(scene, Split::kTrain, train_views, 2 * kPi * Uniform(generator));
-  AddViews(scene, Split::kValidation, validation_views, 2 * kPi * Uniform(generator));
-  AddViews(scene, Split::kTest, options.test_views, 2 * kPi * Uniform(generator));
-  AddPoints(options, texture, generator, scene);
+  AddViews(scene, Split::kTrain, train_views, 2 * kPi * random.Uniform());
+  AddViews(scene, Split::kValidation, validation_views, 2 * kPi * random.Uniform());
+  AddViews(scene, Split::kTest, options.test_views, 2 * kPi * random.Uniform());
+  AddPoints(options, texture, random, scene);
 
   synthetic.images.resize(scene.views.size());
   ParallelFor(scene.views.size(), 1, [&](size_t begin, size_t end) {

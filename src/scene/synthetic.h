@@ -1,7 +1,7 @@
-// Small scenes whose pictures have a closed form, for tests: no mesh, no renderer, no file needed.
+// Small scenes with images in closed form, for tests: no mesh, renderer or file is needed.
 #pragma once
 
-#include "scene/image.h"
+#include "image/image.h"
 #include "scene/scene.h"
 
 #include <glm/glm.hpp>
@@ -12,10 +12,10 @@
 
 namespace tetrec {
 
-// All in our world: centre 0, subject within [-1, 1]^3.
+// All are in scene coordinates: centre 0, subject within [-1, 1]^3.
 enum class SyntheticKind {
   kBall,      // an opaque textured ball, alpha around it
-  kTwoBalls,  // two of different size, which hide each other; alpha around them
+  kTwoBalls,  // two balls of different size that occlude each other; alpha around them
   kFog,       // a ball of constant density whose colour is linear in position; alpha around it
   kRoom,      // the ball in the middle of a textured room [-4, 4]^3, opaque as a photo
 };
@@ -31,14 +31,14 @@ struct SyntheticOptions {
 
 struct SyntheticScene {
   Scene scene;
-  std::vector<Image> images;  // one a view; RGB for kRoom, else RGBA
+  std::vector<Image> images;  // one per view; RGB for kRoom, otherwise RGBA
 };
 
 SyntheticScene MakeSyntheticScene(const SyntheticOptions& options);
-// Pictures, scene.json and points.ply: what the first stage would have written.
+// Writes images, scene.json and points.ply, as the first stage would.
 void WriteSyntheticScene(const std::filesystem::path& folder, const SyntheticScene& synthetic);
 
-// What one ray sees.
+// Colour and opacity along one ray.
 struct RaySample {
   glm::dvec3 premultiplied_srgb{0.0};  // [0, 1], times alpha
   double alpha = 0;
@@ -46,9 +46,9 @@ struct RaySample {
 RaySample SampleSynthetic(const SyntheticOptions& options, const glm::dvec3& origin_in_world,
                           const glm::dvec3& direction_in_world);
 
-// The subject: inside a ball of the scene (kRoom: the ball in its middle).
+// The subject is the inside of the scene's balls (of kRoom, the ball in its middle).
 bool IsInSubject(SyntheticKind kind, const glm::dvec3& point_in_world);
 
-constexpr double kFogDensity = 2.5;  // [1 / world unit], of kFog
+constexpr double kFogDensity = 2.5;  // density of kFog [1 / world unit]
 
 }  // namespace tetrec

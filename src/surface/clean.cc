@@ -1,4 +1,4 @@
-// What is kept of a raw surface: large pieces, fewer triangles.
+// Cleaning of a raw surface: small pieces are dropped, the number of triangles is reduced.
 #include "surface/clean.h"
 
 #include <fmt/format.h>
@@ -11,50 +11,20 @@
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 #pragma GCC diagnostic pop
 
+#include "core/disjoint_sets.h"
 #include "core/error.h"
+#include "mesh/mesh_facts.h"
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <vector>
 
 namespace tetrec {
 namespace {
 
-// Sets of whole numbers; a set's root is its smallest member.
-class DisjointSets {
- public:
-  explicit DisjointSets(size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-  uint32_t Root(uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void Join(uint32_t i, uint32_t j) {
-    const uint32_t a = Root(i), b = Root(j);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<uint32_t> parent_;
-};
-
-// Root of each vertex' piece.
-std::vector<uint32_t> PieceOfVertex(const TriangleMesh& mesh) {
-  DisjointSets sets(mesh.positions.size());
-  for (const glm::uvec3& t : mesh.triangles) {
-    sets.Join(t.x, t.y);
-    sets.Join(t.x, t.z);
-  }
-  std::vector<uint32_t> roots(mesh.positions.size());
-  for (uint32_t v = 0; v < roots.size(); ++v) roots[v] = sets.Root(v);
-  return roots;
-}
-
 struct Piece {
   double area = 0;
-  double volume = 0;  // signed; meaningful where the piece is closed
+  double volume = 0;  // signed; meaningful if the piece is closed
   bool closed = true;
 };
 
@@ -64,7 +34,7 @@ std::map<uint32_t, Piece> MeasurePieces(const TriangleMesh& mesh,
   std::vector<std::pair<uint64_t, uint32_t>> edges;  // undirected edge, piece
   for (const glm::uvec3& t : mesh.triangles) {
     const uint32_t id = piece_of_vertex[t.x];
-    // Relative to a vertex of the piece: volumes of far pieces keep their digits.
+    // Relative to a vertex of the piece, so that volumes of distant pieces keep their precision.
     const glm::dvec3 origin(mesh.positions[id]);
     const glm::dvec3 a = glm::dvec3(mesh.positions[t.x]) - origin,
                      b = glm::dvec3(mesh.positions[t.y]) - origin,
@@ -127,10 +97,10 @@ CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& option
 }
 
 TriangleMesh SeparateFans(const TriangleMesh& mesh) {
-  // Corners (triangle * 3 + k) of one vertex belong together across a shared edge.
+  // Corners (triangle * 3 + k) of one vertex belong to the same fan if they share an edge.
   struct Side {
     uint64_t edge;
-    uint32_t low_corner, high_corner;  // at the edge's smaller and larger vertex
+    uint32_t low_corner, high_corner;  // corners at the edge's smaller and larger vertex
   };
   std::vector<Side> sides;
   for (size_t f = 0; f < mesh.triangles.size(); ++f) {
@@ -183,8 +153,8 @@ TriangleMesh Decimate(const TriangleMesh& mesh, uint64_t max_triangles) {
   for (size_t f = 0; f < mesh.triangles.size(); ++f) {
     const glm::uvec3& t = mesh.triangles[f];
     if (!half_edges.add_face(vertices[t.x], vertices[t.y], vertices[t.z]).is_valid()) {
-      throw DataError(
-          fmt::format("triangle {} ({}, {}, {}) makes the surface no manifold", f, t.x, t.y, t.z));
+      throw DataError(fmt::format("the surface is not a manifold at triangle {} ({}, {}, {})", f,
+                                  t.x, t.y, t.z));
     }
   }
   OpenMesh::Decimater::DecimaterT<Mesh> decimater(half_edges);
@@ -194,7 +164,7 @@ TriangleMesh Decimate(const TriangleMesh& mesh, uint64_t max_triangles) {
   decimater.initialize();
   decimater.decimate_to_faces(0, max_triangles);
 
-  // A half-edge collapse moves no vertex: those that stay keep position and colour.
+  // A half-edge collapse moves no vertex, so the remaining ones keep position and colour.
   TriangleMesh result;
   std::vector<uint32_t> new_vertex(mesh.positions.size());
   for (size_t v = 0; v < vertices.size(); ++v) {

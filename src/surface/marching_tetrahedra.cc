@@ -12,7 +12,7 @@
 namespace tetrec {
 namespace {
 
-// Even permutations of a tet's vertices, by which two are inside (the first two).
+// Even permutations of a tet's vertices, one for each pair of inside vertices, which comes first.
 constexpr int kTwoInside[6][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2},
                                   {1, 2, 0, 3}, {1, 3, 2, 0}, {2, 3, 0, 1}};
 
@@ -41,7 +41,7 @@ class Extraction {
  private:
   bool IsInside(uint32_t v) const { return level_[v] > isovalue_; }
 
-  // The triangle that parts vertex i from the others. Face i is wound away from vertex i.
+  // Adds the triangle that separates vertex i from the others. Face i is wound away from vertex i.
   void CutOff(uint32_t t, int i, bool is_inside) {
     const glm::uvec4& tet = mesh_.tets[t];
     uint32_t cut[3];
@@ -52,7 +52,7 @@ class Extraction {
     Triangle(t, cut[0], cut[is_inside ? 1 : 2], cut[is_inside ? 2 : 1]);
   }
 
-  // Split along its shorter diagonal.
+  // Adds a quadrilateral, split along its shorter diagonal.
   void Quad(uint32_t t, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
     const auto& p = set_.positions;
     if (glm::distance(p[a], p[c]) <= glm::distance(p[b], p[d])) {
@@ -69,7 +69,7 @@ class Extraction {
     set_.tets.push_back(t);
   }
 
-  // The vertex on an edge, made at its first use.
+  // The vertex on an edge, created at its first use.
   uint32_t Cut(uint32_t inside, uint32_t outside) {
     const uint64_t key = uint64_t{inside} << 32 | outside;
     const auto [entry, is_new] = vertex_of_edge_.try_emplace(key, uint32_t(set_.cuts.size()));

@@ -14,33 +14,33 @@
 
 namespace tetrec {
 
-// A vertex of the level set lies on an edge of the mesh, at (1 - t) * inside + t * outside.
+// A vertex of the level set on an edge of the mesh, at (1 - t) * inside + t * outside.
 struct EdgeCut {
   uint32_t inside, outside;  // vertex ids: level > isovalue, level <= isovalue
   float t;
 };
 
 struct LevelSet {
-  std::vector<EdgeCut> cuts;          // (N) one for each cut edge, shared by all tets around it
+  std::vector<EdgeCut> cuts;          // (N) one per cut edge, shared by all tets around it
   std::vector<glm::vec3> positions;   // (N) [world units]
   std::vector<glm::uvec3> triangles;  // (M) counter-clockwise seen from outside
   std::vector<uint32_t> tets;         // (M) the tet that made the triangle
 };
 
-// {x : level(x) = isovalue}, level being linear inside each tet; larger is inside.
+// {x : level(x) = isovalue}, where level is linear inside each tet and larger inside the surface.
 //   level   (V) one finite value per vertex
-// Closed where no boundary face is cut, and always a 2-manifold: a vertex whose level is exactly
-// the isovalue counts as outside, and cuts keep a thousandth of the edge from its ends, so that no
-// triangle vanishes. Throws DataError where a level or the isovalue is not finite or level.size()
-// != V. Method: Doi and Koide, An efficient method of triangulating equi-valued surfaces by using
-// tetrahedral cells, 1991.
+// Closed unless boundary faces are cut, and always a 2-manifold: a vertex whose level is exactly
+// the isovalue counts as outside, and cuts keep a distance of a thousandth of the edge from its
+// ends, so that no triangle vanishes. Throws DataError if a level or the isovalue is not finite or
+// level.size() != V. Method: Doi and Koide, An efficient method of triangulating equi-valued
+// surfaces by using tetrahedral cells, 1991.
 LevelSet MarchTetrahedra(const TetMesh& mesh, std::span<const float> level, float isovalue);
 
-// Keeps the triangles whose three vertices lie in the bounds, and the vertices they use.
+// Keeps the triangles whose three vertices are inside the bounds, and the vertices they use.
 LevelSet CropTo(const LevelSet& set, const Bounds3& bounds);
 
-// With the field's colours. On a cut edge they are weighted by density too: the outer end, where
-// nothing was seen, has no say.
+// The level set with the field's colours. On a cut edge the colours of both ends are also weighted
+// by density, because the outer end, where nothing was seen, has no meaningful colour.
 TriangleMesh ColoredSurface(const LevelSet& set, const RadianceField& field);
 
 }  // namespace tetrec

@@ -1,7 +1,8 @@
-// The Vulkan march beside one written by hand for AVX2, on the same mesh and views, in turns.
-#include "bench/stopwatch.h"
+// Compares the Vulkan march with one written by hand for AVX2, in turns on the same mesh and views.
+#include "benchmark/stopwatch.h"
 #include "hand_march.h"
 #include "march_scene.h"
+#include "render/create_renderer.h"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -14,15 +15,15 @@ namespace {
 
 constexpr float kStop = 1e-3f;
 
-// Largest difference of colour and transmittance over all views, and how many rays differ by more
-// than rounding can explain. Where a ray stops early may differ by one tet, and its colour by the
-// transmittance there.
+// Largest difference of colour and transmittance over all views, and the number of rays that differ
+// by more than rounding can explain. The early stop may come one tet later, which changes the
+// colour by at most the transmittance there.
 struct Differences {
   double largest = 0;
   uint64_t above_rounding = 0, rays = 0;
 };
 
-Differences Compare(TrainingRenderer& vulkan, const HandMarch& hand,
+Differences Compare(ProbedRenderer& vulkan, const HandMarch& hand,
                     const std::vector<RenderView>& views, const std::vector<RayBlock>& blocks) {
   Differences result;
   for (const RenderView& view : views) {
@@ -46,20 +47,20 @@ void VulkanAgainstHand(benchmark::State& state) {
   const RadianceField field = BallField(kGrid);
   const std::vector<RenderView> views = ViewsAroundCube(kViews, kPicture);
   const std::vector<RayBlock> blocks = AllBlocks();
-  const auto vulkan = CreateRenderer({.stop_transmittance = kStop});
+  const auto vulkan = CreateProbedRenderer({.stop_transmittance = kStop});
   vulkan->SetField(field);
   const HandMarch hand(field);
   const Differences differences = Compare(*vulkan, hand, views, blocks);
-  fmt::print("{} tets; of {} rays {} differ by more than 1e-4, the most by {:.1e}\n",
+  fmt::print("{} tets; {} rays, of which {} differ by more than 1e-4, at most by {:.1e}\n",
              field.mesh.tets.size(), differences.rays, differences.above_rounding,
              differences.largest);
   if (differences.largest > 2 * kStop || differences.above_rounding > differences.rays / 1000) {
-    state.SkipWithError("the pictures differ");
+    state.SkipWithError("the images differ");
     return;
   }
   std::vector<double> vulkan_wall, vulkan_cpu, hand_wall, hand_cpu, wall_ratio, cpu_ratio;
   for (auto _ : state) {
-    for (int turn = -1; turn < kTurns; ++turn) {  // the first warms up
+    for (int turn = -1; turn < kTurns; ++turn) {  // the first one warms up
       const RenderView& view = views[size_t(turn + 1) % kViews];
       const Seconds a = Measure([&] { vulkan->MarchBlocks(view, blocks); });
       const Seconds b = Measure([&] { hand.MarchBlocks(view, blocks, kStop); });
@@ -77,7 +78,7 @@ void VulkanAgainstHand(benchmark::State& state) {
   state.counters["vulkan/hand_speed_wall"] = Median(wall_ratio);
   state.counters["vulkan/hand_speed_cpu"] = Median(cpu_ratio);
   fmt::print(
-      "the Vulkan march has {:.0f} % of the speed of the hand-written one by wall time, "
+      "the Vulkan march reaches {:.0f} % of the speed of the hand-written one by wall time, "
       "{:.0f} % by CPU time\n",
       100 * Median(wall_ratio), 100 * Median(cpu_ratio));
 }
@@ -90,7 +91,7 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   if (!HandMarch::CanRun()) {
-    fmt::print("this CPU has no AVX2 and FMA: nothing to compare with\n");
+    fmt::print("this CPU lacks AVX2 or FMA, which the hand-written march requires\n");
     return 0;
   }
   benchmark::RegisterBenchmark("VulkanAgainstHand", VulkanAgainstHand)

@@ -1,17 +1,17 @@
-// Speed of the march renderer on about 100,000 tets: rays a second of wall time and of CPU time, by
-// each form of the segment integral (compare these with
-// --benchmark_enable_random_interleaving=true), and a long march that counts lost rays
-// (--lost_rays=N rays, a million unless told).
-#include "bench/stopwatch.h"
+// Speed of the march renderer on about 100,000 tets: rays per second of wall time and of CPU time
+// for each segment integral (compare these with --benchmark_enable_random_interleaving=true), and a
+// long march that counts lost rays (--lost_rays=N rays, a million by default).
+#include "benchmark/stopwatch.h"
+#include "core/timer.h"
 #include "field/change_storage.h"
 #include "march_scene.h"
+#include "render/create_renderer.h"
 #include "render/renderer.h"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -22,22 +22,19 @@
 namespace tetrec {
 namespace {
 
-// Reports rays a second from its birth to Report.
+// Reports the rays per second between its construction and Report.
 class RayClock {
  public:
-  RayClock() : cpu_(ProcessCpuSeconds()), wall_(Clock::now()) {}
   void Report(benchmark::State& state, double rays) const {
-    const double wall = std::chrono::duration<double>(Clock::now() - wall_).count();
-    const double cpu = ProcessCpuSeconds() - cpu_;
+    const double wall = wall_.seconds(), cpu = ProcessCpuSeconds() - cpu_;
     state.counters["Mrays/s_wall"] = 1e-6 * rays / wall;
     state.counters["us_cpu/ray"] = 1e6 * cpu / rays;
     state.counters["rays"] = rays;
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  double cpu_;
-  Clock::time_point wall_;
+  double cpu_ = ProcessCpuSeconds();
+  Timer wall_;
 };
 
 const RadianceField& BenchField() {
@@ -45,12 +42,12 @@ const RadianceField& BenchField() {
   return field;
 }
 
-// One renderer an integral for all benchmarks: making it and its mesh is no part of what they
-// measure.
+// One renderer per integral, shared by all benchmarks, so that they do not measure how it and its
+// mesh are made.
 struct Stage {
   const RadianceField& field = BenchField();
   std::vector<RenderView> views = ViewsAroundCube(kViews, kPicture);
-  std::unique_ptr<TrainingRenderer> renderer;
+  std::unique_ptr<ProbedRenderer> renderer;
 
   explicit Stage(const std::string& integral) {
     RendererOptions options;
@@ -58,9 +55,9 @@ struct Stage {
     renderer = Make(options);
   }
 
-  std::unique_ptr<TrainingRenderer> Make(const RendererOptions& options,
-                                         FieldStorage storage = FieldStorage::kVertex) const {
-    auto made = CreateRenderer(options);
+  std::unique_ptr<ProbedRenderer> Make(const RendererOptions& options,
+                                       FieldStorage storage = FieldStorage::kVertex) const {
+    auto made = CreateProbedRenderer(options);
     made->SetField(WithStorage(field, storage));
     const TargetImage grey{kPicture, kPicture,
                            std::vector<uint32_t>(kPicture * kPicture, 0xFF808080u)};
@@ -96,17 +93,13 @@ void ForwardBackward(benchmark::State& state) {
 }
 
 // Rates of zero, so that every step does the same work.
-TrainingStep StandingStep() {
-  TrainingStep step;
-  step.background_srgb = {0.2f, 0.4f, 0.6f};
-  step.adam.color_rate = step.adam.density_rate = 0.0f;
-  return step;
-}
+const AdamUpdate kStandingUpdate{.color_rate = 0.0, .density_rate = 0.0};
+constexpr glm::vec3 kBackground(0.2f, 0.4f, 0.6f);
 
 // Forward, loss, backward and Adam.
 void RunSteps(benchmark::State& state, Stage& stage,
               const std::vector<std::vector<RayBlock>>& batches) {
-  TrainingStep step = StandingStep();
+  TrainingBatch step{.background_srgb = kBackground};
   size_t i = 0;
   double rays = 0;
   const RayClock clock;
@@ -114,7 +107,7 @@ void RunSteps(benchmark::State& state, Stage& stage,
     step.blocks = batches[i++ % batches.size()];
     step.seed = uint32_t(i);
     rays += double(step.blocks.size()) * kRaysPerBlock;
-    benchmark::DoNotOptimize(stage.renderer->Step(step));
+    benchmark::DoNotOptimize(stage.renderer->Step(step, kStandingUpdate));
   }
   benchmark::DoNotOptimize(stage.renderer->counts());  // waits for the last steps
   clock.Report(state, rays);
@@ -139,7 +132,7 @@ void StepOnRandomBlocks(benchmark::State& state) {
   RunSteps(state, Stage::Get(), batches);
 }
 
-// Tets that the rays of each view pass, with the early stop.
+// Number of tets that the rays of each view pass, with the early stop.
 std::vector<double> StepsOfViews(const Stage& stage) {
   RendererOptions options;
   options.count_steps = true;
@@ -153,8 +146,9 @@ std::vector<double> StepsOfViews(const Stage& stage) {
   return steps;
 }
 
-// What is compared takes turns on the same views, so that all of it meets the same load: medians of
-// tet-steps a second (backward: what Backpropagate takes longer than MarchBlocks), and of ratios.
+// The variants take turns on the same views, so that other load on the machine affects all of them
+// alike. Reports medians of tet-steps per second (backward is the time that Backpropagate takes in
+// addition to MarchBlocks) and of ratios.
 void Compare(benchmark::State& state) {
   constexpr int kTurns = 33;
   Stage& stage = Stage::Get();
@@ -166,17 +160,16 @@ void Compare(benchmark::State& state) {
   const std::vector<glm::vec4> gradient(kPicture * kPicture, glm::vec4(1.0f, -1.0f, 0.5f, 0.1f));
   std::map<std::string, std::vector<double>> values;
   for (auto _ : state) {
-    for (int turn = -1; turn < kTurns; ++turn) {  // the first warms up
+    for (int turn = -1; turn < kTurns; ++turn) {  // the first one warms up
       const uint32_t view = uint32_t(turn + 1) % kViews;
-      const auto backpropagate = [&](TrainingRenderer& renderer, GradientParts parts) {
+      const auto backpropagate = [&](ProbedRenderer& renderer, GradientParts parts) {
         return Measure([&] { renderer.Backpropagate(stage.views[view], gradient, parts); });
       };
       const std::vector<RayBlock> blocks = AllBlocks(view);
-      const auto train = [&](TrainingRenderer& renderer) {
-        TrainingStep step = StandingStep();
-        step.blocks = blocks;
+      const auto train = [&](ProbedRenderer& renderer) {
+        const TrainingBatch step{.blocks = blocks, .background_srgb = kBackground};
         return Measure([&] {
-          renderer.Step(step);
+          renderer.Step(step, kStandingUpdate);
           renderer.counts();  // waits
         });
       };
@@ -202,8 +195,8 @@ void Compare(benchmark::State& state) {
   for (const auto& [name, all] : values) state.counters[name] = Median(all);
 }
 
-// Names the blocks of pixels that lose rays, each marched alone.
-void PrintLostBlocks(TrainingRenderer& renderer, const glm::dvec3& eye, const glm::dvec3& target) {
+// Prints the blocks of pixels that lose rays, marching each alone.
+void PrintLostBlocks(ProbedRenderer& renderer, const glm::dvec3& eye, const glm::dvec3& target) {
   const RenderView view = SquareView(eye, target, kPicture);
   for (const RayBlock& block : AllBlocks()) {
     const uint64_t before = renderer.counts().lost_rays;
@@ -215,13 +208,13 @@ void PrintLostBlocks(TrainingRenderer& renderer, const glm::dvec3& eye, const gl
   }
 }
 
-// Random views from inside and outside, without the early stop: every ray must come out of the
+// Random views from inside and outside, without the early stop: every ray must leave through the
 // hull.
 void LostRays(benchmark::State& state, uint64_t rays) {
   RendererOptions options;
   options.count_steps = true;
   options.stop_transmittance = 0.0f;
-  const auto renderer = CreateRenderer(options);
+  const auto renderer = CreateProbedRenderer(options);
   renderer->SetField(Stage::Get().field);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> inside(0.0, 1.0), around(-2.0, 3.0);
@@ -247,12 +240,12 @@ void LostRays(benchmark::State& state, uint64_t rays) {
   state.counters["lost"] = double(lost);
 }
 
-// States what is marched: tets, and steps of a ray that hits, with the early stop.
+// Prints the size of the mesh and the steps per ray, with the early stop.
 void PrintScene() {
   Stage& stage = Stage::Get();
   RendererOptions options;
   options.count_steps = true;
-  const auto renderer = CreateRenderer(options);
+  const auto renderer = CreateProbedRenderer(options);
   renderer->SetField(stage.field);
   for (const RenderView& view : stage.views) renderer->MarchBlocks(view, AllBlocks());
   const RenderCounts counts = renderer->counts();
@@ -260,7 +253,7 @@ void PrintScene() {
              renderer->DescribeDevice()["name"].get<std::string>(), stage.field.mesh.tets.size(),
              stage.field.mesh.positions.size(), kViews, kPicture, kPicture,
              100.0 * double(counts.hit_rays) / double(counts.rays));
-  fmt::print("{:.1f} steps a ray, {:.1f} a ray that hits, {} lost\n",
+  fmt::print("{:.1f} steps per ray, {:.1f} per ray that hits, {} lost\n",
              double(counts.steps) / double(counts.rays),
              double(counts.steps) / double(counts.hit_rays), counts.lost_rays);
 }

@@ -1,16 +1,16 @@
-// One picture and its gradients on a mesh of any size, whole or with holes, by any renderer:
-// seconds and memory. For example
+// Time and memory for one image and its gradients on a mesh of any size, whole or with holes, by
+// any renderer. For example
 //   /usr/bin/time -v bench_size --tets 4000000 --width 1920 --height 1080 --renderer march
-#include "bench/bench_scene.h"
-#include "bench/stopwatch.h"
-#include "core/word_option.h"
+#include "benchmark/bench_scene.h"
+#include "benchmark/stopwatch.h"
+#include "command/word_option.h"
+#include "core/process_memory.h"
 #include "mesh/delaunay.h"
 #include "mesh/tet_mesh.h"
-#include "render/renderer_words.h"
+#include "render/create_renderer.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -25,11 +25,10 @@ struct SizeOptions {
   int width = 1920, height = 1080, repetitions = 1;
   double removed = 0.0;
   bool ball = false, positions = false;
-  RendererWords words;
   RendererOptions renderer;
 };
 
-// Takes out a share of the tets, and the vertices that none is left at.
+// Removes a share of the tets, and the vertices that no tet is left at.
 void RemoveTets(TetMesh& mesh, double share) {
   std::mt19937 random(1);
   std::bernoulli_distribution removed(share);
@@ -50,7 +49,7 @@ void RemoveTets(TetMesh& mesh, double share) {
   mesh.neighbors = ComputeNeighbors(mesh.tets, mesh.positions.size());
 }
 
-// The ball in the cube; `ball`: only points in the ball around it, so that the hull has many faces.
+// The ball in the cube. With --ball the mesh fills only a ball, so that its hull has many faces.
 RadianceField MakeField(const SizeOptions& options) {
   std::vector<glm::vec3> points =
       JitteredCube(GridOfTets(double(options.tets) * (options.ball ? 6.0 / M_PI : 1.0)));
@@ -63,11 +62,7 @@ RadianceField MakeField(const SizeOptions& options) {
   return BallOn(std::move(mesh));
 }
 
-double PeakMib() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return double(usage.ru_maxrss) / 1024.0;
-}
+double PeakMib() { return double(PeakRssBytes()) / (1 << 20); }
 
 void Time(const std::string& what, int repetitions, const std::function<void()>& body) {
   double least = 1e300;
@@ -77,15 +72,15 @@ void Time(const std::string& what, int repetitions, const std::function<void()>&
 }
 
 void Run(SizeOptions options) {
-  options.words.Apply(options.renderer);
+  options.renderer.Check();
   options.renderer.count_steps = true;
   RadianceField field;
   Time("mesh", 1, [&] { field = MakeField(options); });
   fmt::print("{} tets, {} vertices, {} boundary faces\n", field.mesh.tets.size(),
              field.mesh.positions.size(), MeasureQuality(field.mesh).boundary_faces);
-  const auto renderer = CreateRenderer(options.renderer);
+  const auto renderer = CreateProbedRenderer(options.renderer);
   Time("SetField", 1, [&] { renderer->SetField(field); });
-  // From outside; the cube fills the picture's height.
+  // From outside; the cube fills the height of the image.
   const RenderView view = LookingAt({2.1, 1.3, -0.4}, glm::dvec3(0.5), options.width,
                                     options.height, 1.3 * options.height);
   RenderedImage image;
@@ -113,20 +108,21 @@ void Run(SizeOptions options) {
 
 int main(int argc, char** argv) {
   tetrec::SizeOptions options;
-  CLI::App app("One picture and its gradients on a mesh of any size: seconds and memory");
-  app.add_option("--tets", options.tets, "about so many")->capture_default_str();
+  CLI::App app("Time and memory for one image and its gradients on a mesh of any size");
+  app.add_option("--tets", options.tets, "approximate number of tets")->capture_default_str();
   app.add_option("--width", options.width)->capture_default_str();
   app.add_option("--height", options.height)->capture_default_str();
-  app.add_option("--removed", options.removed, "share of the tets that is taken out again")
+  app.add_option("--removed", options.removed, "share of the tets to remove again")
       ->check(CLI::Range(0.0, 0.99));
-  app.add_option("--repetitions", options.repetitions, "of which the least time counts");
-  app.add_flag("--ball", options.ball, "a ball in place of a cube");
-  app.add_flag("--positions", options.positions, "gradients by positions too");
-  AddWordOption(app, "--renderer", options.words.renderer, "");
-  AddWordOption(app, "--order", options.words.order, "");
-  app.add_option("--fragment-memory", options.words.fragment_memory_mib, "[MiB]")
-      ->capture_default_str();
+  app.add_option("--repetitions", options.repetitions, "runs, of which the fastest counts");
+  app.add_flag("--ball", options.ball, "fill a ball instead of a cube");
+  app.add_flag("--positions", options.positions, "include gradients of positions");
+  AddWordOption(app, "--renderer", options.renderer.kind, "");
+  AddWordOption(app, "--order", options.renderer.order, "");
+  uint64_t fragment_memory_mib = options.renderer.fragment_memory >> 20;
+  app.add_option("--fragment-memory", fragment_memory_mib, "[MiB]")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
+  options.renderer.fragment_memory = fragment_memory_mib << 20;
   try {
     tetrec::Run(options);
   } catch (const std::exception& error) {

@@ -1,5 +1,6 @@
 // The march of shaders/march.glsl and march_forward.comp in AVX2. Rows of the mesh are loaded whole
-// and transposed in registers, state stays in registers, thick segments (rare) go lane by lane.
+// and transposed in registers, state stays in registers, and thick segments, which are rare, are
+// integrated lane by lane.
 #include "hand_march.h"
 
 #include "core/parallel.h"
@@ -37,7 +38,7 @@ Floats Max(Floats a, Floats b) { return Floats(_mm256_max_ps(__m256(a), __m256(b
 Floats Min(Floats a, Floats b) { return Floats(_mm256_min_ps(__m256(a), __m256(b))); }
 Floats Abs(Floats a) { return Max(a, -a); }
 
-// x = n ln 2 + r, |r| <= 0.35: Taylor's series of e^r to r^7 is right to 6e-9.
+// x = n ln 2 + r, |r| <= 0.35: the Taylor series of e^r up to r^7 has an error of 6e-9.
 Floats Exp(Floats x) {
   x = Max(x, Floats{} - 87.0f);
   const Floats n = Floats(_mm256_round_ps(__m256(x * 1.44269504f), _MM_FROUND_TO_NEAREST_INT));
@@ -54,7 +55,7 @@ Floats Exp(Floats x) {
 }
 inline F8 exp(F8 x) { return Exp(x.v); }
 
-// Row `index` of every lane, 8 words each; out[word] holds that word of all lanes.
+// Loads row `index` of every lane, 8 words each; out[word] is that word of all lanes.
 void FetchRows(const float* rows, Ints index, Floats out[8]) {
   __m256 r[8], t[8];
   for (int i = 0; i < 8; ++i) r[i] = _mm256_loadu_ps(rows + 8 * size_t(uint32_t(index[i])));
@@ -97,7 +98,7 @@ void Replace(Corner& corner, Ints where, const Corner& fresh) {
   corner.id = where ? fresh.id : corner.id;
 }
 
-// As rays.glsl.
+// The same rays as in rays.glsl.
 Rays MakeRays(const RenderView& view, const Rigid3& world_from_cam, const RayBlock& block) {
   Rays rays;
   for (int lane = 0; lane < kLanes; ++lane) {
@@ -143,7 +144,7 @@ struct HandMarch::Mesh {
     return corner;
   }
 
-  // Moves the rays that meet the hull to it; their entry faces, -1 where there is none.
+  // Moves the rays that hit the hull to it; returns their entry faces, -1 for rays that miss.
   Ints Enter(Rays& rays) const {
     Floats begin = Floats{} - 3e38f, end = Floats{} + 3e38f;
     for (const HullFace& face : hull) {
@@ -173,7 +174,7 @@ struct HandMarch::Mesh {
       const Corner a = FetchCorner(rays, Ints{} + face.a), b = FetchCorner(rays, Ints{} + face.b),
                    c = FetchCorner(rays, Ints{} + face.c);
       const Floats inside = Min(EdgeFunction(b, c), Min(EdgeFunction(c, a), EdgeFunction(a, b)));
-      // The first that holds the ray, or a later one that holds it better.
+      // The first face that contains the ray, or a later one that contains it more clearly.
       const Ints better = candidate & (inside >= 0.0f) & ((entry < 0) | (inside > best));
       best = better ? inside : best;
       entry = better ? Ints{} + f : entry;

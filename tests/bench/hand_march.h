@@ -1,8 +1,8 @@
-// The march written by hand for AVX2, eight rays at a time: how fast a CPU can do what
-// march_forward.comp does.
+// The march written by hand for AVX2, eight rays at a time: the speed that a CPU can reach at the
+// work of march_forward.comp.
 #pragma once
 
-#include "render/renderer.h"
+#include "render/training_renderer.h"
 
 #include <glm/glm.hpp>
 
@@ -16,11 +16,11 @@ class HandMarch {
  public:
   explicit HandMarch(const RadianceField& field);
   ~HandMarch();
-  // As TrainingRenderer::MarchBlocks with the exact integral, for cameras outside the mesh whose
-  // pictures are whole blocks; on all cores.
+  // Does what RendererProbe::MarchBlocks does with the exact integral, on all cores, for cameras
+  // outside the mesh whose images consist of whole blocks.
   std::vector<glm::vec4> MarchBlocks(const RenderView& view, std::span<const RayBlock> blocks,
                                      float stop_transmittance) const;
-  // Whether this CPU has AVX2 and FMA.
+  // True if this CPU has AVX2 and FMA.
   static bool CanRun();
 
  private:

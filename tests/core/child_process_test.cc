@@ -1,10 +1,10 @@
-// Child processes: arguments, output, exit codes, time limits, programs that are not there.
+// Child processes: arguments, output, exit codes, time limits, missing programs.
 #include "core/child_process.h"
 
 #include "core/error.h"
 #include "core/file.h"
 #include "core/message_of.h"
-#include "core/stage.h"
+#include "core/timer.h"
 #include "scratch_folder.h"
 
 #include <gmock/gmock.h>
@@ -48,7 +48,7 @@ TEST(ChildProcess, OnlyTheLastTwentyLinesAreKept) {
   EXPECT_EQ(result.last_lines.back(), "99");
 }
 
-TEST(ChildProcess, ASignalGivesItsNumberAndOneHundredTwentyEight) {
+TEST(ChildProcess, ASignalGivesAnExitCodeOf128PlusItsNumber) {
   EXPECT_EQ(Shell("kill -9 $$").exit_code, 137);
 }
 
@@ -68,8 +68,8 @@ TEST(ChildProcess, TheTimeLimitEndsAHangingProgram) {
   EXPECT_LT(timer.seconds(), 20);
 }
 
-// A grandchild in the background keeps the pipe open; the child's end is what counts.
-TEST(ChildProcess, AGrandchildDoesNotHoldTheResultBack) {
+// A grandchild in the background keeps the pipe open; only the child's end counts.
+TEST(ChildProcess, AGrandchildDoesNotDelayTheResult) {
   const Timer timer;
   EXPECT_EQ(Shell("sleep 30 & exit 5").exit_code, 5);
   EXPECT_LT(timer.seconds(), 20);

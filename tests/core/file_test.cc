@@ -44,12 +44,12 @@ TEST(File, MissingFilesFoldersAndTooLargeFilesAreNamed) {
               HasSubstr("none: cannot be read (No such file"));
   EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(folder.path()); }), HasSubstr("is not a file"));
   EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(folder / "large", 9); }),
-              HasSubstr("large: has 10 bytes, at most 9 are read"));
+              HasSubstr("large: has 10 bytes; at most 9 are read"));
   EXPECT_THAT(MessageOf<EnvironmentError>([&] { WriteText(folder / "none/x", "12345"); }),
               HasSubstr("5 bytes"));
 }
 
-// The kernel tells sizes of some of its own files that they do not hold.
+// The kernel reports sizes of some of its own files that exceed their content.
 TEST(File, ThatEndsBeforeItsSizeIsRefused) {
   const std::filesystem::path file = "/sys/devices/system/cpu/online";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "there is no " << file;
@@ -57,13 +57,13 @@ TEST(File, ThatEndsBeforeItsSizeIsRefused) {
               HasSubstr(file.string() + ": ends at byte "));
 }
 
-// This process's own memory: nothing is at its beginning.
+// The memory of this process, which has nothing mapped at its start.
 TEST(File, ThatCannotBeReadThoughItOpensIsNamed) {
   EXPECT_THAT(MessageOf<DataError>([] { Sha256OfFile("/proc/self/mem"); }),
               HasSubstr("/proc/self/mem: cannot be read (Input/output error)"));
 }
 
-TEST(File, AFailedWriteKeepsTheOldFileAndSaysWhy) {
+TEST(File, AFailedWriteKeepsTheOldFileAndStatesWhy) {
   const ScratchFolder folder;
   WriteText(folder / "a", "old");
   const std::string message = MessageOf<EnvironmentError>([&] {
@@ -93,7 +93,7 @@ TEST(FileWriter, PiecesMakeOneFileAndWithoutFinishNothingIsLeft) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.tmp"));
 }
 
-TEST(FileWriter, AnotherCountThanPromisedIsABug) {
+TEST(FileWriter, ACountOtherThanTheAnnouncedOneIsABug) {
   const ScratchFolder folder;
   FileWriter writer(folder / "a", 3);
   writer.WriteArray(std::span<const char>("ab", 2));
@@ -115,16 +115,16 @@ TEST(File, JsonKeepsValuesAndErrorsGiveThePosition) {
   EXPECT_EQ(ReadJson(folder / "a.json"), value);
   WriteText(folder / "b.json", "{\"a\": 1,\n  oops}");
   const std::string message = MessageOf<DataError>([&] { ReadJson(folder / "b.json"); });
-  EXPECT_THAT(message, HasSubstr("b.json: is no valid JSON: "));
+  EXPECT_THAT(message, HasSubstr("b.json: is not valid JSON: "));
   EXPECT_THAT(message, HasSubstr("line 2"));
   EXPECT_EQ(message.find('\n'), std::string::npos);
 }
 
-TEST(File, JsonNumbersThatNoDoubleHoldsAreErrors) {
+TEST(File, JsonNumbersTooLargeForADoubleAreErrors) {
   const ScratchFolder folder;
   WriteText(folder / "a.json", "{\"a\": 1e999}");
   EXPECT_THAT(MessageOf<DataError>([&] { ReadJson(folder / "a.json"); }),
-              HasSubstr("a.json: is no valid JSON: number overflow"));
+              HasSubstr("a.json: is not valid JSON: number overflow"));
 }
 
 TEST(File, FileNamesThatAreNotUtf8CanBeWrittenAsJson) {

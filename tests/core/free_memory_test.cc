@@ -8,7 +8,7 @@
 namespace tetrec {
 namespace {
 
-TEST(MeasureFreeHostMemory, IsWhatThisProcessCouldStillTake) {
+TEST(MeasureFreeHostMemory, IsWhatThisProcessCouldStillAllocate) {
   const FreeMemory free = MeasureFreeHostMemory();
   EXPECT_EQ(free.of, "the host");
   EXPECT_GT(free.bytes, uint64_t{1} << 20);

@@ -8,7 +8,7 @@
 
 namespace tetrec {
 
-// The message of the exception of type E that `action` throws; a test failure where it throws none.
+// The message of the exception of type E that `action` throws; a test failure if it throws none.
 template <class E, class Action>
 std::string MessageOf(Action&& action) {
   try {

@@ -1,11 +1,15 @@
 // Parallel loops and progress numbers.
 #include "core/parallel.h"
 
+#include "core/error.h"
 #include "core/progress.h"
+#include "core/stop_request.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <csignal>
+#include <cstdio>
 #include <stdexcept>
 #include <vector>
 
@@ -37,6 +41,37 @@ TEST(ParallelFor, RethrowsWhatABodyThrows) {
                              if (i == 37) throw std::range_error("37");
                            }),
                std::range_error);
+}
+
+TEST(ParallelForEach, VisitsEveryIndexOnceAndRethrows) {
+  for (const size_t count : {0, 1, 100}) {
+    std::vector<std::atomic<int>> visits(count);
+    ParallelForEach(count, "", "nothing is kept", [&](size_t i) { ++visits[i]; });
+    for (const auto& n : visits) EXPECT_EQ(n, 1);
+  }
+  const auto fail = [](size_t i) {
+    if (i == 37) throw std::range_error("37");
+  };
+  EXPECT_THROW(ParallelForEach(100, "", "nothing is kept", fail), std::range_error);
+}
+
+// In a process of its own, because a request to stop cannot be taken back.
+TEST(ParallelForEachDeathTest, StartsNothingAfterARequestToStopAndStatesWhatIsKept) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto stopped = [] {
+    CatchStopSignals();
+    std::atomic<int> calls = 0;
+    try {
+      ParallelForEach(100000, "", "the pages are kept", [&](size_t i) {
+        ++calls;
+        if (i == 10) std::raise(SIGTERM);
+      });
+    } catch (const Interrupted& interrupted) {
+      std::fprintf(stderr, "%s %s", interrupted.what(), calls < 100000 ? "early" : "late");
+      std::exit(7);
+    }
+  };
+  EXPECT_EXIT(stopped(), testing::ExitedWithCode(7), "the pages are kept early");
 }
 
 TEST(Progress, NumbersAndTimesAreReadable) {

@@ -27,7 +27,7 @@ PlyProperty Scalars(const char* name, PlyType type, std::vector<double> values) 
   return {name, type, false, PlyType::kUint8, std::move(values), {}};
 }
 
-// Extreme values of every type, and lists of several lengths, the empty one included.
+// Extreme values of every type, and lists of several lengths, including an empty one.
 PlyFile Example() {
   PlyFile file;
   file.comments = {"made by a test"};
@@ -99,7 +99,7 @@ TEST(Ply, AsciiIsReadWithAnyLineBreaksAndSpaces) {
   EXPECT_EQ(file.Find("vertex")->Find("y"), nullptr);
 }
 
-TEST(Ply, BigEndianFilesHoldTheSameNumbers) {
+TEST(Ply, BigEndianFilesContainTheSameNumbers) {
   std::string text =
       "ply\nformat binary_big_endian 1.0\nelement v 1\nproperty float x\nproperty ushort "
       "n\nend_header\n";
@@ -121,7 +121,7 @@ TEST(Ply, EveryTruncatedFileIsRefused) {
   EXPECT_THROW(ParsePly(longer, "long.ply"), DataError);
 }
 
-TEST(Ply, CountsBeyondTheFileAreRefusedBeforeMemoryIsTaken) {
+TEST(Ply, CountsBeyondTheFileAreRefusedBeforeMemoryIsAllocated) {
   for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
     for (const char* count : {"100", "4294967295", "4611686018427387904", "18446744073709551615"}) {
       const std::string head =
@@ -151,7 +151,7 @@ TEST(Ply, WrongHeadersAndNumbersAreNamed) {
   const auto message = [](const std::string& text) {
     return MessageOf<DataError>([&] { Parse(text); });
   };
-  EXPECT_THAT(message("plx\n"), HasSubstr("test.ply: line 1: is no PLY file"));
+  EXPECT_THAT(message("plx\n"), HasSubstr("test.ply: line 1: is not a PLY file"));
   EXPECT_THAT(message("ply\nformat ascii 2.0\n"), HasSubstr("line 2: expected \"format ascii|"));
   EXPECT_THAT(message("ply\nformat ascii 1.0\nelement v 1\n"),
               HasSubstr("test.ply: the PLY header does not end"));
@@ -163,17 +163,18 @@ TEST(Ply, WrongHeadersAndNumbersAreNamed) {
               HasSubstr("line 4: expected \"property TYPE NAME\" or"));
   EXPECT_THAT(message("ply\nformat ascii 1.0\nproperty float x\n"),
               HasSubstr("before any element"));
-  EXPECT_THAT(message("ply\nformat ascii 1.0\nelement v -1\n"), HasSubstr("\"-1\" is no count"));
+  EXPECT_THAT(message("ply\nformat ascii 1.0\nelement v -1\n"), HasSubstr("\"-1\" is not a count"));
   EXPECT_THAT(message("ply\nformat ascii 1.0\nelement v 99999999999999999999999\n"),
-              HasSubstr("is no count"));
+              HasSubstr("is not a count"));
   EXPECT_THAT(message("ply\nformat ascii 1.0\nelement v 1\nproperty half x\n"),
-              HasSubstr("\"half\" is no PLY type"));
+              HasSubstr("\"half\" is not a PLY type"));
   EXPECT_THAT(message("ply\nformat ascii 1.0\nelement v 1\nproperty list float int x\n"),
               HasSubstr("integer"));
   const std::string head = "ply\nformat ascii 1.0\nelement v 1\nproperty uchar x\nend_header\n";
   for (const char* value : {"256", "-1", "1.5", "x", "nan", "0x10"}) {
-    EXPECT_THAT(message(head + value),
-                HasSubstr(fmt::format("byte 0 of its data: \"{}\" is no uchar for x", value)));
+    EXPECT_THAT(
+        message(head + value),
+        HasSubstr(fmt::format("byte 0 of its data: \"{}\" is not a valid uchar for x", value)));
   }
   EXPECT_THAT(message(head + " \n"), HasSubstr("ends at byte 2 of its data where x was expected"));
   EXPECT_THAT(message(head + "1 2"), HasSubstr("byte 2 of its data: 1 bytes are left over"));
@@ -182,7 +183,7 @@ TEST(Ply, WrongHeadersAndNumbersAreNamed) {
   EXPECT_THAT(message(list + "-1 0"), HasSubstr("test.ply: a list of x has the length -1"));
 }
 
-// A value that its type cannot hold is our own mistake: it must not be written as another value.
+// A value that does not fit its type is a bug: it must not be written as another value.
 TEST(Ply, ValuesThatDoNotFitTheirTypeAreNotWritten) {
   const ScratchFolder folder;
   for (const double value : {256.0, -1.0, 0.5, std::numeric_limits<double>::quiet_NaN()}) {

@@ -88,7 +88,7 @@ TEST(Alignment, GoesFromWorldThroughTheInputToTheTruth) {
   EXPECT_LT(alignment.rotation_max_deg, 1e-5);
 }
 
-TEST(Alignment, ResidualsTellAMisplacedCamera) {
+TEST(Alignment, ResidualsRevealAMisplacedCamera) {
   const Scene scene = TestScene({});
   std::vector<TrueCamera> cameras = MovedCameras(scene, {});
   cameras[0].cam_from_truth.translation += glm::dvec3(0.1, 0, 0);
@@ -99,7 +99,7 @@ TEST(Alignment, ResidualsTellAMisplacedCamera) {
   EXPECT_GT(alignment.rotation_max_deg, 0.1);
 }
 
-TEST(Alignment, ViewsMatchByPictureNameAndStrangersAreNamed) {
+TEST(Alignment, ViewsMatchByImageNameAndUnmatchedOnesAreNamed) {
   Scene scene = TestScene({});
   std::vector<TrueCamera> cameras = MovedCameras(scene, {});
   cameras.pop_back();
@@ -112,6 +112,16 @@ TEST(Alignment, ViewsMatchByPictureNameAndStrangersAreNamed) {
   ExpectError<DataError>([&] { AlignByCameras(scene, cameras); }, {"'r_0.png'", "other/r_0.png"});
   ExpectError<DataError>([&] { AlignByCameras(scene, std::span(cameras).last(2)); },
                          {"of 8 views"});
+}
+
+TEST(Alignment, WhatFollowsADotInANameTellsFramesApart) {
+  Scene scene = TestScene({});
+  std::vector<TrueCamera> cameras = MovedCameras(scene, {});
+  for (size_t i = 0; i < scene.views.size(); ++i) {
+    scene.views[i].name = fmt::format("frame.{:04}", i);
+    cameras[i].file = fmt::format("photos/frame.{:04}.jpg", i);
+  }
+  EXPECT_EQ(AlignByCameras(scene, cameras).matched, scene.views.size());
 }
 
 TEST(Alignment, TrueCamerasAreReadAndBadOnesNamed) {
@@ -130,9 +140,9 @@ TEST(Alignment, TrueCamerasAreReadAndBadOnesNamed) {
   ExpectError<DataError>([&] { read("[[1, 0, 0], [0, 1, 0], [0, 0, 1]]"); },
                          {"frames[0].cam_from_world[0] has 3 numbers; expected 4"});
   ExpectError<DataError>([&] { read("[[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0]]"); },
-                         {"no rotation"});
+                         {"not a rotation"});
   ExpectError<DataError>([&] { read("[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0]]"); },
-                         {"no rotation"});
+                         {"not a rotation"});
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
-// A run folder as the stages leave it, made up: for tests of what only reads runs.
+// A made-up run folder like those that the stages leave, for tests of code that only reads runs.
 #pragma once
 
 #include "core/file.h"
-#include "mesh/triangle_mesh.h"
-#include "scene/image.h"
+#include "image/image.h"
+#include "mesh/triangle_shapes.h"
+#include "run/rendered_views.h"
 #include "scene/scene.h"
 
 #include <fmt/format.h>
@@ -20,7 +21,7 @@ struct FakeRun {
   std::vector<std::string> view_names = {"test/r_0", "test/r_1", "test/r_2"};
   std::string dataset = "../../data/fake";
   bool with_masks = true;
-  bool with_field_folder = true;  // false: the chain is broken there
+  bool with_field_folder = true;  // false: the chain of manifests is broken there
   double noise = 6;               // of the renders [8-bit steps]
   std::vector<std::string> warnings;
 };
@@ -47,35 +48,6 @@ inline Image Disturbed(const Image& image, double amount) {
     other.pixels[i] = uint8_t(std::clamp(std::lround(other.pixels[i] + step), 0l, 255l));
   }
   return other;
-}
-
-inline TriangleMesh TestSphere(int rings, double radius,
-                               const glm::dvec3& center = glm::dvec3(0.0)) {
-  TriangleMesh mesh;
-  const int sectors = 2 * rings;
-  const auto add = [&](double polar, double around) {
-    const glm::dvec3 n(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around),
-                       std::cos(polar));
-    mesh.positions.push_back(glm::vec3(center + radius * n));
-    mesh.colors_srgb.push_back(
-        {uint8_t(127 + 120 * n.x), uint8_t(127 + 120 * n.y), uint8_t(127 + 120 * n.z)});
-  };
-  add(0, 0);
-  for (int r = 1; r < rings; ++r) {
-    for (int s = 0; s < sectors; ++s) add(M_PI * r / rings, 2 * M_PI * s / sectors);
-  }
-  add(M_PI, 0);
-  const auto id = [&](int r, int s) { return uint32_t(1 + (r - 1) * sectors + s % sectors); };
-  const auto last = uint32_t(mesh.positions.size() - 1);
-  for (int s = 0; s < sectors; ++s) {
-    mesh.triangles.push_back({0u, id(1, s), id(1, s + 1)});
-    for (int r = 1; r + 1 < rings; ++r) {
-      mesh.triangles.push_back({id(r, s), id(r + 1, s), id(r + 1, s + 1)});
-      mesh.triangles.push_back({id(r, s), id(r + 1, s + 1), id(r, s + 1)});
-    }
-    mesh.triangles.push_back({id(rings - 1, s), last, id(rings - 1, s + 1)});
-  }
-  return mesh;
 }
 
 // Cameras on a ring around the origin, looking at it, z up.
@@ -175,33 +147,26 @@ inline void WriteFakeRun(const std::filesystem::path& run, const FakeRun& option
                      {"seconds", {{"total", 120.0}}},
                      {"peak_rss_bytes", uint64_t{900} << 20}});
 
-  nlohmann::json views = nlohmann::json::array();
-  std::vector<std::string> outputs = {"views.json"};
-  int width = 64, height = 48;
+  RenderedViews rendered{"white", "test", 4, 64, 48, {}};
+  std::vector<std::string> outputs = {kRenderedViewsFile};
   for (size_t i = 0; i < options.view_names.size(); ++i) {
     const Image truth = truths.empty() ? TestPicture(64, 48, int(i)) : truths[i % truths.size()];
-    width = truth.width, height = truth.height;
+    rendered.width = truth.width, rendered.height = truth.height;
     const std::string render = fmt::format("renders/{}.png", i), gt = fmt::format("gt/{}.png", i),
                       mask = fmt::format("masks/{}.png", i);
     WriteImage(run / "4_views" / render,
                Disturbed(truth, options.noise * (1 + 0.5 * double(i % 5))));
     WriteImage(run / "4_views" / gt, truth);
-    Image subject{width, height, 3, std::vector<uint8_t>(truth.pixels.size(), 0)};
+    Image subject{truth.width, truth.height, 3, std::vector<uint8_t>(truth.pixels.size(), 0)};
     std::fill(subject.pixels.begin() + subject.pixels.size() / 2, subject.pixels.end(),
               uint8_t{255});
     WriteImage(run / "4_views" / mask, subject);
-    views.push_back({{"name", options.view_names[i]},
-                     {"render", render},
-                     {"ground_truth", gt},
-                     {"mask", options.with_masks ? nlohmann::json(mask) : nlohmann::json()}});
+    const std::filesystem::path folder = run / "4_views";
+    rendered.views.push_back({options.view_names[i], "test", folder / render, folder / gt, {}, {}});
+    if (options.with_masks) rendered.views.back().mask = folder / mask;
     outputs.insert(outputs.end(), {render, gt});
   }
-  WriteJson(run / "4_views" / "views.json", {{"schema", 1},
-                                             {"background", "white"},
-                                             {"rays_per_pixel", 4},
-                                             {"split", "test"},
-                                             {"resolution", {width, height}},
-                                             {"views", views}});
+  WriteRenderedViews(run / "4_views" / kRenderedViewsFile, rendered);
   WriteFakeManifest(run / "4_views", "render", "../3_field", outputs);
   WriteTriangleMeshPly(run / "5_surface" / "surface.ply", TestSphere(40, 1));
   WriteFakeManifest(run / "5_surface", "surface", "../3_field", {"surface.ply"});

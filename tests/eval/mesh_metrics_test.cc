@@ -2,7 +2,6 @@
 
 #include "core/error.h"
 #include "eval/fake_run.h"
-#include "eval/mesh_facts.h"
 #include "expect_error.h"
 
 #include <gtest/gtest.h>
@@ -11,23 +10,6 @@
 
 namespace tetrec {
 namespace {
-
-// A square [0, size]^2 at height z, of n x n x 2 triangles.
-TriangleMesh Plane(int n, double size, double z) {
-  TriangleMesh mesh;
-  for (int j = 0; j <= n; ++j) {
-    for (int i = 0; i <= n; ++i)
-      mesh.positions.emplace_back(float(size * i / n), float(size * j / n), float(z));
-  }
-  const auto id = [&](int i, int j) { return uint32_t(j * (n + 1) + i); };
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      mesh.triangles.emplace_back(id(i, j), id(i + 1, j), id(i + 1, j + 1));
-      mesh.triangles.emplace_back(id(i, j), id(i + 1, j + 1), id(i, j + 1));
-    }
-  }
-  return mesh;
-}
 
 SurfaceScoreOptions FewSamples() {
   SurfaceScoreOptions options;
@@ -81,10 +63,11 @@ TEST(MeshMetrics, AMeshAgainstItselfScoresOneAtNoDistance) {
   EXPECT_EQ(scores.precision, 1);
   EXPECT_EQ(scores.recall, 1);
   // The nearest triangle may be missed where triangles are narrower than the samples' spacing of
-  // sqrt(16 pi / 20000) = 0.05; a neighbour then stands in, a thousandth of that away on average.
+  // sqrt(16 pi / 20000) = 0.05; a neighbour then takes its place, a thousandth of that away on
+  // average.
   EXPECT_LT(*scores.chamfer, 5e-5);
   EXPECT_NEAR(scores.diagonal, 2 * 2 * std::sqrt(3),
-              0.01);  // the sphere's box, but for its polygons
+              0.01);  // the sphere's box, up to its polygons
 }
 
 TEST(MeshMetrics, AShiftedPlaneIsAsFarAsTheShift) {
@@ -94,8 +77,7 @@ TEST(MeshMetrics, AShiftedPlaneIsAsFarAsTheShift) {
   for (const double shift : {0.002, 0.01, 0.05}) {
     const SurfaceScores scores = CompareSurfaces(Plane(7, 1, shift), truth, options);
     // The planes overlap wholly, so the nearest point is straight below; positions are floats
-    // (6e-8), and the nearest
-    // triangle may be missed at an edge (see above).
+    // (6e-8), and the nearest triangle may be missed at an edge (see above).
     EXPECT_NEAR(*scores.accuracy, shift, 1e-6);
     EXPECT_NEAR(*scores.completeness, shift, 1e-6);
     EXPECT_NEAR(*scores.chamfer, shift, 1e-6);
@@ -115,7 +97,7 @@ TEST(MeshMetrics, HalfOfThePlaneHasFullPrecisionAndHalfTheRecall) {
   EXPECT_NEAR(scores.f_score, 2 * recall / (1 + recall), 0.01);
 }
 
-TEST(MeshMetrics, WhatLiesOutsideTheBoxIsNotJudged) {
+TEST(MeshMetrics, PartsOutsideTheBoxAreNotScored) {
   TriangleMesh with_table = TestSphere(30, 1);
   const auto first = uint32_t(with_table.positions.size());
   const TriangleMesh table = Plane(4, 40, -3);
@@ -141,34 +123,6 @@ TEST(MeshMetrics, ATruthWithoutSurfaceInTheBoxIsRefused) {
   ExpectError<DataError>([] { CompareSurfaces(TestSphere(8, 1), {}, FewSamples()); },
                          {"ground-truth"});
   ExpectError<DataError>([] { SampleSurface({}, 10, 1); }, {"0 triangles"});
-}
-
-TEST(MeshFacts, AClosedSphereIsWatertightAndHasItsAreaAndVolume) {
-  const MeshFacts facts = MeasureMesh(TestSphere(100, 1));
-  EXPECT_TRUE(facts.watertight);
-  EXPECT_EQ(facts.components, 1u);
-  // A polyhedron inside the sphere: both fall short by a share of order (pi / 100)^2 = 1e-3.
-  EXPECT_NEAR(facts.area, 4 * M_PI, 4 * M_PI * 1e-3);
-  EXPECT_NEAR(facts.volume, 4 * M_PI / 3, 4 * M_PI / 3 * 2e-3);
-}
-
-TEST(MeshFacts, HolesLoosePiecesAndFlippedFacesShow) {
-  TriangleMesh open = TestSphere(8, 1);
-  open.triangles.pop_back();
-  EXPECT_EQ(MeasureMesh(open).boundary_edges, 3u);
-  EXPECT_FALSE(MeasureMesh(open).watertight);
-
-  TriangleMesh flipped = TestSphere(8, 1);
-  std::swap(flipped.triangles[0].x, flipped.triangles[0].y);
-  EXPECT_EQ(MeasureMesh(flipped).non_manifold_edges, 3u);
-  EXPECT_FALSE(MeasureMesh(flipped).watertight);
-
-  TriangleMesh two = Plane(1, 1, 0);
-  two.triangles.pop_back();
-  two.positions.insert(two.positions.end(), {{9, 9, 9}, {8, 9, 9}, {9, 8, 9}, {7, 7, 7}});
-  two.triangles.emplace_back(4, 5, 6);
-  EXPECT_EQ(MeasureMesh(two).components, 2u);  // the lone vertex 7 is none
-  EXPECT_FALSE(MeasureMesh({}).watertight);
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // Attributes moved between vertices and cells.
 #include "field/change_storage.h"
 
+#include "field/extra_attribute.h"
+
 #include <gtest/gtest.h>
 
 namespace tetrec {
@@ -53,6 +55,23 @@ TEST(WithStorage, KeepsColoursWhereAllIsEmpty) {
   EXPECT_EQ(vertices.density, std::vector<float>(5, 0.0f));
   EXPECT_EQ(vertices.color_srgb[0], glm::vec3(1, 0, 0));
   EXPECT_LT(glm::distance(vertices.color_srgb[1], glm::vec3(1, 0, 2) / 3.0f), 1e-6f);
+}
+
+TEST(WithStorage, TreatsOtherAttributesAsColourIsTreated) {
+  RadianceField field{TwoTets(), {0, 0, 0, 4, 8}, std::vector<glm::vec3>(5, glm::vec3(0.25f))};
+  field.others = {{kExtraAttribute, std::vector<float>(25, 1.0f)}};
+  field.others[0].values[3 * 5 + 2] = -6.0f;
+  field.others[0].values[4 * 5 + 2] = 3.0f;
+  const RadianceField cells = WithStorage(field, FieldStorage::kCell);
+  EXPECT_NO_THROW(CheckField(cells));
+  ASSERT_EQ(cells.others.size(), 1u);
+  EXPECT_EQ(cells.others[0].attribute, kExtraAttribute);
+  EXPECT_EQ(cells.others[0].values, (std::vector<float>{1, 1, -6, 1, 1, 1, 1, 0, 1, 1}));
+  const RadianceField vertices = WithStorage(cells, FieldStorage::kVertex);
+  EXPECT_NO_THROW(CheckField(vertices));
+  EXPECT_EQ(vertices.others[0].values[2], -6.0f) << "one cell only";
+  // Volumes 1 : 2, densities 1 : 3.
+  EXPECT_FLOAT_EQ(vertices.others[0].values[1 * 5 + 2], (1 * -6.0f + 6 * 0.0f) / 7.0f);
 }
 
 TEST(WithStorage, LeavesAConstantFieldConstant) {

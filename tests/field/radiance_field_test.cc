@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "expect_error.h"
+#include "field/extra_attribute.h"
 #include "scratch_folder.h"
 
 #include <gtest/gtest.h>
@@ -31,6 +32,18 @@ RadianceField OneCell() {
   return field;
 }
 
+RadianceField WithExtraValues(RadianceField field) {
+  field.others = {{kExtraAttribute, {}}};
+  for (size_t i = 0; i < 5 * RowCount(field); ++i) {
+    field.others[0].values.push_back(float(i) - 3.25f);
+  }
+  return field;
+}
+
+std::vector<RadianceField> EveryKind() {
+  return {OneTet(), OneCell(), WithExtraValues(OneTet()), WithExtraValues(OneCell())};
+}
+
 std::vector<uint8_t> BytesOf(const RadianceField& field) {
   const ScratchFolder folder;
   WriteField(folder / "field.tetf", field);
@@ -38,7 +51,7 @@ std::vector<uint8_t> BytesOf(const RadianceField& field) {
 }
 
 TEST(RadianceFieldFile, ReadsBackAsItWasWritten) {
-  for (const RadianceField& field : {OneTet(), OneCell()}) {
+  for (const RadianceField& field : EveryKind()) {
     const RadianceField read = ParseField(BytesOf(field), "field.tetf");
     EXPECT_EQ(read.storage, field.storage);
     EXPECT_EQ(read.mesh.positions, field.mesh.positions);
@@ -46,6 +59,43 @@ TEST(RadianceFieldFile, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.mesh.neighbors, field.mesh.neighbors);
     EXPECT_EQ(read.density, field.density);
     EXPECT_EQ(read.color_srgb, field.color_srgb);
+    ASSERT_EQ(read.others.size(), field.others.size());
+    for (size_t i = 0; i < field.others.size(); ++i) {
+      EXPECT_EQ(read.others[i].attribute, field.others[i].attribute);
+      EXPECT_EQ(read.others[i].values, field.others[i].values);
+    }
+  }
+}
+
+TEST(RadianceFieldFile, HasTheOldVersionsBytesWhereTheLayoutIsTheStandardOne) {
+  const auto magic = [](const RadianceField& field) {
+    const std::vector<uint8_t> bytes = BytesOf(field);
+    return std::string(bytes.begin(), bytes.begin() + 8);
+  };
+  EXPECT_EQ(magic(OneTet()), "TETRECF1");
+  EXPECT_EQ(magic(OneCell()), "TETRECF2");
+  EXPECT_EQ(magic(WithExtraValues(OneTet())), "TETRECF3");
+  EXPECT_EQ(magic(WithExtraValues(OneCell())), "TETRECF3");
+  // Behind the magic the mesh: its own magic, two counts, 4 positions, a tet and its neighbours.
+  const std::vector<uint8_t> bytes = BytesOf(OneTet());
+  const size_t density_at = 8 + 8 + 16 + 4 * 12 + 16 + 16;
+  ASSERT_EQ(bytes.size(), density_at + 4 * 4 + 4 * 12);
+  float last_density = 0;
+  std::memcpy(&last_density, bytes.data() + density_at + 12, 4);
+  EXPECT_EQ(last_density, 3.5f);
+}
+
+TEST(RadianceFieldFile, RefusesAnotherLayoutThanThatOfItsValues) {
+  const std::vector<uint8_t> good = BytesOf(WithExtraValues(OneTet()));
+  // Behind the magic: storage, attributes, "color" and "density" with 12 bytes each, "extra".
+  const size_t storage_at = 8, count_at = 12, components_at = 16 + (4 + 5 + 12) + (4 + 7 + 12) + 9;
+  for (const size_t at : {storage_at, count_at, components_at}) {
+    for (const uint32_t value : {0u, 1u, 2u, 4u, 6u, 64u, 100u, ~0u}) {
+      std::vector<uint8_t> bytes = good;
+      if (std::memcmp(bytes.data() + at, &value, 4) == 0) continue;
+      std::memcpy(bytes.data() + at, &value, 4);
+      EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError) << at << ": " << value;
+    }
   }
 }
 
@@ -55,13 +105,15 @@ TEST(RadianceFieldFile, RefusesAttributesOfTheOtherStorage) {
     bytes[7] = bytes[7] == '1' ? '2' : '1';
     EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
     bytes[7] = '3';
+    EXPECT_THROW(ParseField(bytes, "field.tetf"), DataError);
+    bytes[7] = '4';
     ExpectError<DataError>([&] { ParseField(bytes, "field.tetf"); },
-                           {"field.tetf: is a radiance field of format version '3'"});
+                           {"field.tetf: is a radiance field of format version '4'"});
   }
 }
 
 TEST(RadianceFieldFile, RefusesEveryPrefixAndTrailingBytes) {
-  for (const RadianceField& field : {OneTet(), OneCell()}) {
+  for (const RadianceField& field : EveryKind()) {
     std::vector<uint8_t> bytes = BytesOf(field);
     for (size_t size = 0; size < bytes.size(); ++size) {
       EXPECT_THROW(ParseField(std::span(bytes).first(size), "field.tetf"), DataError) << size;
@@ -105,6 +157,20 @@ TEST(CheckField, RefusesNegativeAndNonFiniteValues) {
   refused("1 tets but 4 densities and 4 colours",
           [](RadianceField& f) { f.storage = FieldStorage::kCell; });
   EXPECT_NO_THROW(CheckField(OneCell()));
+  const auto refused_with_extra = [](const char* message, auto&& damage) {
+    RadianceField field = WithExtraValues(OneTet());
+    damage(field.others);
+    ExpectError<DataError>([&] { CheckField(field); }, {message});
+  };
+  EXPECT_NO_THROW(CheckField(WithExtraValues(OneCell())));
+  refused_with_extra("'extra' has 19 values, must have 5 for each vertex",
+                     [](auto& others) { others[0].values.pop_back(); });
+  refused_with_extra("'extra' of vertex 1 is nan",
+                     [](auto& others) { others[0].values[7] = kNan; });
+  refused_with_extra("'extra' of vertex 0 is -3.25: it must be finite and 0 or more",
+                     [](auto& others) { others[0].attribute.activation = Activation::kExp; });
+  refused_with_extra("two attributes 'color'",
+                     [](auto& others) { others[0].attribute.name = "color"; });
 }
 
 TEST(RadianceFieldFile, NamesTheFileOfAFieldThatIsNoGood) {

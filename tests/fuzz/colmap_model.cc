@@ -1,8 +1,7 @@
-// Fuzz target: COLMAP's binary models. The first byte chooses the file: 0 cameras.bin, 1
-// images.bin, 2 points3D.bin; the two others are valid ones, so that what refers from file to file
-// is met too.
-#include "scene/colmap_model.h"
-
+// Fuzz target: COLMAP's binary models. The first byte selects the file: 0 cameras.bin, 1
+// images.bin, 2 points3D.bin. The other two are valid, so that references between the files are
+// tested too.
+#include "colmap/model.h"
 #include "fuzz/fuzz_target.h"
 
 #include <array>
@@ -20,7 +19,7 @@ void Append(Bytes& bytes, const Values&... values) {
   (append(values), ...);
 }
 
-// One PINHOLE camera, two pictures, one point that both see.
+// One PINHOLE camera, two images, one point that both see.
 std::array<Bytes, 3> ValidModel() {
   std::array<Bytes, 3> files;
   Append(files[0], uint64_t{1}, uint32_t{1}, 1, uint64_t{40}, uint64_t{30}, 50.0, 50.0, 20.0, 15.0);

@@ -1,7 +1,6 @@
-// Fuzz target: COLMAP's text models. The first byte chooses the file: 0 cameras.txt, 1 images.txt,
-// 2 points3D.txt; the two others are valid ones, so that what refers from file to file is met too.
-#include "scene/colmap_text.h"
-
+// Fuzz target: COLMAP's text models. The first byte selects the file: 0 cameras.txt, 1 images.txt,
+// 2 points3D.txt. The other two are valid, so that references between the files are tested too.
+#include "colmap/text.h"
 #include "fuzz/fuzz_target.h"
 
 #include <array>
@@ -9,7 +8,7 @@
 
 namespace {
 
-// One camera, two pictures, one point that both see.
+// One camera, two images, one point that both see.
 constexpr std::array<std::string_view, 3> kValid = {
     "1 PINHOLE 40 30 50 50 20 15\n",
     "1 1 0 0 0 0.1 0 4 1 p1\n20 15 1\n2 1 0 0 0 0.2 0 4 1 p2\n20 15 1\n",

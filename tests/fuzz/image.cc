@@ -1,6 +1,6 @@
-// Fuzz target: pictures. Short ones alone: what a longer one may claim and hold takes more memory
-// than the fuzzer is given.
-#include "scene/image.h"
+// Fuzz target: images. Only short ones, since the pixels that a longer file may claim need more
+// memory than the fuzzer is given.
+#include "image/image.h"
 
 #include "fuzz/fuzz_target.h"
 

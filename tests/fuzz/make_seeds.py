@@ -44,6 +44,22 @@ def cell_field_bytes():
     return b"TETRECF2" + tet_mesh_bytes() + struct.pack("<2f6f", 0, 3, *(i / 6 for i in range(6)))
 
 
+def layout_bytes(storage, *more):
+    """Colour, density and `more` attributes: (name, components, activation, rate class)."""
+    attributes = [(b"color", 3, 1, 0), (b"density", 1, 2, 1), *more]
+    out = struct.pack("<II", storage, len(attributes))
+    for name, components, activation, rate in attributes:
+        out += struct.pack("<I", len(name)) + name + struct.pack("<3I", components, activation, rate)
+    return out
+
+
+def extra_field_bytes(storage, rows):
+    """The two tets, or their five vertices, with five more values each, and two that are not negative."""
+    more = [(b"extra", 5, 0, 0), (b"more_2", 2, 2, 1)]
+    return (b"TETRECF3" + layout_bytes(storage, *more) + tet_mesh_bytes()
+            + struct.pack(f"<{11 * rows}f", *(i / 11 for i in range(11 * rows))))
+
+
 IDENTITY = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
 
@@ -222,7 +238,9 @@ def transfer_function_seeds():
 SEEDS = {
     "ply": ply_seeds,
     "tet_mesh": lambda: [("two_tets.tet", tet_mesh_bytes())],
-    "field": lambda: [("two_tets.tetf", field_bytes()), ("two_cells.tetf", cell_field_bytes())],
+    "field": lambda: [("two_tets.tetf", field_bytes()), ("two_cells.tetf", cell_field_bytes()),
+                      ("extra.tetf", extra_field_bytes(0, 5)),
+                      ("extra_cells.tetf", extra_field_bytes(1, 2))],
     "scene": lambda: [("scene.json", scene_json())],
     "image": image_seeds,
     "transforms": transforms_seeds,

@@ -1,4 +1,4 @@
-// Fuzz target: scene.json. The picture that the seed names is there, and so are two points.
+// Fuzz target: scene.json. The image that the seed names exists, and so do two points.
 #include "scene/scene.h"
 
 #include "fuzz/fuzz_target.h"

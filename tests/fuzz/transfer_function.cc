@@ -1,9 +1,9 @@
-// Fuzz target: transfer functions, ours and ParaView's, and their form for rays.
-#include "scene/transfer_function.h"
+// Fuzz target: transfer functions of Tetrec and ParaView, and their form prepared for rays.
+#include "volume/transfer_function.h"
 
 #include "core/file.h"
 #include "fuzz/fuzz_target.h"
-#include "scene/shaded_transfer.h"
+#include "volume/shaded_transfer.h"
 
 #include <cstdlib>
 #include <string_view>

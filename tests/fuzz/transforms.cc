@@ -1,6 +1,6 @@
-// Fuzz target: transforms.json, or transforms_train.json of a NeRF-synthetic folder; which of them
-// is told by the first byte, as the pictures, a mask among them, are there.
-#include "scene/transforms.h"
+// Fuzz target: transforms.json, or transforms_train.json of a NeRF-synthetic folder if the first
+// byte is 'n'. The images and the mask of the seeds exist.
+#include "import/transforms.h"
 
 #include "fuzz/fuzz_target.h"
 

@@ -1,7 +1,7 @@
-// Fuzz target: headers of volumes. The first byte says what the rest is: .nrrd, .nhdr, .mha or
-// .mhd; beside it lies data.raw, 24 bytes.
+// Fuzz target: headers of volumes. The first byte selects the format of the rest: .nrrd, .nhdr,
+// .mha or .mhd. A file data.raw of 24 bytes is beside it.
 #include "fuzz/fuzz_target.h"
-#include "scene/volume_io.h"
+#include "volume/reader.h"
 
 #include <array>
 

@@ -1,3 +1,4 @@
+// Occupancy grids: cells, counts and bounds.
 #include "geometry/occupancy_grid.h"
 
 #include <gtest/gtest.h>

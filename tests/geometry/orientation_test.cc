@@ -1,3 +1,4 @@
+// The exact orientation predicate.
 #include "geometry/orientation.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ TEST(Orientation, AgreesWithWholeNumberArithmeticOnNearlyFlatTets) {
   for (int n = 0; n < 20000; ++n) {
     glm::ivec3 p[4];
     for (int i = 0; i < 3; ++i) p[i] = {wide(random), wide(random), wide(random)};
-    // In the plane of the others (as a parallelogram's fourth point), or a unit beside it.
+    // In the plane of the others (the fourth point of a parallelogram), or one unit off it.
     p[3] = p[1] + p[2] - p[0] + glm::ivec3(narrow(random), narrow(random), narrow(random));
     const int expected = OrientationOfIntegers(p);
     flat += expected == 0;
@@ -53,7 +54,7 @@ TEST(Orientation, ChangesSignUnderEverySwapAtAllScales) {
       for (auto& q : p) {
         for (int k = 0; k < 3; ++k) q[k] = std::ldexp(mantissa(random), exponent + spread(random));
       }
-      p[3] = p[0] + (p[1] - p[0]) * 0.25f;  // nearly on an edge: only exact arithmetic tells
+      p[3] = p[0] + (p[1] - p[0]) * 0.25f;  // nearly on an edge: only exact arithmetic decides
       const int sign = Orientation(p[0], p[1], p[2], p[3]);
       ASSERT_EQ(Orientation(p[1], p[0], p[2], p[3]), -sign);
       ASSERT_EQ(Orientation(p[0], p[2], p[1], p[3]), -sign);

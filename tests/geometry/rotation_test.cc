@@ -1,3 +1,4 @@
+// Rotation matrices and the nearest rotation.
 #include "geometry/rotation.h"
 
 #include "geometry/camera.h"

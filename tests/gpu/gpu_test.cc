@@ -1,11 +1,14 @@
 // Devices, buffers, and the barriers that the command recorder derives.
+#include "embedded_shaders.h"
 #include "gpu/buffer.h"
 #include "gpu/commands.h"
 #include "gpu/program.h"
 #include "gpu/raster_program.h"
+#include "shared/gpu_types.glsl.h"
 #include "test_shaders.h"
 #include "vulkan_test.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,14 +17,13 @@
 namespace tetrec::test {
 namespace {
 
+using ::testing::HasSubstr;
+
 struct AffinePush {
   uint32_t count, factor;
 };
 
-Program MakeAffine(const Device& device) {
-  return Program(device, "affine", kAffine, {{0, Access::kRead}, {1, Access::kReadWrite}},
-                 sizeof(AffinePush));
-}
+Program MakeAffine(const Device& device) { return Program(device, "affine", kAffine); }
 
 std::vector<uint32_t> Counted(uint32_t count) {
   std::vector<uint32_t> values(count);
@@ -58,13 +60,13 @@ TEST_F(VulkanTest, DispatchReadsWhatTheOneBeforeWrote) {
   Buffer a = MakeBuffer(device(), "a", Counted(count)), b(device(), "b", 4 * count);
   CommandRecorder recorder(device());
   recorder.Begin();
-  const Buffer* a_to_b[] = {&a, &b};
-  const Buffer* b_to_a[] = {&b, &a};
-  recorder.Dispatch(affine, a_to_b, AffinePush{count, 3}, count, 64);
+  const BoundBuffers a_to_b = {{0, a}, {1, b}};
+  const BoundBuffers b_to_a = {{0, b}, {1, a}};
+  recorder.Dispatch(affine, a_to_b, AffinePush{count, 3}, count);
   EXPECT_EQ(recorder.barriers(), 0u);
-  recorder.Dispatch(affine, b_to_a, AffinePush{count, 5}, count, 64);
+  recorder.Dispatch(affine, b_to_a, AffinePush{count, 5}, count);
   EXPECT_EQ(recorder.barriers(), 1u);
-  recorder.Dispatch(affine, a_to_b, AffinePush{count, 2}, count, 64);
+  recorder.Dispatch(affine, a_to_b, AffinePush{count, 2}, count);
   EXPECT_EQ(recorder.barriers(), 2u);
   recorder.EndAndSubmit();
   recorder.Wait();
@@ -85,10 +87,9 @@ TEST_F(VulkanTest, DispatchOfMoreWorkgroupsThanARowHoldsReachesEveryThreadOnce) 
   const Buffer b(device(), "b", 4 * count);
   CommandRecorder recorder(device());
   recorder.Begin();
-  const Buffer* a_to_b[] = {&a, &b};
-  EXPECT_THROW(recorder.Dispatch(affine, a_to_b, AffinePush{uint32_t(count), 3}, count, 64),
-               BugError);
-  recorder.DispatchMany(affine, a_to_b, AffinePush{uint32_t(count), 3}, count, 64);
+  const BoundBuffers a_to_b = {{0, a}, {1, b}};
+  EXPECT_THROW(recorder.Dispatch(affine, a_to_b, AffinePush{uint32_t(count), 3}, count), BugError);
+  recorder.DispatchMany(affine, a_to_b, AffinePush{uint32_t(count), 3}, count);
   recorder.EndAndSubmit();
   recorder.Wait();
   const auto result = b.DownloadAs<uint32_t>(count);
@@ -101,10 +102,10 @@ TEST_F(VulkanTest, TwoDispatchesThatWriteOneBufferAreKeptApart) {
   Buffer out(device(), "out", 4 * 64);
   CommandRecorder recorder(device());
   recorder.Begin();
-  const Buffer* from_a[] = {&a, &out};
-  const Buffer* from_b[] = {&b, &out};
-  recorder.Dispatch(affine, from_a, AffinePush{64, 1}, 64, 64);
-  recorder.Dispatch(affine, from_b, AffinePush{64, 10}, 64, 64);
+  const BoundBuffers from_a = {{0, a}, {1, out}};
+  const BoundBuffers from_b = {{0, b}, {1, out}};
+  recorder.Dispatch(affine, from_a, AffinePush{64, 1}, 64);
+  recorder.Dispatch(affine, from_b, AffinePush{64, 10}, 64);
   EXPECT_EQ(recorder.barriers(), 1u);
   recorder.EndAndSubmit();
   recorder.Wait();
@@ -117,56 +118,100 @@ TEST_F(VulkanTest, DispatchesThatShareOnlyWhatTheyReadNeedNoBarrier) {
   Buffer a(device(), "a", 4 * 64), b(device(), "b", 4 * 64);
   CommandRecorder recorder(device());
   recorder.Begin();
-  const Buffer* to_a[] = {&in, &a};
-  const Buffer* to_b[] = {&in, &b};
-  recorder.Dispatch(affine, to_a, AffinePush{64, 1}, 64, 64);
-  recorder.Dispatch(affine, to_b, AffinePush{64, 2}, 64, 64);
+  const BoundBuffers to_a = {{0, in}, {1, a}};
+  const BoundBuffers to_b = {{0, in}, {1, b}};
+  recorder.Dispatch(affine, to_a, AffinePush{64, 1}, 64);
+  recorder.Dispatch(affine, to_b, AffinePush{64, 2}, 64);
   EXPECT_EQ(recorder.barriers(), 0u);
   recorder.EndAndSubmit();
   recorder.Wait();
   EXPECT_EQ(b.DownloadAs<uint32_t>(64)[5], 11u);
 }
 
-TEST_F(VulkanTest, DispatchWithTooFewBuffersIsABug) {
+// The message names the kernel and the binding.
+TEST_F(VulkanTest, DispatchWithBuffersThatAreNotTheKernelsIsABug) {
   const Program affine = MakeAffine(device());
-  Buffer a(device(), "a", 64);
+  const Buffer a(device(), "a", 64), b(device(), "b", 64), none;
   CommandRecorder recorder(device());
   recorder.Begin();
-  const Buffer* one[] = {&a};
-  EXPECT_THROW(recorder.Dispatch(affine, one, AffinePush{1, 1}, 1, 64), BugError);
+  const auto expect_bug = [&](const BoundBuffers& buffers, const char* words) {
+    try {
+      recorder.Dispatch(affine, buffers, AffinePush{1, 1}, 1);
+      FAIL() << words;
+    } catch (const BugError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(words));
+    }
+  };
+  expect_bug({{0, a}}, "kernel affine: no buffer for binding 1 (Out)");
+  expect_bug({{0, a}, {1, b}, {2, b}}, "kernel affine has no binding 2 for buffer 'b'");
+  expect_bug({{0, a}, {1, b}, {1, a}}, "kernel affine: the buffer 'a' for binding 1 (Out)");
+  expect_bug({{0, none}, {1, b}}, "kernel affine: the buffer '' for binding 0 (In)");
+  EXPECT_THROW(recorder.Dispatch(affine, {{0, a}, {1, b}}, uint32_t(1), 1), BugError);
   recorder.EndAndSubmit();
   recorder.Wait();
 }
 
-// A dispatch writes what a draw reads, a draw what a dispatch reads; only the area gets fragments.
+TEST_F(VulkanTest, BuffersMayComeInAnyOrder) {
+  const Program affine = MakeAffine(device());
+  const Buffer a = MakeBuffer(device(), "a", Counted(64)), b(device(), "b", 4 * 64);
+  CommandRecorder recorder(device());
+  recorder.Begin();
+  recorder.Dispatch(affine, {{1, b}, {0, a}}, AffinePush{64, 2}, 64);
+  recorder.EndAndSubmit();
+  recorder.Wait();
+  EXPECT_EQ(b.DownloadAs<uint32_t>(64)[5], 11u);
+}
+
+TEST_F(VulkanTest, TexelBufferWithoutAFormatIsABug) {
+  const Program keys(device(), "keys", kProjectionKeysPower);
+  const Buffer words(device(), "words", 64);
+  CommandRecorder recorder(device());
+  recorder.Begin();
+  try {
+    recorder.Dispatch(
+        keys,
+        {{kBindItems, words}, {kBindKeys, words}, {kBindSpheres, words}, {kBindHighKeys, words}},
+        gpu_types::ProjectionPush{}, 1);
+    ADD_FAILURE();
+  } catch (const BugError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("kernel keys: binding 25 (spheres) needs a texel buffer"));
+  }
+  recorder.EndAndSubmit();
+  recorder.Wait();
+}
+
+TEST_F(VulkanTest, ConstantThatTheKernelLacksIsABug) {
+  const SpecializationConstant constants[] = {{7, 1}};
+  EXPECT_THROW(Program(device(), "affine", kAffine, constants), BugError);
+}
+
+// A dispatch writes what a draw reads, a draw writes what a dispatch reads, and only the area gets
+// fragments.
 TEST_F(VulkanTest, DrawsAndDispatchesAreKeptApartAndDrawsKeepToTheirArea) {
   if (!device().has_raster) GTEST_SKIP() << "the device does not rasterise";
   struct StairsPush {
     uint32_t width, step;
   };
   constexpr uint32_t kWidth = 16, kHeight = 8;
-  const Program stairs =
-      MakeRasterProgram(device(), "stairs", kStairsvert, kStairsfrag,
-                        {{0, Access::kRead}, {1, Access::kReadWrite}}, sizeof(StairsPush));
+  const Program stairs = MakeRasterProgram(device(), "stairs", kStairsvert, kStairsfrag);
   const Program affine = MakeAffine(device());
   Buffer ones = MakeBuffer(device(), "ones", std::vector<uint32_t>{1});
   Buffer steps(device(), "steps", 4), counts(device(), "counts", 4 * kWidth * kHeight);
   Buffer result(device(), "result", 4 * kWidth * kHeight);
   CommandRecorder recorder(device());
   recorder.Begin();
-  const Buffer* ones_to_steps[] = {&ones, &steps};
-  const Buffer* steps_to_counts[] = {&steps, &counts};
-  const Buffer* counts_to_result[] = {&counts, &result};
+  const BoundBuffers ones_to_steps = {{0, ones}, {1, steps}};
+  const BoundBuffers steps_to_counts = {{0, steps}, {1, counts}};
+  const BoundBuffers counts_to_result = {{0, counts}, {1, result}};
   recorder.FillZero(counts);
-  recorder.Dispatch(affine, ones_to_steps, AffinePush{1, 2}, 1, 64);  // 1 * 2 + 1
+  recorder.Dispatch(affine, ones_to_steps, AffinePush{1, 2}, 1);  // 1 * 2 + 1
   recorder.Draw(stairs, steps_to_counts, StairsPush{kWidth, 1}, 3 * 4, {0, 0, kWidth, kHeight},
                 {2, 1, kWidth - 2, kHeight - 3});
   EXPECT_EQ(recorder.barriers(), 1u);
   recorder.Draw(stairs, steps_to_counts, StairsPush{kWidth, 10}, 3, {0, 0, kWidth, kHeight},
                 {0, 0, 1, 1});
   EXPECT_EQ(recorder.barriers(), 2u);
-  recorder.Dispatch(affine, counts_to_result, AffinePush{kWidth * kHeight, 1}, kWidth * kHeight,
-                    64);
+  recorder.Dispatch(affine, counts_to_result, AffinePush{kWidth * kHeight, 1}, kWidth * kHeight);
   EXPECT_EQ(recorder.barriers(), 3u);
   recorder.EndAndSubmit();
   recorder.Wait();

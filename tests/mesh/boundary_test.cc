@@ -1,4 +1,4 @@
-// Boundaries of meshes: which are convex, and the tree of boxes over their faces.
+// Boundaries of meshes: the check for convexity and the tree of boxes over their faces.
 #include "mesh/boundary.h"
 
 #include "core/error.h"
@@ -24,7 +24,7 @@ TetMesh RandomMesh(int points, uint32_t seed) {
   return BuildDelaunay(all).mesh;
 }
 
-// The tets for which keep(tet) holds.
+// The part of the mesh that consists of the tets with keep(tet).
 template <class Keep>
 TetMesh Kept(TetMesh mesh, const Keep& keep) {
   std::vector<glm::uvec4> tets;

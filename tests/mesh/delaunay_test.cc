@@ -30,7 +30,7 @@ void AppendCorners(std::vector<glm::vec3>& points, float half_side) {
   }
 }
 
-// Sign of the insphere determinant in long double; 0 where rounding could decide.
+// Sign of the insphere determinant in long double; 0 if rounding could change it.
 int InSphere(const TetMesh& mesh, const glm::uvec4& tet, const glm::vec3& q) {
   long double m[4][4];
   for (int i = 0; i < 4; ++i) {

@@ -32,7 +32,7 @@ TetMesh RandomMesh(int points, unsigned seed) {
   return BuildDelaunay(positions).mesh;
 }
 
-// Two tets on both sides of the triangle 1, 2, 3.
+// Two tets, one on each side of the triangle 1, 2, 3.
 TetMesh TwoTets() {
   TetMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
@@ -124,7 +124,7 @@ TEST(CheckTetMesh, NamesTheFirstOffence) {
     for (int i = 0; i < 4; ++i) m.neighbors[0][i] = 1;
   });
   refused("belongs to no tet", [](TetMesh& m) { m.positions.push_back({3, 3, 3}); });
-  refused("neighbours of", [](TetMesh& m) { m.neighbors.pop_back(); });
+  refused("neighbours for", [](TetMesh& m) { m.neighbors.pop_back(); });
 }
 
 TEST(CheckConvexDomain, NamesTheFirstOffence) {
@@ -190,7 +190,7 @@ TEST(MeasureQuality, FallsToZeroForASliver) {
 
 TEST(SortAlongMortonCurve, KeepsTheMesh) {
   TetMesh mesh = RandomMesh(1000, 5);
-  // Shuffled first: the triangulation comes sorted.
+  // The triangulation is sorted already, so it is shuffled first.
   std::vector<uint32_t> order(mesh.positions.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = uint32_t(i);
   std::shuffle(order.begin(), order.end(), std::mt19937(6));
@@ -221,7 +221,7 @@ TEST(SortAlongMortonCurve, BringsNeighborsClose) {
       ++count;
     }
   }
-  // In random order two tets lie a third of their number apart on average.
+  // In random order two tets are a third of their number apart on average.
   EXPECT_LT(distance / count, 0.1 * double(mesh.tets.size()));
 }
 

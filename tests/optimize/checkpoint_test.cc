@@ -2,9 +2,10 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/random.h"
 #include "expect_error.h"
+#include "field/extra_attribute.h"
 #include "mesh/delaunay.h"
-#include "optimize/random.h"
 #include "scratch_folder.h"
 
 #include <cstring>
@@ -13,12 +14,13 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECK2", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
-// bytes, u64 V, u64 T, u32 storage, positions.
+// Where the fields start: "TETRECK3", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
+// bytes, u64 V, u64 T, then the layout: u32 storage, u32 attributes, and of "color" and "density"
+// the length of the name, the name, and 3 u32 each. Positions follow.
 constexpr size_t kSecondsAt = 16, kVertexCountAt = 44, kTetCountAt = 52, kStorageAt = 60,
-                 kPositionsAt = 64;
+                 kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
-Checkpoint MakeCheckpoint(FieldStorage storage = FieldStorage::kVertex) {
+Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   Random random(5);
   const auto unit = [&random] { return float(random.Uniform()); };
   std::vector<glm::vec3> points;
@@ -33,13 +35,11 @@ Checkpoint MakeCheckpoint(FieldStorage storage = FieldStorage::kVertex) {
   checkpoint.rounds = 4;
   checkpoint.metrics_bytes = 777;
   checkpoint.mesh = BuildDelaunay(points).mesh;
-  VertexState& state = checkpoint.state;
-  state.storage = storage;
-  for (auto* rows : {&state.parameters, &state.first_moment, &state.second_moment}) {
-    for (size_t v = 0; v < RowCount(checkpoint.mesh, storage); ++v) {
-      const float r = unit(), g = unit(), b = unit(), a = unit();
-      rows->emplace_back(r, g, b, a);
-    }
+  FieldState& state = checkpoint.state;
+  state.layout = layout;
+  const size_t rows = RowCount(checkpoint.mesh, layout.storage);
+  for (auto* values : {&state.parameters, &state.first_moment, &state.second_moment}) {
+    for (size_t i = 0; i < rows * size_t(layout.Components()); ++i) values->push_back(unit());
   }
   return checkpoint;
 }
@@ -57,9 +57,9 @@ std::vector<uint8_t> With(std::vector<uint8_t> bytes, size_t at, T value) {
 }
 
 TEST(Checkpoint, ReadsBackAsItWasWritten) {
-  for (FieldStorage storage : {FieldStorage::kVertex, FieldStorage::kCell}) {
+  for (FieldLayout layout : {FieldLayout{}, kCellLayout, WithExtra({}), WithExtra(kCellLayout)}) {
     const ScratchFolder folder;
-    const Checkpoint written = MakeCheckpoint(storage);
+    const Checkpoint written = MakeCheckpoint(layout);
     WriteCheckpoint(folder / "checkpoint.bin", written);
     const Checkpoint read = ReadCheckpoint(folder / "checkpoint.bin");
     EXPECT_EQ(read.iteration, written.iteration);
@@ -70,16 +70,24 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.mesh.positions, written.mesh.positions);
     EXPECT_EQ(read.mesh.tets, written.mesh.tets);
     EXPECT_EQ(read.mesh.neighbors, written.mesh.neighbors);
-    EXPECT_EQ(read.state.storage, storage);
+    EXPECT_EQ(read.state.layout, layout);
     EXPECT_EQ(read.state.parameters, written.state.parameters);
     EXPECT_EQ(read.state.first_moment, written.state.first_moment);
     EXPECT_EQ(read.state.second_moment, written.state.second_moment);
   }
 }
 
+// Files of the previous version, which knew only one layout.
+TEST(Checkpoint, RefusesTheVersionBefore) {
+  std::vector<uint8_t> bytes = BytesOf(MakeCheckpoint());
+  bytes[7] = '2';
+  ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); },
+                         {"c.bin: is not a checkpoint of this version of Tetrec"});
+}
+
 TEST(Checkpoint, RefusesAnotherStorageThanThatOfItsRows) {
   const std::vector<uint8_t> vertices = BytesOf(MakeCheckpoint());
-  const std::vector<uint8_t> cells = BytesOf(MakeCheckpoint(FieldStorage::kCell));
+  const std::vector<uint8_t> cells = BytesOf(MakeCheckpoint(kCellLayout));
   EXPECT_THROW(ParseCheckpoint(With(vertices, kStorageAt, uint32_t{1}), "c.bin"), DataError);
   EXPECT_THROW(ParseCheckpoint(With(cells, kStorageAt, uint32_t{0}), "c.bin"), DataError);
   for (const uint32_t storage : {2u, 256u, ~0u}) {
@@ -128,10 +136,11 @@ TEST(Checkpoint, RefusesWhatIsNotFinite) {
       const std::vector<uint8_t> bytes = BytesOf(checkpoint);
       ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); }, {what});
     };
-    refused([](Checkpoint& c, float x) { c.state.parameters[3].a = x; }, "parameter of vertex 3");
-    refused([](Checkpoint& c, float x) { c.state.first_moment[0].r = x; },
+    refused([](Checkpoint& c, float x) { c.state.parameters[3 * 4 + 3] = x; },
+            "parameter of vertex 3");
+    refused([](Checkpoint& c, float x) { c.state.first_moment[0] = x; },
             "first moment of vertex 0");
-    refused([](Checkpoint& c, float x) { c.state.second_moment.back().b = x; },
+    refused([](Checkpoint& c, float x) { c.state.second_moment.back() = x; },
             "second moment of vertex 19");
     refused([](Checkpoint& c, float x) { c.mesh.positions[7].y = x; }, "7");
     refused([](Checkpoint& c, float x) { c.seconds = x; }, "seconds");
@@ -142,9 +151,9 @@ TEST(Checkpoint, RefusesWhatIsNotFinite) {
 
 TEST(Checkpoint, RefusesANegativeSecondMoment) {
   Checkpoint checkpoint = MakeCheckpoint();
-  checkpoint.state.first_moment[2].g = -1.0f;
+  checkpoint.state.first_moment[2 * 4 + 1] = -1.0f;
   EXPECT_NO_THROW(ParseCheckpoint(BytesOf(checkpoint), "c.bin"));
-  checkpoint.state.second_moment[2].g = -1e-9f;
+  checkpoint.state.second_moment[2 * 4 + 1] = -1e-9f;
   const std::vector<uint8_t> bytes = BytesOf(checkpoint);
   ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); }, {"vertex 2", "negative"});
 }
@@ -166,7 +175,7 @@ TEST(Checkpoint, RefusesAnotherMagic) {
   const std::vector<uint8_t> good = BytesOf(MakeCheckpoint());
   for (size_t at = 0; at < 8; ++at) {
     ExpectError<DataError>([&] { ParseCheckpoint(With(good, at, '?'), "c.bin"); },
-                           {"c.bin", "no checkpoint"});
+                           {"c.bin", "not a checkpoint"});
   }
 }
 

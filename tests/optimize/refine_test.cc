@@ -1,7 +1,8 @@
 #include "optimize/refine.h"
 
+#include "core/random.h"
+#include "field/extra_attribute.h"
 #include "mesh/delaunay.h"
-#include "optimize/random.h"
 
 #include <gtest/gtest.h>
 
@@ -16,8 +17,8 @@ namespace tetrec {
 namespace {
 
 constexpr float kHalfSide = 1.0f;
-// More than the exp and log of a density (log below 3: 2e-7 relative), the point's own rounding and
-// the blend, each in float on values below 8, add up to.
+// Bounds the sum of the rounding errors of exp and log of a density (log below 3: 2e-7 relative),
+// of the point itself and of the blend, each in float on values below 8.
 constexpr float kRounding = 8e-6f;
 
 // The corners of the box [-1, 1]^3 and points strictly inside.
@@ -38,33 +39,43 @@ TetMesh JitteredBox(int cells = 7, uint64_t seed = 1) {
   return BuildDelaunay(points).mesh;
 }
 
-// Everything linear in space: colour, density (not its logarithm) and the moments.
+// Colour, density (not its logarithm) and the moments are all linear in space.
 glm::vec4 LinearRow(const glm::vec3& p, float scale) {
   return scale * glm::vec4(0.5f + 0.2f * p.x, 0.4f - 0.3f * p.y, 0.3f + 0.1f * (p.x + p.z),
                            4.0f + 1.5f * p.x - p.y + 0.5f * p.z);
 }
 
-VertexState LinearState(const TetMesh& mesh) {
-  VertexState state;
+void Append(FieldState& state, const glm::vec4& parameters, const glm::vec4& first,
+            const glm::vec4& second) {
+  for (int c = 0; c < 4; ++c) {
+    state.parameters.push_back(parameters[c]);
+    state.first_moment.push_back(first[c]);
+    state.second_moment.push_back(second[c]);
+  }
+}
+
+// A row of the standard layout.
+glm::vec4 RowOf(const std::vector<float>& values, size_t row) {
+  return {values[4 * row], values[4 * row + 1], values[4 * row + 2], values[4 * row + 3]};
+}
+
+FieldState LinearState(const TetMesh& mesh) {
+  FieldState state;
   for (const glm::vec3& p : mesh.positions) {
     glm::vec4 row = LinearRow(p, 1.0f);
     row.a = std::log(row.a);
-    state.parameters.push_back(row);
-    state.first_moment.push_back(LinearRow(p, 0.1f));
-    state.second_moment.push_back(LinearRow(p, 0.01f));
+    Append(state, row, LinearRow(p, 0.1f), LinearRow(p, 0.01f));
   }
   return state;
 }
 
-// One density, grey, at rest.
-VertexState StateOfLogDensity(const TetMesh& mesh,
-                              const std::function<float(const glm::vec3&)>& log_density) {
-  VertexState state;
+// Grey, with the given density and zero moments.
+FieldState StateOfLogDensity(const TetMesh& mesh,
+                             const std::function<float(const glm::vec3&)>& log_density) {
+  FieldState state;
   for (const glm::vec3& p : mesh.positions) {
-    state.parameters.emplace_back(0.5f, 0.5f, 0.5f, log_density(p));
+    Append(state, {0.5f, 0.5f, 0.5f, log_density(p)}, glm::vec4(0.0f), glm::vec4(0.0f));
   }
-  state.first_moment.assign(mesh.positions.size(), glm::vec4(0.0f));
-  state.second_moment.assign(mesh.positions.size(), glm::vec4(0.0f));
   return state;
 }
 
@@ -76,7 +87,7 @@ std::map<std::array<float, 3>, uint32_t> VertexAt(const TetMesh& mesh) {
   return result;
 }
 
-// Vertices of `after` that stand where no vertex of `before` stands.
+// Vertices of `after` at places where `before` has none.
 std::vector<uint32_t> NewVertices(const TetMesh& before, const TetMesh& after) {
   const auto old = VertexAt(before);
   std::vector<uint32_t> result;
@@ -111,7 +122,7 @@ Edge LongestEdge(const TetMesh& mesh, const glm::uvec4& tet) {
                            [&mesh](Edge x, Edge y) { return Length(mesh, x) < Length(mesh, y); });
 }
 
-// The edge of the mesh that a point cuts: the detour over the point is least, and no detour.
+// The edge of the mesh that contains a point: the one for which the detour over the point vanishes.
 Edge EdgeThrough(const TetMesh& mesh, const glm::vec3& point) {
   Edge best{0, 0};
   double least = 1e30;
@@ -132,12 +143,12 @@ Edge EdgeThrough(const TetMesh& mesh, const glm::vec3& point) {
 
 bool IsCorner(const glm::vec3& p) { return glm::abs(p) == glm::vec3(kHalfSide); }
 
-// Vertices without a visible density in any of their tets, corners of the box left out.
-std::vector<uint8_t> EmptyInside(const TetMesh& mesh, const VertexState& state, float visible_log) {
+// Vertices without a visible density in any of their tets, except for corners of the box.
+std::vector<uint8_t> EmptyInside(const TetMesh& mesh, const FieldState& state, float visible_log) {
   std::vector<uint8_t> empty(mesh.positions.size(), 1);
   for (const glm::uvec4& tet : mesh.tets) {
     bool seen = false;
-    for (int i = 0; i < 4; ++i) seen |= state.parameters[tet[i]].a > visible_log;
+    for (int i = 0; i < 4; ++i) seen |= state.parameters[4 * tet[i] + 3] > visible_log;
     for (int i = 0; i < 4 && seen; ++i) empty[tet[i]] = 0;
   }
   for (size_t v = 0; v < empty.size(); ++v) empty[v] &= !IsCorner(mesh.positions[v]);
@@ -204,7 +215,7 @@ TEST(Refine, KeepsToTheVertexBudgetAndToTheGrowth) {
 
 TEST(Refine, KeepsTheBoxWholeRoundAfterRound) {
   TetMesh mesh = JitteredBox(4);
-  VertexState state = LinearState(mesh);
+  FieldState state = LinearState(mesh);
   for (uint64_t round = 0; round < 4; ++round) {
     const size_t before = mesh.positions.size();
     RefineOptions options;
@@ -218,9 +229,9 @@ TEST(Refine, KeepsTheBoxWholeRoundAfterRound) {
     EXPECT_EQ(quality.boundary_faces, 12u);
     EXPECT_NEAR(quality.total_volume, 8.0, 8e-11);  // a sum of some thousand doubles
     EXPECT_EQ(std::count_if(mesh.positions.begin(), mesh.positions.end(), IsCorner), 8);
-    EXPECT_EQ(state.parameters.size(), mesh.positions.size());
-    EXPECT_EQ(state.first_moment.size(), mesh.positions.size());
-    EXPECT_EQ(state.second_moment.size(), mesh.positions.size());
+    EXPECT_EQ(state.parameters.size(), 4 * mesh.positions.size());
+    EXPECT_EQ(state.first_moment.size(), 4 * mesh.positions.size());
+    EXPECT_EQ(state.second_moment.size(), 4 * mesh.positions.size());
   }
 }
 
@@ -232,34 +243,34 @@ TEST(Refine, ReproducesALinearFieldAtEveryNewVertex) {
   EXPECT_GT(added.size(), 100u);
   for (const uint32_t v : added) {
     const glm::vec3& p = result.mesh.positions[v];
-    glm::vec4 row = result.state.parameters[v];
+    glm::vec4 row = RowOf(result.state.parameters, v);
     row.a = std::exp(row.a);
     for (int i = 0; i < 4; ++i) {
       EXPECT_NEAR(row[i], LinearRow(p, 1.0f)[i], kRounding);
-      EXPECT_NEAR(result.state.first_moment[v][i], LinearRow(p, 0.1f)[i], 0.1f * kRounding);
-      EXPECT_NEAR(result.state.second_moment[v][i], LinearRow(p, 0.01f)[i], 0.01f * kRounding);
+      EXPECT_NEAR(result.state.first_moment[4 * v + i], LinearRow(p, 0.1f)[i], 0.1f * kRounding);
+      EXPECT_NEAR(result.state.second_moment[4 * v + i], LinearRow(p, 0.01f)[i], 0.01f * kRounding);
     }
   }
 }
 
 TEST(Refine, LeavesTheOldVerticesAsTheyWere) {
   const TetMesh mesh = JitteredBox();
-  const VertexState state = LinearState(mesh);
+  const FieldState state = LinearState(mesh);
   const RefineResult result =
       Refine(mesh, state, std::vector<float>(mesh.tets.size(), 1.0f), KeepAll());
   const auto now = VertexAt(result.mesh);
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
     const auto found = now.find(Key(mesh.positions[v]));
     ASSERT_NE(found, now.end()) << "vertex " << v;
-    EXPECT_EQ(result.state.parameters[found->second], state.parameters[v]);
-    EXPECT_EQ(result.state.first_moment[found->second], state.first_moment[v]);
-    EXPECT_EQ(result.state.second_moment[found->second], state.second_moment[v]);
+    EXPECT_EQ(RowOf(result.state.parameters, found->second), RowOf(state.parameters, v));
+    EXPECT_EQ(RowOf(result.state.first_moment, found->second), RowOf(state.first_moment, v));
+    EXPECT_EQ(RowOf(result.state.second_moment, found->second), RowOf(state.second_moment, v));
   }
 }
 
 TEST(Refine, DropsTheGivenShareOfTheEmptyVerticesAndNoOther) {
   const TetMesh mesh = JitteredBox(12);
-  const VertexState state =
+  const FieldState state =
       StateOfLogDensity(mesh, [](const glm::vec3& p) { return p.x < 0 ? -20.0f : 6.0f; });
   const std::vector<uint8_t> empty = EmptyInside(mesh, state, 0.0f);
   const double empty_count = double(std::count(empty.begin(), empty.end(), 1));
@@ -287,7 +298,7 @@ TEST(Refine, DropsTheGivenShareOfTheEmptyVerticesAndNoOther) {
 
 TEST(Refine, LeavesTheCornersWhereAllIsEmpty) {
   const TetMesh mesh = JitteredBox(3);
-  const VertexState state = StateOfLogDensity(mesh, [](const glm::vec3&) { return -80.0f; });
+  const FieldState state = StateOfLogDensity(mesh, [](const glm::vec3&) { return -80.0f; });
   RefineOptions options;
   options.drop_share = 1.0;
   const RefineResult result =
@@ -309,7 +320,7 @@ TEST(Refine, SplitsNoEdgeShorterThanTheLeast) {
   for (const uint32_t v : added) {
     EXPECT_GE(Length(mesh, EdgeThrough(mesh, result.mesh.positions[v])), 0.6 - 1e-6);
   }
-  options.min_edge = 10;  // longer than the box' diagonal
+  options.min_edge = 10;  // longer than the box's diagonal
   EXPECT_EQ(Refine(mesh, LinearState(mesh), error, options).split_edges, 0u);
 }
 
@@ -332,7 +343,7 @@ TEST(Refine, SplitsNoMoreEdgesAtAVertexThanAllowed) {
 
 TEST(Refine, GivesTheSameForTheSameSeedOnly) {
   const TetMesh mesh = JitteredBox(5);
-  const VertexState state =
+  const FieldState state =
       StateOfLogDensity(mesh, [](const glm::vec3& p) { return p.x < 0 ? -20.0f : 2.0f; });
   const std::vector<float> error(mesh.tets.size(), 1.0f);
   RefineOptions options;
@@ -347,7 +358,7 @@ TEST(Refine, GivesTheSameForTheSameSeedOnly) {
 
 TEST(Refine, SplitsNothingWhereThereIsNoError) {
   const TetMesh mesh = JitteredBox(5);
-  const VertexState state = LinearState(mesh);
+  const FieldState state = LinearState(mesh);
   const RefineResult result =
       Refine(mesh, state, std::vector<float>(mesh.tets.size(), 0.0f), RefineOptions{});
   EXPECT_EQ(result.split_edges, 0u);
@@ -356,14 +367,42 @@ TEST(Refine, SplitsNothingWhereThereIsNoError) {
   EXPECT_TRUE(NewVertices(mesh, result.mesh).empty());
 }
 
-// Every row is the number of its tet.
-VertexState NumberedCells(const TetMesh& mesh, float log_density) {
-  VertexState state;
-  state.storage = FieldStorage::kCell;
+// Another attribute and its moments, as the standard ones.
+TEST(Refine, ReproducesOtherLinearAttributesToo) {
+  const TetMesh mesh = JitteredBox();
+  FieldState state{.layout = WithExtra({})};
+  const auto extra = [](const glm::vec3& p, int c) { return float(c) + 2.0f * p.x - p.y + p.z; };
+  for (const glm::vec3& p : mesh.positions) {
+    for (int c = 0; c < 9; ++c) {
+      state.parameters.push_back(c < 4 ? 0.5f : extra(p, c));
+      state.first_moment.push_back(0.1f * extra(p, c));
+      state.second_moment.push_back(10.0f + extra(p, c));
+    }
+  }
+  const RefineResult result =
+      Refine(mesh, state, std::vector<float>(mesh.tets.size(), 1.0f), KeepAll());
+  EXPECT_GT(result.split_edges, 100u);
+  ASSERT_EQ(result.state.layout, state.layout);
+  ASSERT_EQ(result.state.rows(), result.mesh.positions.size());
+  for (size_t v = 0; v < result.mesh.positions.size(); ++v) {
+    for (int c = 0; c < 9; ++c) {
+      const float truth = extra(result.mesh.positions[v], c);
+      const size_t at = 9 * v + size_t(c);
+      if (c >= 4) {
+        EXPECT_NEAR(result.state.parameters[at], truth, kRounding);
+      }
+      EXPECT_NEAR(result.state.first_moment[at], 0.1f * truth, 0.1f * kRounding);
+      EXPECT_NEAR(result.state.second_moment[at], 10.0f + truth, 2 * kRounding);
+    }
+  }
+}
+
+// Every row contains the number of its tet.
+FieldState NumberedCells(const TetMesh& mesh, float log_density) {
+  FieldState state{.layout = {.storage = FieldStorage::kCell}};
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    state.parameters.emplace_back(float(t), 0.0f, 0.0f, log_density);
-    state.first_moment.emplace_back(-float(t));
-    state.second_moment.emplace_back(2.0f * float(t));
+    Append(state, {float(t), 0.0f, 0.0f, log_density}, glm::vec4(-float(t)),
+           glm::vec4(2.0f * float(t)));
   }
   return state;
 }
@@ -385,24 +424,24 @@ double LeastWeight(const TetMesh& mesh, const glm::uvec4& tet, const glm::dvec3&
 
 TEST(Refine, GivesANewCellTheRowOfTheOldOneThatHoldsItsCentroid) {
   const TetMesh mesh = JitteredBox(5);
-  const VertexState state = NumberedCells(mesh, 2.0f);
+  const FieldState state = NumberedCells(mesh, 2.0f);
   const RefineResult result =
       Refine(mesh, state, std::vector<float>(mesh.tets.size(), 1.0f), KeepAll());
   EXPECT_GT(result.mesh.tets.size(), mesh.tets.size());
-  ASSERT_EQ(result.state.storage, FieldStorage::kCell);
-  ASSERT_EQ(result.state.parameters.size(), result.mesh.tets.size());
-  ASSERT_EQ(result.state.first_moment.size(), result.mesh.tets.size());
-  ASSERT_EQ(result.state.second_moment.size(), result.mesh.tets.size());
+  ASSERT_EQ(result.state.layout, state.layout);
+  ASSERT_EQ(result.state.parameters.size(), 4 * result.mesh.tets.size());
+  ASSERT_EQ(result.state.first_moment.size(), 4 * result.mesh.tets.size());
+  ASSERT_EQ(result.state.second_moment.size(), 4 * result.mesh.tets.size());
   for (size_t t = 0; t < result.mesh.tets.size(); ++t) {
     glm::dvec3 centroid(0.0);
     for (int i = 0; i < 4; ++i) {
       centroid += 0.25 * glm::dvec3(result.mesh.positions[result.mesh.tets[t][i]]);
     }
-    const glm::vec4& row = result.state.parameters[t];
+    const glm::vec4 row = RowOf(result.state.parameters, t);
     ASSERT_GE(LeastWeight(mesh, mesh.tets[size_t(row.r)], centroid), -1e-9) << "tet " << t;
     EXPECT_EQ(row.a, 2.0f);
-    EXPECT_EQ(result.state.first_moment[t], glm::vec4(-row.r));
-    EXPECT_EQ(result.state.second_moment[t], glm::vec4(2.0f * row.r));
+    EXPECT_EQ(RowOf(result.state.first_moment, t), glm::vec4(-row.r));
+    EXPECT_EQ(RowOf(result.state.second_moment, t), glm::vec4(2.0f * row.r));
   }
 }
 
@@ -418,7 +457,7 @@ TEST(Refine, LeavesCellsThatStayAsTheyWere) {
   };
   ASSERT_EQ(result.mesh.tets.size(), mesh.tets.size());
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    EXPECT_EQ(keys(result.mesh, t), keys(mesh, size_t(result.state.parameters[t].r)));
+    EXPECT_EQ(keys(result.mesh, t), keys(mesh, size_t(result.state.parameters[4 * t])));
   }
 }
 
@@ -429,18 +468,18 @@ TEST(Refine, DropsVerticesAmongEmptyCells) {
   const RefineResult result = Refine(mesh, NumberedCells(mesh, -80.0f),
                                      std::vector<float>(mesh.tets.size(), 0.0f), options);
   EXPECT_EQ(result.mesh.positions.size(), 8u);
-  EXPECT_EQ(result.state.parameters.size(), result.mesh.tets.size());
+  EXPECT_EQ(result.state.parameters.size(), 4 * result.mesh.tets.size());
 }
 
 TEST(Refine, KeepsTheLogarithmFiniteWhereThereIsNoDensity) {
   const TetMesh mesh = JitteredBox(4);
   // exp(-200) is 0 as a float.
-  const VertexState state = StateOfLogDensity(mesh, [](const glm::vec3&) { return -200.0f; });
+  const FieldState state = StateOfLogDensity(mesh, [](const glm::vec3&) { return -200.0f; });
   const RefineResult result =
       Refine(mesh, state, std::vector<float>(mesh.tets.size(), 1.0f), KeepAll());
   EXPECT_GT(result.split_edges, 0u);
   for (const uint32_t v : NewVertices(mesh, result.mesh)) {
-    const float log_density = result.state.parameters[v].a;
+    const float log_density = result.state.parameters[4 * v + 3];
     EXPECT_TRUE(std::isfinite(log_density));
     EXPECT_LT(log_density, -79.0f);
   }

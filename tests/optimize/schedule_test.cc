@@ -45,7 +45,7 @@ TEST(RoundProgress, RisesToTheLastRound) {
   }
 }
 
-// Vertices after all rounds, each growing as much as it may.
+// Vertices after all rounds, if each round grows as much as it may.
 double AfterAllRounds(const ScheduleOptions& options, uint64_t start, uint64_t max_vertices) {
   uint64_t vertices = start;
   for (int round = 0; round < options.rounds; ++round) {
@@ -64,7 +64,7 @@ TEST(RoundGrowth, LeadsToTheBudget) {
     for (const double factor : {1.0, 1.3, 2.0, 2.4}) {
       const uint64_t start = 10000;
       const double budget = std::floor(double(start) * std::pow(factor, rounds));
-      // The last round aims at the budget itself, so only its own rounding is left.
+      // The last round aims at the budget itself, so only its own rounding remains.
       EXPECT_NEAR(AfterAllRounds(options, start, uint64_t(budget)), budget, 1.0);
       EXPECT_NEAR(RoundGrowth(options, 0, start, uint64_t(budget)), factor, 1e-4);
     }
@@ -74,7 +74,7 @@ TEST(RoundGrowth, LeadsToTheBudget) {
 TEST(RoundGrowth, IsCappedWhereTheBudgetIsFar) {
   const ScheduleOptions options;
   EXPECT_EQ(RoundGrowth(options, 0, 1000, 1000000000), 2.5);
-  // Rounded up by half a vertex a round at most, which later rounds multiply: below 1 %.
+  // Each round rounds up by half a vertex or less, which later rounds multiply: below 1 %.
   EXPECT_NEAR(AfterAllRounds(options, 1000, 1000000000), 1000 * std::pow(2.5, 5), 1000);
 }
 
@@ -88,7 +88,7 @@ TEST(RoundGrowth, IsOneWhereTheBudgetIsSpent) {
   const ScheduleOptions options;
   EXPECT_EQ(RoundGrowth(options, 2, 1000, 1000), 1.0);
   EXPECT_EQ(RoundGrowth(options, 2, 1000, 10), 1.0);
-  EXPECT_EQ(RoundGrowth(options, 99, 1000, 1500), 1.5);  // behind the last round
+  EXPECT_EQ(RoundGrowth(options, 99, 1000, 1500), 1.5);  // after the last round
 }
 
 TEST(AffordableVertices, GrowsWithTimeUpToAVertexForSixteenPixels) {

@@ -2,7 +2,7 @@
 
 #include "core/error.h"
 #include "expect_error.h"
-#include "scene/image.h"
+#include "image/image.h"
 #include "scene/synthetic.h"
 #include "scratch_folder.h"
 
@@ -32,7 +32,7 @@ bool Same(const std::vector<RayBlock>& a, const std::vector<RayBlock>& b) {
                     [](const RayBlock& x, const RayBlock& y) { return Key(x) == Key(y); });
 }
 
-// A scene on disk, whose pictures a test may replace.
+// A scene on disk, whose images a test may replace.
 class TrainingSetTest : public ::testing::Test {
  protected:
   void Write(const SyntheticScene& synthetic) {
@@ -51,7 +51,7 @@ class TrainingSetTest : public ::testing::Test {
 };
 
 TEST_F(TrainingSetTest, HoldsEveryBlockOfTheTrainingViewsOnce) {
-  Write(TinyScene(33, 31));  // no multiple of a block
+  Write(TinyScene(33, 31));  // not a multiple of a block
   const TrainingSet set = Load();
   ASSERT_EQ(set.views.size(), 4u);
   ASSERT_EQ(set.targets.size(), 4u);
@@ -75,7 +75,7 @@ TEST_F(TrainingSetTest, CallsTheBlocksOnAndBesideTheMaskTheSubject) {
   size_t on_mask = 0, far_off = 0;
   for (uint32_t b = 0; b < set.blocks.size(); ++b) {
     const TargetImage& target = set.targets[set.blocks[b].view];
-    int nearest = 1000;  // [px] from the block to what shows, along the farther axis
+    int nearest = 1000;  // [px] from the block to the subject, along the farther axis
     for (int y = 0; y < target.height; ++y) {
       for (int x = 0; x < target.width; ++x) {
         if (target.rgba8[size_t(y) * target.width + x] >> 24 == 0) continue;
@@ -177,7 +177,7 @@ TEST_F(TrainingSetTest, RefusesMissingTinyAndNoPictures) {
   ExpectError<DataError>([&] { Load(); }, {"3x2", "too small"});
 }
 
-// View 0 shows nothing, and view 1 something everywhere.
+// View 0 is empty, view 1 shows something everywhere.
 TrainingSet TwoViews(int width, int height) {
   TrainingSet set;
   for (uint32_t v = 0; v < 2; ++v) {
@@ -232,7 +232,7 @@ TEST(DrawBlocks, TakesTheGivenShareFromTheSubject) {
   for (const double share : {0.0, 0.3, 0.85, 1.0}) {
     size_t subject = 0;
     for (const RayBlock& block : DrawBlocks(set, kCount, share, 9, 2)) subject += block.view == 1;
-    // Half of the other draws fall on the subject too. Four standard deviations of the count.
+    // Half of the other draws fall on the subject, too. Four standard deviations of the count.
     const double expected = share + 0.5 * (1 - share);
     const double margin = 4 * std::sqrt(kCount * expected * (1 - expected));
     EXPECT_NEAR(double(subject), kCount * expected, margin) << "share " << share;
@@ -292,7 +292,7 @@ TEST(DrawTiles, AreOfOneShapeInsideTheirPictures) {
   std::set<uint32_t> views;
   for (uint64_t iteration = 0; iteration < 50; ++iteration) {
     const auto [blocks, shape] = DrawTiles(set, 3, 128, 0.5, 1, iteration);
-    // 32 x 32 pixels are wanted; the smaller picture holds 5 columns and 9 rows of blocks.
+    // 32 x 32 pixels are requested; the smaller image has room for 5 columns and 9 rows of blocks.
     ASSERT_EQ(shape.columns, 5u);
     ASSERT_EQ(shape.rows, 9u);
     ASSERT_EQ(blocks.size(), 3u * 5 * 9);

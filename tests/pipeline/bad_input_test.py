@@ -11,7 +11,7 @@ from tiny_dataset import join_splits, write_tiny_dataset
 class BadInputTest(StageCase):
 
     def photos(self, count):
-        """Photos of nothing: PNGs without texture, as photos go in."""
+        """Photos without texture, as PNGs."""
         write_tiny_dataset(self.folder / "ball")
         folder = self.folder / "photos"
         folder.mkdir()
@@ -68,7 +68,7 @@ class BadInputTest(StageCase):
         write_tiny_dataset(self.folder / "ball")
         (self.folder / "ball" / "test" / "r_1.png").unlink()
         result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "out")
-        self.assert_fails(result, 3, "test/r_1", "1 of 46 pictures are not there", "--skip-missing", "tetrec-sfm")
+        self.assert_fails(result, 3, "test/r_1", "1 of 46 images are missing", "skip missing images", "tetrec-sfm")
 
     def test_missing_pictures_are_skipped_and_counted(self):
         write_tiny_dataset(self.folder / "ball", train=8)
@@ -79,24 +79,24 @@ class BadInputTest(StageCase):
         self.assertIn("left out: 1: train/r_1", result.stderr)
         counts = self.manifest(out)["counts"]
         self.assertEqual((counts["pictures_skipped"], counts["train_views"]), (1, 7))
-        # Part of the key: without it the folder is not up to date.
+        # The option is part of the key: without it the folder is not up to date.
         self.assert_fails(self.run_stage("import", self.folder / "ball", "-o", out), 3, "train/r_1")
 
-    def test_import_of_broken_json_tells_where(self):
+    def test_import_of_broken_json_states_where(self):
         write_tiny_dataset(self.folder / "ball")
         (self.folder / "ball" / "transforms_train.json").write_text('{"camera_angle_x": 0.8, "frames": [')
         result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "out")
         self.assert_fails(result, 3, "transforms_train.json")
 
-    def test_import_options_that_do_not_go_together(self):
+    def test_import_options_that_contradict_each_other(self):
         write_tiny_dataset(self.folder / "ball", train=8)
         (self.folder / "list.txt").write_text("test/r_9\n")
         for options, parts in ((("--downscale", 2, "--max-size", 100), ("--downscale", "--max-size")),
                                (("--test-list", self.folder / "list.txt", "--holdout", 8),
                                 ("--test-list", "--holdout")),
-                               (("--downscale", 0.5), ("--downscale 0.5", "1 to 1024")),
+                               (("--downscale", 0.5), ("--downscale is 0.5", "1 to 1024")),
                                (("--bounds", "0,0,0,1,1"), ("--bounds",)),
-                               (("--bounds", "0,0,0,1,-1,1"), ("--bounds 0,0,0,1,-1,1",))):
+                               (("--bounds", "0,0,0,1,-1,1"), ("--bounds is 0,0,0,1,-1,1",))):
             with self.subTest(options):
                 result = self.run_stage("import", self.folder / "ball", "-o", self.folder / "out", *options)
                 self.assert_fails(result, 2, *parts)
@@ -105,7 +105,7 @@ class BadInputTest(StageCase):
                                 self.folder / "list.txt")
         self.assert_fails(result, 3, "list.txt: line 1", "test/r_9")
 
-    def test_import_of_a_lens_that_is_not_read(self):
+    def test_import_of_an_unsupported_lens(self):
         write_tiny_dataset(self.folder / "ball", train=8)
         join_splits(self.folder / "ball")
         path = self.folder / "ball" / "transforms.json"
@@ -126,7 +126,7 @@ class BadInputTest(StageCase):
         result = self.run_stage("optimize", tetrahedra, "-o", self.folder / "run" / "3_field")
         self.assert_fails(result, 3, "field.tetf")
 
-    def test_options_that_do_not_go_together_leave_a_finished_run_alone(self):
+    def test_contradicting_options_leave_a_finished_run_alone(self):
         out = self.folder / "run" / "3_field"
         tetrahedra = self.tiny_tetrahedra()
         self.assert_done(self.run_stage("optimize", tetrahedra, "-o", out, "--iterations", 2, "--time-limit", 0))
@@ -150,7 +150,7 @@ class BadInputTest(StageCase):
                                 environment={"VK_ICD_FILENAMES": nowhere, "VK_DRIVER_FILES": nowhere})
         self.assert_fails(result, 4, "Vulkan")
 
-    def test_a_write_that_fails_leaves_no_manifest_and_the_next_run_mends_it(self):
+    def test_a_failed_write_leaves_no_manifest_and_the_next_run_repairs_it(self):
         scene = self.tiny_scene()
         out = self.folder / "run" / "2_tetrahedra"
         result = self.run_stage("tetrahedralize", scene, "-o", out, restore_signals=False,
@@ -161,7 +161,7 @@ class BadInputTest(StageCase):
         self.assertEqual([path.name for path in out.iterdir() if path.name.startswith("mesh.tet")], [])
         self.assert_done(self.run_stage("tetrahedralize", scene, "-o", out))
 
-    def test_a_full_disk_is_told_in_one_line(self):
+    def test_a_full_disk_is_reported_in_one_line(self):
         self.program("import")
         write_tiny_dataset(self.folder / "ball")
         disk = self.folder / "disk"
@@ -169,7 +169,7 @@ class BadInputTest(StageCase):
         mount = ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c",
                  'mount -t tmpfs -o size=64k tmpfs "$1" && shift && exec "$@"', "sh", str(disk)]
         if subprocess.run([*mount, "true"], capture_output=True, check=False).returncode:
-            self.skipTest("this machine lets nobody mount a small disk (unshare, tmpfs)")
+            self.skipTest("this machine does not allow mounting a small disk (unshare, tmpfs)")
         result = subprocess.run(
             [*mount, str(self.program("import")), str(self.folder / "ball"), "-o", str(disk / "out")],
             capture_output=True, text=True, check=False)

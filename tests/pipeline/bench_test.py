@@ -21,7 +21,7 @@ class BenchTest(StageCase):
             self.assertGreater(float(row["forward_wall_ms_median"]), 0)
             self.assertGreater(int(row["device_bytes"]), 32 * int(row["tets"]))
             if row["integral"] == "exact" and row["order"] != "centroid":
-                # The figures that the renderers are held to.
+                # The bounds that the tests of the renderers use.
                 self.assertLess(float(row["picture_error_largest"]), 1e-4)
                 self.assertLess(float(row["density_gradient_error"]), 1e-3)
         errors = {row["integral"]: float(row["picture_error_rms"])
@@ -45,11 +45,11 @@ class BenchTest(StageCase):
         self.assertEqual(len(rows), 1)
         self.assertGreater(float(rows[0]["steps_per_ray"]), 1)
         self.assertIn("counted by the reference", (out / "table.md").read_text())
-        # It does not err against itself.
-        self.assertIn("no chart of accuracy", result.stderr)
+        # It has no error relative to itself.
+        self.assertIn("no accuracy chart", result.stderr)
         self.assertTrue((out / "scaling.svg").exists())
 
-    def test_cells_and_fixed_point_are_measured_where_asked_for(self):
+    def test_cells_and_fixed_point_are_measured_on_request(self):
         out = self.folder / "bench"
         self.assert_done(self.run_stage("bench", "-o", out, "--integral", "exact", "--tets", 500, "--size", 16,
                                         "--repeat", 1, "--error-size", 16, "--storage", "cell",
@@ -61,10 +61,10 @@ class BenchTest(StageCase):
             if row["order"] != "centroid":
                 self.assertLess(float(row["density_gradient_error"]), 1e-3)
         table = (out / "table.md").read_text()
-        self.assertIn("attributes a cell", table)
+        self.assertIn("attributes per cell", table)
         self.assertIn("64-bit fixed point", table)
 
-    def test_a_large_picture_is_measured(self):
+    def test_a_large_image_is_measured(self):
         out = self.folder / "bench"
         self.assert_done(self.run_stage("bench", "-o", out, "--renderer", "march", "--integral", "mean",
                                         "--tets", 50, "--size", 2048, "--repeat", 1, "--error-size", 8,
@@ -72,7 +72,7 @@ class BenchTest(StageCase):
         rows = list(csv.DictReader((out / "bench.csv").read_text().splitlines()))
         self.assertEqual((rows[0]["px"], rows[0]["repetitions"]), ("2048", "1"))
 
-    def test_what_takes_too_long_is_left_out_and_said_so(self):
+    def test_cases_that_would_take_too_long_are_skipped_and_marked(self):
         out = self.folder / "bench"
         self.assert_done(self.run_stage("bench", "-o", out, "--renderer", "march", "--integral", "exact",
                                         "--tets", 500, "--size", "16,512", "--repeat", 1, "--error-size", 16,
@@ -80,7 +80,7 @@ class BenchTest(StageCase):
         rows = list(csv.DictReader((out / "bench.csv").read_text().splitlines()))
         self.assertEqual([row["repetitions"] for row in rows], ["1", "0"])
         self.assertGreater(float(rows[1]["skipped_at_most_s"]), 1e-4)
-        self.assertIn("none: up to", (out / "table.md").read_text())
+        self.assertIn("skipped: up to", (out / "table.md").read_text())
 
     def test_wrong_options_are_one_clear_line(self):
         for words, part in ((("--integral", "cubic"), "cubic"), (("--size", "4"), "--size"),

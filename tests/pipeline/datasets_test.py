@@ -1,4 +1,4 @@
-"""scripts/fetch_dataset: what it puts in place, what it refuses, how it downloads."""
+"""scripts/fetch_dataset: what it installs, what it refuses, how it downloads."""
 import fcntl
 import gzip
 import hashlib
@@ -24,7 +24,8 @@ FETCH = ROOT / "scripts" / "fetch_dataset"
 SPECS = ROOT / "datasets_spec"
 COUNTS = {"train": 3, "val": 1, "test": 2}
 WIDTH, HEIGHT = 4, 3
-# Runs a program that dies before the step given first, of those that change what is in place.
+# Runs a program that dies before one of the steps that change installed data; the first argument is
+# the number of that step.
 DYING = """
 import os, pathlib, runpy, shutil, sys
 left = int(sys.argv[1])
@@ -43,7 +44,7 @@ runpy.run_path(sys.argv[0], run_name="__main__")
 
 
 def write_cube(folder):
-    """A NeRF-synthetic data set of grey pictures."""
+    """Writes a NeRF-synthetic data set of grey images."""
     for split, count in COUNTS.items():
         (folder / split).mkdir(parents=True)
         for i in range(count):
@@ -53,7 +54,7 @@ def write_cube(folder):
 
 
 def zip_of(folder, prefix):
-    """Bytes of a zip of a folder's files below `prefix`."""
+    """The bytes of a zip file of a folder's files, stored below `prefix`."""
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
         for path in sorted(folder.rglob("*")):
@@ -62,7 +63,7 @@ def zip_of(folder, prefix):
 
 
 def state(folder):
-    """Every path below a folder with its content and when it was last written."""
+    """Every path below a folder with its content and modification time."""
     return {str(path.relative_to(folder)): (path.stat().st_mtime_ns, path.is_file() and path.read_bytes())
             for path in sorted(folder.rglob("*"))}
 
@@ -78,7 +79,7 @@ class DatasetsTest(unittest.TestCase):
         self.archive = zip_of(self.cube, "shapes/cube")
 
     def describe(self, name="cube", **archive):
-        """Writes a spec like lego's, of the cube; its archive has no hash unless given."""
+        """Writes a spec of the cube, modelled on lego's; its archive has no hash unless given."""
         spec = json.loads((SPECS / "lego.json").read_text())
         spec["name"] = name
         spec["archive"] |= {"file": "shapes.zip", "folder": f"shapes/{name}", "sha256": None,
@@ -90,7 +91,7 @@ class DatasetsTest(unittest.TestCase):
         (specs / f"{name}.json").write_text(json.dumps(spec))
 
     def describe_photos(self, folder, count):
-        """Describes 'walk': photos in `folder` of an archive whose layout is not known."""
+        """Describes 'walk', photos in `folder` of an archive with an unknown layout."""
         self.describe("walk", folder=None)
         path = self.folder / "specs" / "walk.json"
         spec = json.loads(path.read_text())
@@ -129,7 +130,7 @@ class DatasetsTest(unittest.TestCase):
             self.assertEqual([p for p in self.to.glob(".*") if p.name != ".lock"], [])
 
     def assert_refused(self, result, exit_code, *parts):
-        """One clear line with each of `parts`, nothing put in place."""
+        """Expects one line of error with each of `parts`, and nothing installed."""
         self.assertEqual(result.returncode, exit_code, result.stdout + result.stderr)
         self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
         self.assertTrue(result.stderr.startswith("fetch_dataset: "), result.stderr)
@@ -138,15 +139,15 @@ class DatasetsTest(unittest.TestCase):
         self.assertFalse((self.to / "cube").exists())
         self.assert_nothing_half_done()
 
-    # What the user has.
+    # Data that the user has.
 
-    def test_a_zip_archive_is_unpacked_checked_and_put_in_place(self):
+    def test_a_zip_archive_is_unpacked_checked_and_installed(self):
         self.describe(bytes=len(self.archive), sha256=hashlib.sha256(self.archive).hexdigest())
         result = self.fetch("cube", "--from", self.write(self.archive))
         self.assert_in_place(result)
         self.assertIn(f"tetrec-import {self.to}/cube", result.stdout)
 
-    def test_a_tar_archive_with_another_layout_is_found_its_way_in(self):
+    def test_the_data_is_found_in_a_tar_archive_with_another_layout(self):
         self.describe()
         path = self.folder / "cube.tar.gz"
         with tarfile.open(path, "w:gz") as archive:
@@ -160,12 +161,12 @@ class DatasetsTest(unittest.TestCase):
         self.assert_in_place(self.fetch("cube", "--from", path))
         self.assertEqual(sorted(p.name for p in self.to.iterdir()), [".lock", "cube"])
 
-    def test_a_folder_is_copied_also_from_the_one_above(self):
+    def test_a_folder_is_copied_also_if_its_parent_is_given(self):
         self.describe()
         self.assert_in_place(self.fetch("cube", "--from", self.folder / "mine"))
         self.assertTrue((self.cube / "train" / "r_0.png").exists())
 
-    def test_photos_are_found_where_most_pictures_of_the_archive_are(self):
+    def test_photos_are_found_where_most_images_of_the_archive_are(self):
         self.describe_photos(".", 3)
         path = self.write(zip_of(self.cube / "train", "Walk/frames"))
         self.assertEqual(self.fetch("walk", "--from", path).returncode, 0)
@@ -184,20 +185,20 @@ class DatasetsTest(unittest.TestCase):
         before = state(self.to)
         result = self.fetch("cube", "--from", path)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("is in place", result.stdout)
+        self.assertIn("is installed", result.stdout)
         self.assertEqual(state(self.to), before)
 
-    def test_what_a_killed_run_left_is_swept_away(self):
+    def test_leftovers_of_a_killed_run_are_removed(self):
         self.describe()
         (self.to / ".cube.new").mkdir(parents=True)
         (self.to / ".cube.new" / "half.png").touch()
         self.assert_in_place(self.fetch("cube", "--from", self.cube))
         self.assertFalse((self.to / "cube" / "half.png").exists())
 
-    # Damaged in place.
+    # Damaged installed data.
 
     def put_damaged_cube(self):
-        """The cube in place without one of its pictures, and what the folder then holds."""
+        """Installs the cube and removes one of its images; returns the state of the folder."""
         self.describe()
         self.assert_in_place(self.fetch("cube", "--from", self.cube))
         (self.to / "cube" / "test" / "r_1.png").unlink()
@@ -209,7 +210,7 @@ class DatasetsTest(unittest.TestCase):
         for part in parts:
             self.assertIn(part, result.stderr)
 
-    def test_the_advice_for_damaged_data_in_place_works(self):
+    def test_the_advice_for_damaged_installed_data_works(self):
         self.put_damaged_cube()
         for arguments in ([], ["--from", self.cube], ["--check"], ["--allow-partial"]):
             self.assert_refused_in_place(self.fetch("cube", *arguments), "r_1.png is missing",
@@ -217,14 +218,14 @@ class DatasetsTest(unittest.TestCase):
         self.assert_in_place(self.fetch("cube", "--from", self.cube, "--again"))
         self.assertEqual(self.fetch("cube").returncode, 0)
 
-    def test_again_also_replaces_what_only_differs_and_takes_an_empty_place(self):
+    def test_again_also_replaces_data_that_only_differs_and_installs_missing_data(self):
         self.describe()
         self.assert_in_place(self.fetch("cube", "--from", self.cube, "--again"))
         write_png(self.to / "cube" / "train" / "r_0.png", 2, 1, bytes(8))
         self.assert_refused_in_place(self.fetch("cube"), "2 x 1 pixels", "--allow-partial", "--again")
         self.assert_in_place(self.fetch("cube", "--from", self.cube, "--again"))
 
-    def test_what_is_in_place_stays_until_the_new_is_whole_and_checked(self):
+    def test_installed_data_stays_until_the_new_data_is_complete_and_checked(self):
         before = self.put_damaged_cube()
         (self.cube / "val" / "r_0.png").unlink()
         failing = {"val/r_0.png": ["--from", self.cube], "--from shapes.zip": [],
@@ -250,18 +251,18 @@ class DatasetsTest(unittest.TestCase):
             self.assertEqual(killed.returncode, 99, killed.stderr)
             result = self.fetch("cube")
             outcomes.append(result.returncode)
-            if result.returncode == 0:  # the new is there already
+            if result.returncode == 0:  # the new data is installed already
                 self.assert_in_place(result)
             else:
                 self.assert_refused_in_place(result, "r_1.png is missing", "--again")
             self.assertFalse((self.to / ".cube.old").exists())
             self.assert_in_place(self.fetch("cube", "--from", self.cube, "--again"))
         self.assert_in_place(killed)
-        # Until the new is in place the old comes back: at the sweep and at both renames. Then only
-        # removing is left, of the old and of leftovers.
+        # Until the new data is installed the old data is restored: at the clean-up and at both
+        # renames. After that only the old data and leftovers remain to be removed.
         self.assertEqual(outcomes, [3, 3, 3, 0, 0])
 
-    def test_a_link_in_place_is_replaced_and_not_what_it_leads_to(self):
+    def test_a_link_is_replaced_and_its_target_left_alone(self):
         before = self.put_damaged_cube()
         (self.to / "cube").rename(self.folder / "elsewhere")
         (self.to / "cube").symlink_to(self.folder / "elsewhere")
@@ -269,7 +270,7 @@ class DatasetsTest(unittest.TestCase):
         self.assertFalse((self.to / "cube").is_symlink())
         self.assertEqual(state(self.folder / "elsewhere"), before)
 
-    def test_two_runs_in_one_folder_do_not_meet(self):
+    def test_two_runs_in_one_folder_do_not_collide(self):
         self.describe()
         self.to.mkdir()
         with (self.to / ".lock").open("w") as held:
@@ -283,7 +284,7 @@ class DatasetsTest(unittest.TestCase):
         result = self.fetch("cube", "--from", self.cube, preexec_fn=limit_file_size(50000))
         self.assert_refused(result, 4, "large.bin")
 
-    def test_check_puts_nothing_in_place(self):
+    def test_check_installs_nothing(self):
         self.describe()
         for source in (self.cube, self.write(self.archive)):
             result = self.fetch("cube", "--from", source, "--check")
@@ -302,7 +303,7 @@ class DatasetsTest(unittest.TestCase):
         wrong = self.fetch("cloud", "--from", self.write(volume[::-1], "wrong"), "--to", self.to / "b")
         self.assert_refused(wrong, 3, "sha256", spec["archive"]["sha256"])
 
-    # Other than the original.
+    # Data that differs from the original.
 
     def test_a_wrong_hash_is_refused_unless_allowed_and_then_named(self):
         self.describe(sha256="0" * 64)
@@ -313,17 +314,17 @@ class DatasetsTest(unittest.TestCase):
         self.assertIn(f"differs: shapes.zip has sha256 {hashlib.sha256(self.archive).hexdigest()}",
                       result.stdout)
 
-    def test_a_missing_picture_is_refused_whatever_is_allowed(self):
+    def test_a_missing_image_is_refused_whatever_is_allowed(self):
         self.describe()
         (self.cube / "test" / "r_1.png").unlink()
         for source in (self.cube, self.write(zip_of(self.cube, "shapes/cube"))):
             self.assert_refused(self.fetch("cube", "--from", source, "--allow-partial"), 3, "r_1.png")
 
-    def test_fewer_and_smaller_pictures_are_refused_unless_allowed(self):
+    def test_fewer_and_smaller_images_are_refused_unless_allowed(self):
         self.describe()
         write_png(self.cube / "train" / "r_0.png", 2, 1, bytes(8))
         (self.cube / "transforms_test.json").write_text(json.dumps({"frames": [{"file_path": "test/r_0.png"}]}))
-        differences = ["1 pictures of 2 x 1 pixels, 4 x 3 expected", "transforms_test.json: 1 pictures, 2 expected"]
+        differences = ["1 images of 2 x 1 pixels, 4 x 3 expected", "transforms_test.json: 1 images, 2 expected"]
         self.assert_refused(self.fetch("cube", "--from", self.cube), 3, *differences)
         result = self.fetch("cube", "--from", self.cube, "--allow-partial")
         self.assert_in_place(result)
@@ -334,23 +335,23 @@ class DatasetsTest(unittest.TestCase):
         self.assertEqual(self.fetch("cube").returncode, 3)
         self.assertEqual(self.fetch("cube", "--allow-partial").returncode, 0)
 
-    def test_a_picture_that_is_none_is_named(self):
+    def test_a_file_that_is_not_an_image_is_named(self):
         self.describe()
         (self.cube / "val" / "r_0.png").write_bytes(b"\xff\xd8\xff\xe0\x00")
         self.assert_refused(self.fetch("cube", "--from", self.cube, "--allow-partial"), 3, "val/r_0.png")
 
-    def test_what_is_cut_is_refused_whatever_is_allowed(self):
+    def test_truncated_files_are_refused_whatever_is_allowed(self):
         self.describe()
         picture = self.cube / "train" / "r_1.png"
         picture.write_bytes(picture.read_bytes()[:-12])  # the last chunk
         result = self.fetch("cube", "--from", self.cube, "--allow-partial")
-        self.assert_refused(result, 3, "train/r_1.png", "no whole PNG")
+        self.assert_refused(result, 3, "train/r_1.png", "not a complete PNG")
         self.describe("cloud", format="file", file="cloud.raw", folder=None, bytes=256, sha256="0" * 64)
         path = self.folder / "specs" / "cloud.json"
         spec = json.loads(path.read_text()) | {"kind": "volume", "required": ["cloud.raw"], "pictures": []}
         path.write_text(json.dumps(spec))
         result = self.fetch("cloud", "--from", self.write(bytes(200), "part"), "--allow-partial")
-        self.assert_refused(result, 3, "is cut: 200 of 256 bytes")
+        self.assert_refused(result, 3, "is truncated: 200 of 256 bytes")
 
     def test_a_list_that_names_files_outside_is_refused(self):
         self.describe()
@@ -359,7 +360,7 @@ class DatasetsTest(unittest.TestCase):
             (self.cube / "transforms_val.json").write_text(json.dumps({"frames": [{"file_path": name}]}))
             self.assert_refused(self.fetch("cube", "--from", self.cube), 3, name, "outside")
 
-    def test_a_list_that_is_broken_is_named(self):
+    def test_a_broken_list_is_named(self):
         self.describe()
         for text in ("{", "[]", '{"frames": 3}', '{"frames": [{"file_path": 3}]}', "[" * 100000):
             (self.cube / "transforms_val.json").write_text(text)
@@ -373,7 +374,7 @@ class DatasetsTest(unittest.TestCase):
         other = self.write(zip_of(self.cube, "other"))
         self.assert_refused(self.fetch("cube", "--from", other), 3, "is it the archive of cube?")
 
-    def test_another_data_set_of_the_same_kind_is_not_taken_for_it(self):
+    def test_another_data_set_of_the_same_kind_is_refused(self):
         self.describe()
         self.describe("ball")
         for source in (self.cube, self.write(zip_of(self.cube, "cube"))):
@@ -383,7 +384,7 @@ class DatasetsTest(unittest.TestCase):
         self.assertFalse((self.to / "ball").exists())
 
     def keep_archive(self, content):
-        """Puts an archive where an earlier download would have left it."""
+        """Writes an archive where an earlier download would have left it."""
         (self.to / "archives").mkdir(parents=True)
         (self.to / "archives" / "shapes.zip").write_bytes(content)
 
@@ -408,7 +409,7 @@ class DatasetsTest(unittest.TestCase):
             self.assert_in_place(self.fetch("cube"))
             server.requests.clear()
 
-    def test_again_unpacks_a_kept_archive_anew(self):
+    def test_again_unpacks_a_kept_archive_again(self):
         server = self.serve({"/shapes.zip": self.archive})
         self.describe(urls=[f"{server.url}/shapes.zip"], sha256=hashlib.sha256(self.archive).hexdigest())
         self.assert_in_place(self.fetch("cube"))
@@ -419,7 +420,7 @@ class DatasetsTest(unittest.TestCase):
     # Hostile archives.
 
     def hostile_zip(self, *members):
-        """A good archive, and then members (name or ZipInfo, content)."""
+        """A good archive with additional members (name or ZipInfo, content)."""
         path = self.write(self.archive, "hostile.zip")
         with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive:
             for name, content in members:
@@ -431,7 +432,7 @@ class DatasetsTest(unittest.TestCase):
         for name in ("../evil", "shapes/cube/../../../evil", "/tmp/evil", "..\\evil", "\\evil",
                      "C:\\evil", "shapes/cube/" + "x" * 900, "shapes/cube/" + "y" * 300):
             result = self.fetch("cube", "--from", self.hostile_zip((name, b"evil")))
-            self.assert_refused(result, 3, "hostile.zip holds", "do not trust it")
+            self.assert_refused(result, 3, "hostile.zip contains", "do not trust it")
         self.assertFalse((self.folder / "evil").exists())
 
     def test_a_zip_with_a_link_is_refused(self):
@@ -440,14 +441,14 @@ class DatasetsTest(unittest.TestCase):
         link.external_attr = 0o120777 << 16
         self.assert_refused(self.fetch("cube", "--from", self.hostile_zip((link, b"/etc"))), 3, "a link")
 
-    def test_a_zip_that_holds_a_name_twice_is_refused(self):
+    def test_a_zip_that_contains_a_name_twice_is_refused(self):
         self.describe()
         twice = self.hostile_zip(("shapes//cube/./transforms_train.json", b"{}"))
         self.assert_refused(self.fetch("cube", "--from", twice), 3, "twice")
         both = self.hostile_zip(("shapes/cube/both", b"file"), ("shapes/cube/both/x", b"file in it"))
         self.assert_refused(self.fetch("cube", "--from", both), 3, "as a file and as a folder")
 
-    def test_a_tar_header_without_bound_is_refused_unread(self):
+    def test_an_unbounded_tar_header_is_refused_unread(self):
         self.describe()
         path = self.folder / "hostile.tar.gz"
         header = tarfile.TarInfo("pax")
@@ -496,7 +497,7 @@ class DatasetsTest(unittest.TestCase):
 
     # Downloads.
 
-    def test_a_download_is_put_in_place_and_serves_other_scenes_too(self):
+    def test_a_download_is_installed_and_used_for_other_scenes_too(self):
         shutil.copytree(self.cube, self.folder / "mine" / "ball")
         shapes = zip_of(self.folder / "mine", "shapes")
         server = self.serve({"/shapes.zip": shapes})
@@ -509,7 +510,7 @@ class DatasetsTest(unittest.TestCase):
         self.assertEqual(server.requests, [("/shapes.zip", None)])
         self.assertEqual(os.listdir(self.to / "archives"), ["shapes.zip"])
 
-    def test_a_connection_that_breaks_off_is_taken_up_again(self):
+    def test_an_interrupted_connection_is_resumed(self):
         server = self.serve({"/shapes.zip": self.archive}, cut_after=len(self.archive) // 3 + 1)
         self.describe(urls=[f"{server.url}/shapes.zip"])
         self.assert_in_place(self.fetch("cube"))
@@ -518,14 +519,14 @@ class DatasetsTest(unittest.TestCase):
                                            ("/shapes.zip", f"bytes={2 * step}-")])
 
     def half_done(self, server, half, tag, **archive):
-        """A download that an earlier run left, and the run that comes after it."""
+        """Leaves an incomplete download as an earlier run would, then fetches."""
         self.describe(urls=[f"{server.url}/shapes.zip"], **archive)
         (self.to / "archives").mkdir(parents=True)
         (self.to / "archives" / "shapes.zip.part").write_bytes(half)
         (self.to / "archives" / "shapes.zip.part.tag").write_text(tag)
         return self.fetch("cube")
 
-    def test_a_later_run_goes_on_where_the_earlier_stopped(self):
+    def test_a_later_run_continues_where_the_earlier_one_stopped(self):
         server = self.serve({"/shapes.zip": self.archive})
         self.assert_in_place(self.half_done(server, self.archive[:100], '"1"'))
         self.assertEqual(server.requests, [("/shapes.zip", "bytes=100-")])
@@ -548,24 +549,24 @@ class DatasetsTest(unittest.TestCase):
         self.assert_in_place(self.half_done(server, bytes(100), ""))
         self.assertEqual(server.requests, [("/shapes.zip", None)])
 
-    def test_a_download_with_a_wrong_hash_is_thrown_away(self):
+    def test_a_download_with_a_wrong_hash_is_deleted(self):
         server = self.serve({"/shapes.zip": self.archive})
         self.describe(urls=[f"{server.url}/shapes.zip"], sha256="0" * 64)
-        self.assert_refused(self.fetch("cube"), 3, "sha256", server.url, "thrown away")
+        self.assert_refused(self.fetch("cube"), 3, "sha256", server.url, "deleted")
         self.assertEqual(os.listdir(self.to / "archives"), [])
 
-    def test_a_download_of_another_size_is_not_begun(self):
+    def test_a_download_of_another_size_is_not_started(self):
         server = self.serve({"/shapes.zip": self.archive})
         self.describe(urls=[f"{server.url}/shapes.zip"], bytes=7)
         self.assert_refused(self.fetch("cube"), 3, "7 expected", server.url)
         self.assertEqual(os.listdir(self.to / "archives"), [])
 
-    def test_the_next_url_is_tried_where_one_fails(self):
+    def test_the_next_url_is_tried_if_one_fails(self):
         server = self.serve({"/shapes.zip": self.archive})
         self.describe(urls=[f"{server.url}/gone.zip", f"{server.url}/shapes.zip"])
         self.assert_in_place(self.fetch("cube"))
 
-    def test_a_download_that_leads_nowhere_says_what_to_do(self):
+    def test_a_download_that_fails_says_what_to_do(self):
         page = self.serve({"/shapes.zip": b"<html>sign in</html>"}, content_type="text/html; charset=utf-8")
         gone = self.serve({})
         stuck = self.serve({"/shapes.zip": self.archive}, cut_after=0)
@@ -576,13 +577,13 @@ class DatasetsTest(unittest.TestCase):
             self.assert_refused(self.fetch("cube"), 4, reason, "fetch_dataset cube --from shapes.zip",
                                 "get shapes.zip from https://example.org/shapes")
 
-    def test_what_only_a_browser_can_get_is_said_in_one_line(self):
+    def test_data_that_only_a_browser_can_get_is_reported_in_one_line(self):
         self.describe()
         self.assert_refused(self.fetch("cube"), 4, "https://example.org/shapes", "--from shapes.zip")
 
     # The command line and the real descriptions.
 
-    def test_list_tells_what_is_there(self):
+    def test_list_shows_what_is_installed(self):
         self.describe()
         self.describe("ball", bytes=1500000)
         self.assert_in_place(self.fetch("cube", "--from", self.cube))
@@ -592,7 +593,7 @@ class DatasetsTest(unittest.TestCase):
         (self.to / "cube" / "train" / "r_0.png").unlink()
         self.assertRegex(self.fetch("--list").stdout, r"cube .* broken ")
 
-    def test_wrong_command_lines_are_told_so(self):
+    def test_wrong_command_lines_are_refused(self):
         self.describe()
         for arguments, part in ((["ball"], "known are cube"), ([], "--list"), (["--list", "cube"], "no name"),
                                 (["cube", "--from", "/no/such"], "/no/such"), (["cube", "--check"], "--from"),
@@ -604,7 +605,7 @@ class DatasetsTest(unittest.TestCase):
         self.assert_refused(self.fetch("cube"), 3, "cube.json lacks title")
 
     def check_import_options(self, kinds):
-        """The options of every import command of these kinds are in its program's help."""
+        """Checks that the help of each program lists the options of every import command of these kinds."""
         helps = {}
         for path in sorted(SPECS.glob("*.json")):
             spec = json.loads(path.read_text())
@@ -621,24 +622,24 @@ class DatasetsTest(unittest.TestCase):
         program = pathlib.Path(os.environ["TETREC_BIN_DIR"]) / stage
         return subprocess.run([program, "--help"], capture_output=True, text=True, check=True).stdout
 
-    def test_every_import_command_of_pictures_uses_options_that_exist(self):
+    def test_every_import_command_of_images_uses_existing_options(self):
         self.assertEqual(self.check_import_options(("nerf-synthetic", "photos", "colmap")),
                          ["tetrec-import", "tetrec-sfm"])
 
-    def test_every_import_command_of_volumes_uses_options_that_exist(self):
+    def test_every_import_command_of_volumes_uses_existing_options(self):
         if "--transfer-function" not in self.help_of("tetrec-import"):
             self.skipTest("this tetrec-import reads no volumes")
         self.assertEqual(self.check_import_options(("volume",)), ["tetrec-import"])
 
-    def test_the_reduced_copies_at_hand_pass_as_what_they_are(self):
+    def test_the_reduced_copies_at_hand_pass_with_the_expected_differences(self):
         datasets = pathlib.Path(os.environ.get("TETREC_DATASETS", ROOT / ".." / "shared" / "datasets"))
         if not datasets.exists():
             self.skipTest(f"no data sets at {datasets} (TETREC_DATASETS)")
         differences = {
             ("tooth", "volumes"): [],
-            ("fox", "fox"): ["images: 50 pictures of 540 x 960 pixels"],
-            ("lego", "lego"): ["_train.json: 100 pictures of 400 x 400", "_val.json: 100 pictures of 400 x 400",
-                               "_test.json: 25 pictures, 200 expected", "_test.json: 25 pictures of 400 x 400"]}
+            ("fox", "fox"): ["images: 50 images of 540 x 960 pixels"],
+            ("lego", "lego"): ["_train.json: 100 images of 400 x 400", "_val.json: 100 images of 400 x 400",
+                               "_test.json: 25 images, 200 expected", "_test.json: 25 images of 400 x 400"]}
         for (name, folder), expected in differences.items():
             result = self.fetch(name, "--from", datasets / folder, "--check", "--allow-partial", specs=SPECS)
             self.assertEqual(result.returncode, 0, result.stderr)

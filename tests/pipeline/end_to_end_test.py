@@ -14,9 +14,9 @@ from tiny_dataset import (DISTANCE, FOV_RAD, RADIUS, SIZE, write_tiny_dataset,
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DEMO_PHOTOS = ROOT / "datasets_spec" / "demo" / "photos"
-# Real data, where it is.
+# Real data, if present.
 DATASETS = pathlib.Path(os.environ.get("TETREC_DATASETS", ROOT / ".." / "shared" / "datasets"))
-# Width of a pixel at the ball's centre.
+# Width of a pixel at the centre of the ball.
 PIXEL = 2 * DISTANCE * math.tan(FOV_RAD / 2) / SIZE
 
 
@@ -44,7 +44,7 @@ def read_scene_points(path):
 
 class EndToEndTest(StageCase):
 
-    def test_a_ball_comes_back_from_its_pictures(self):
+    def test_a_ball_is_reconstructed_from_its_images(self):
         run = self.folder / "run"
         tetrahedra = self.tiny_tetrahedra()
         self.assert_done(self.run_stage("optimize", tetrahedra, "-o", run / "3_field",
@@ -65,7 +65,7 @@ class EndToEndTest(StageCase):
         self.assertEqual(metrics["resolution"], [SIZE, SIZE])
         self.assertEqual(metrics["rays_per_pixel"], 4)
         self.assertEqual(len(metrics["views"]), 4)
-        # A picture of the background alone has about 9 dB; 31 dB after a third of the iterations.
+        # An image of the background alone has about 9 dB; 31 dB after a third of the iterations.
         self.assertGreater(metrics["psnr"], 27)
 
         # In the input's own coordinates: the ball of RADIUS around the origin, half of it to within a
@@ -109,7 +109,7 @@ class EndToEndTest(StageCase):
                 in_input = place["scale"] * position[axis] + place["translation"][axis]
                 self.assertTrue(model[axis][0] <= in_input <= model[axis][1], (axis, in_input))
 
-    def test_what_masks_hide_is_neither_learned_nor_judged(self):
+    def test_masked_pixels_are_neither_learned_nor_judged(self):
         photos = self.folder / "photos"
         write_tiny_photos(photos)
         psnr = {}
@@ -137,6 +137,34 @@ class EndToEndTest(StageCase):
         self.assertGreater(psnr["ignore"], 29)
         self.assertLess(psnr["none"], 15)
 
+    def test_views_whose_names_have_dots_and_slashes_keep_an_image_each(self):
+        dataset, run = self.folder / "ball", self.folder / "run"
+        write_tiny_dataset(dataset)
+        transforms = dataset / "transforms_test.json"
+        content = json.loads(transforms.read_text())
+        names = ["frame.0000", "frame.0001", "a_b", "a/b"]
+        (dataset / "test" / "a").mkdir()
+        for i, (frame, name) in enumerate(zip(content["frames"], names, strict=True)):
+            (dataset / "test" / f"r_{i}.png").rename(dataset / "test" / f"{name}.png")
+            frame["file_path"] = f"./test/{name}.png"
+        transforms.write_text(json.dumps(content))
+        self.assert_done(self.run_stage("import", dataset, "-o", run / "1_scene"))
+        self.assert_done(self.run_stage("tetrahedralize", run / "1_scene", "-o", run / "2_tetrahedra",
+                                        "--start", "grid", "--resolution", 6))
+        self.assert_done(self.run_stage("optimize", run / "2_tetrahedra", "-o", run / "3_field",
+                                        "--time-limit", 0, "--iterations", 20))
+        self.assert_done(self.run_stage("render", run / "3_field", "-o", run / "4_views"))
+        self.assert_done(self.run_stage("evaluate", run / "4_views", "-o", run / "6_report"))
+        views = json.loads((run / "4_views" / "views.json").read_text())["views"]
+        self.assertEqual([view["name"] for view in views], [f"test/{name}" for name in names])
+        self.assertEqual(len({view["mask"] for view in views}), 4)
+        for kind in ("render", "ground_truth"):
+            images = {(run / "4_views" / view[kind]).read_bytes() for view in views}
+            self.assertEqual(len(images), 4, kind)
+        # Four different views are scored, not one of them four times.
+        scores = json.loads((run / "6_report" / "metrics.json").read_text())["views"]
+        self.assertEqual(len({score["mse"] for score in scores}), 4, scores)
+
     def test_cells_go_through_every_stage(self):
         run = self.folder / "run"
         tetrahedra = self.tiny_tetrahedra()
@@ -149,13 +177,13 @@ class EndToEndTest(StageCase):
         self.assert_done(self.run_stage("evaluate", run / "4_views", run / "5_surface", "-o",
                                         run / "6_report"))
         metrics = json.loads((run / "6_report" / "metrics.json").read_text())
-        # A picture of the background alone has about 9 dB.
+        # An image of the background alone has about 9 dB.
         self.assertGreater(metrics["psnr"], 22)
         positions, _ = read_ply(run / "5_surface" / "surface.ply")
         errors = sorted(abs(math.dist(p, (0, 0, 0)) - RADIUS) for p in positions)
         self.assertLess(errors[len(errors) // 2], 3 * PIXEL)
 
-    def test_the_reference_learns_and_renders_without_a_vulkan_driver(self):
+    def test_the_reference_renderer_trains_and_renders_without_a_vulkan_driver(self):
         run = self.folder / "run"
         tetrahedra = self.tiny_tetrahedra()
         none = {"VK_ICD_FILENAMES": "/nowhere.json", "VK_DRIVER_FILES": "/nowhere.json"}
@@ -167,7 +195,7 @@ class EndToEndTest(StageCase):
             self.assert_done(self.run_stage(
                 "optimize", tetrahedra, "-o", fields[-1], "--renderer", "reference", "--time-limit", 0,
                 "--iterations", 60, "--rays", 512, "--rounds", 1, environment=none))
-        # Without being asked for --deterministic.
+        # Although --deterministic was not given.
         self.assertEqual((fields[0] / "field.tetf").read_bytes(), (fields[1] / "field.tetf").read_bytes())
         rows = list(csv.DictReader((fields[0] / "metrics.csv").read_text().splitlines()))
         losses = [float(row["loss"]) for row in rows if row["loss"]]
@@ -185,7 +213,7 @@ class EndToEndTest(StageCase):
         scene = self.folder / "run" / "1_scene"
         self.assert_done(self.run_stage("sfm", photos, "-o", scene, "--max-size", 160, "--max-features", 1500))
         content = json.loads((scene / "scene.json").read_text())
-        # Ten neighbours of a walk with steps of 9 degrees: all of them, every 8th held out.
+        # Ten neighbouring views in steps of 9 degrees: all are registered, every 8th is held out.
         self.assertEqual(len(content["views"]), 10)
         self.assertEqual([view["split"] for view in content["views"]].count("test"), 2)
         self.assertTrue(all(max(camera["width"], camera["height"]) <= 160

@@ -1,15 +1,15 @@
-"""A web server on this machine that behaves well or badly, for tests of downloads."""
+"""A local web server that behaves well or badly, for tests of downloads."""
 import http.server
 import re
 import threading
 
 
 class FileServer:
-    """Serves `files` (path to bytes) at `url`; `requests` holds (path, Range header) of each."""
+    """Serves `files` (path to bytes) at `url`; `requests` lists (path, Range header) of each request."""
 
     def __init__(self, files, ranges=True, etag='"1"', cut_after=None, content_type="application/zip"):
         self.files, self.ranges, self.etag, self.content_type = files, ranges, etag, content_type
-        self.cut_after = cut_after  # [bytes] of an answer, then the connection ends; None: never
+        self.cut_after = cut_after  # [bytes] of an answer after which the connection ends; None: never
         self.requests = []
         server = self
 

@@ -1,4 +1,4 @@
-"""Kill and Ctrl-C in the middle: the same command goes on and ends as if nothing had happened."""
+"""SIGKILL and Ctrl-C in the middle: the same command continues and ends as if nothing had happened."""
 import json
 import pathlib
 import shutil
@@ -23,8 +23,8 @@ class InterruptTest(StageCase):
         return process.returncode
 
     def check_kills(self, folder, *command):
-        """Kills the stage at growing delays, then lets it end; the bytes must be those of a run of
-        its own in `folder`_whole."""
+        """Kills the stage at growing delays, then lets it end; the bytes must be those of an
+        uninterrupted run in `folder`_whole."""
         whole = folder.with_name(folder.name + "_whole")
         self.assert_done(self.run_stage(*command, "-o", whole))
         killed = 0
@@ -62,13 +62,13 @@ class InterruptTest(StageCase):
         views, surface = self.folder / "run" / "4_views", self.folder / "run" / "5_surface"
         self.check_kills(views, "render", field)
         self.check_kills(surface, "surface", field)
-        # The report tells how long the stages took, so its bytes differ from run to run.
+        # The report contains the times of the stages, so its bytes differ from run to run.
         report, command = self.folder / "run" / "6_report", ("evaluate", views, surface)
         self.assertEqual(self.interrupt(signal.SIGKILL, 0.02, *command, "-o", report), -signal.SIGKILL)
         self.assertFalse((report / "manifest.json").exists())
         self.assert_done(self.run_stage(*command, "-o", report))
 
-    def test_a_killed_sfm_takes_colmap_along_and_ends_when_run_again(self):
+    def test_a_killed_sfm_ends_colmap_too_and_finishes_when_run_again(self):
         photos = self.folder / "photos"
         photos.mkdir()
         for path in sorted(DEMO_PHOTOS.glob("*.jpg"))[:6]:
@@ -88,7 +88,7 @@ class InterruptTest(StageCase):
         self.assert_done(self.run_stage(*command))
         self.assertTrue((out / "scene.json").exists())
 
-    def test_a_killed_triangulation_goes_on_and_ends_with_the_same_bytes(self):
+    def test_a_killed_triangulation_continues_and_ends_with_the_same_bytes(self):
         command = ("import", DEMO_PHOTOS.parent / "nerf", "--triangulate", "--max-size", 200, "-o")
         out, whole = self.folder / "scene", self.folder / "whole"
         process = self.start(*command, out)
@@ -115,7 +115,7 @@ class InterruptTest(StageCase):
                 lines.append(line)
         return lines
 
-    def test_ctrl_c_ends_with_130_and_the_same_command_ends_the_work(self):
+    def test_ctrl_c_ends_with_130_and_the_same_command_finishes_the_work(self):
         scene = self.tiny_scene()
         out = self.folder / "tetrahedra"
         command = ("tetrahedralize", scene, "-o", out, "--start", "grid", "--resolution", 64)
@@ -141,11 +141,11 @@ class InterruptTest(StageCase):
         self.wait_for(ready, process, "metrics.csv")
 
     def check_resumed(self, out, rows_before):
-        """The resumed run ended, and its history holds that of the first part."""
+        """The resumed run finished, and its history contains that of the first part."""
         self.assertEqual(self.status(out), "done")
         rows = (out / "metrics.csv").read_text().splitlines()
         self.assertEqual(rows[:rows_before], self.rows[:rows_before])
-        # The row of the end tells the last PSNR and may stand at the iteration of the row before.
+        # The final row has the last PSNR and may repeat the iteration of the row before.
         iterations = [int(row.split(",")[0]) for row in rows[1:] if not row.endswith(",end")]
         self.assertEqual(iterations, sorted(set(iterations)))
 
@@ -161,7 +161,7 @@ class InterruptTest(StageCase):
         self.assert_done(self.run_stage(*command, "--resume"))
         self.check_resumed(out, len(self.rows))
 
-    def test_a_killed_optimize_goes_on_from_its_checkpoint(self):
+    def test_a_killed_optimize_continues_from_its_checkpoint(self):
         out, command = self.optimization()
         process = self.start(*command)
         self.wait_for_rows(out, process)
@@ -170,7 +170,7 @@ class InterruptTest(StageCase):
         self.rows = (out / "metrics.csv").read_text().splitlines()
         self.assertFalse((out / "manifest.json").exists())
         self.assert_done(self.run_stage(*command))
-        # What was after the last checkpoint is done again: at least the header stays.
+        # Work after the last checkpoint is repeated: at least the header stays.
         self.check_resumed(out, 1)
 
     def test_a_deterministic_optimize_gives_the_same_bytes_however_it_ran(self):
@@ -191,7 +191,7 @@ class InterruptTest(StageCase):
         process.communicate(timeout=60)
         self.assertEqual(process.returncode, 130)
         self.assert_done(self.run_stage(*command, "-o", out, "--resume"))
-        self.assertIn("goes on from iteration", (out / "log.txt").read_text())
+        self.assertIn("continues from iteration", (out / "log.txt").read_text())
         fields.append((out / "field.tetf").read_bytes())
         self.assertEqual(fields[0], fields[1])
         self.assertEqual(fields[0], fields[2])

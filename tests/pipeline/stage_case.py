@@ -1,4 +1,4 @@
-"""What the tests of the stages share: running them in a folder of the test's own."""
+"""Base of the tests of stages: runs them as programs in a temporary folder."""
 import hashlib
 import json
 import os
@@ -20,7 +20,7 @@ TIME_LIMIT = 300
 
 
 class StageCase(unittest.TestCase):
-    """A test case with a folder of its own (`self.folder`), removed at the end."""
+    """A test case with a temporary folder (`self.folder`)."""
 
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="tetrec-test-"))
@@ -29,11 +29,16 @@ class StageCase(unittest.TestCase):
     def program(self, stage):
         path = BIN / f"tetrec-{stage}"
         if not path.exists():
-            self.skipTest(f"{path.name} was not built (TETREC_VULKAN=OFF?)")
+            self.fail(f"{path.name} was not built")
         return path
 
+    def skip_without_vulkan(self, returncode, stderr):
+        """Skips the test if a stage failed because this build has no Vulkan renderers."""
+        if returncode == 4 and "needs Vulkan, which this build was made without" in stderr:
+            self.skipTest("this build has no Vulkan renderers (TETREC_VULKAN=OFF)")
+
     def start(self, stage, *arguments, environment=None, **options):
-        """Starts a stage; returns the process."""
+        """Starts a stage and returns its process."""
         return subprocess.Popen(
             [self.program(stage), *map(str, arguments)], stdout=subprocess.PIPE,
             stderr=subprocess.PIPE, text=True, env=os.environ | (environment or {}), **options)
@@ -48,10 +53,11 @@ class StageCase(unittest.TestCase):
         return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
     def assert_done(self, result):
+        self.skip_without_vulkan(result.returncode, result.stderr)
         self.assertEqual(result.returncode, 0, result.stderr)
 
     def assert_fails(self, result, exit_code, *parts):
-        """The exit code, and one clear last line that contains each of `parts`."""
+        """Expects the exit code and one error, in the last line, that contains each of `parts`."""
         self.assertEqual(result.returncode, exit_code, result.stderr)
         program = pathlib.Path(result.args[0]).name
         errors = [line for line in result.stderr.splitlines() if line.startswith(program + ": ")]
@@ -62,14 +68,14 @@ class StageCase(unittest.TestCase):
             self.assertIn(part, errors[0])
 
     def tiny_scene(self):
-        """Scene folder of the tiny data set."""
+        """Makes the scene folder of the tiny data set."""
         write_tiny_dataset(self.folder / "ball")
         scene = self.folder / "run" / "1_scene"
         self.assert_done(self.run_stage("import", self.folder / "ball", "-o", scene))
         return scene
 
     def tiny_tetrahedra(self):
-        """Tetrahedra folder of the tiny data set: a coarse mesh."""
+        """Makes the tetrahedra folder of the tiny data set: a coarse mesh."""
         tetrahedra = self.folder / "run" / "2_tetrahedra"
         self.assert_done(self.run_stage("tetrahedralize", self.tiny_scene(), "-o", tetrahedra,
                                         "--resolution", 16, "--outer-points", 50))
@@ -82,17 +88,19 @@ class StageCase(unittest.TestCase):
         return json.loads((folder / "status.json").read_text())["status"]
 
     def wait_for(self, condition, process, what):
-        """Waits until condition() holds while the process runs; fails where it ends before."""
+        """Waits until condition() is true; fails if the process ends before."""
         deadline = time.monotonic() + TIME_LIMIT
         while not condition():
             if process.poll() is not None:
-                self.fail(f"ended ({process.returncode}) before {what}: {process.stderr.read()}")
+                stderr = process.stderr.read()
+                self.skip_without_vulkan(process.returncode, stderr)
+                self.fail(f"ended ({process.returncode}) before {what}: {stderr}")
             self.assertLess(time.monotonic(), deadline, f"waited for {what}")
             time.sleep(0.01)
 
 
 def hashes(folder):
-    """sha256 of every file below a folder, except those that tell about the run itself."""
+    """sha256 of every file below a folder, except those that describe the run itself."""
     own = {"manifest.json", "status.json", "log.txt", ".lock"}
     return {
         path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
@@ -101,8 +109,8 @@ def hashes(folder):
 
 
 def limit_file_size(size):
-    """For subprocess's preexec_fn: no file may grow beyond `size` bytes; a write that would fails as
-    on a full disk (EFBIG) instead of ending the process."""
+    """For preexec_fn of subprocess: no file can grow beyond `size` bytes. A write that would exceed it
+    fails (EFBIG), as on a full disk, instead of ending the process."""
     def limit():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))

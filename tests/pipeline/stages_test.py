@@ -33,16 +33,16 @@ class StagesTest(StageCase):
                     self.assert_fails(result, 2, "--integral", words)
                     self.assertFalse((self.folder / "out").exists())
 
-    def test_precision_is_the_references_alone(self):
+    def test_only_the_reference_renderer_has_a_precision(self):
         for stage in ("optimize", "render"):
             result = self.run_stage(stage, self.folder, "-o", self.folder / "out", "--precision", "float")
-            self.assert_fails(result, 2, "--precision float", "--renderer reference")
+            self.assert_fails(result, 2, "--precision float", "renderer reference")
 
-    def test_the_reference_has_no_device(self):
+    def test_the_reference_renderer_has_no_device(self):
         for stage in ("optimize", "render"):
             result = self.run_stage(stage, self.folder, "-o", self.folder / "out", "--renderer", "reference",
                                     "--device", "cpu")
-            self.assert_fails(result, 2, "--device cpu", "--renderer reference", "leave it out")
+            self.assert_fails(result, 2, "--device cpu", "renderer reference", "leave it out")
 
     def test_a_missing_input_folder_is_bad_data(self):
         for stage in STAGES:
@@ -52,7 +52,7 @@ class StagesTest(StageCase):
                 self.assert_fails(result, 3, str(missing))
                 self.assertFalse((self.folder / "out" / "manifest.json").exists())
 
-    def test_a_folder_of_another_stage_is_named_as_such(self):
+    def test_a_folder_of_another_stage_is_recognised(self):
         scene = self.tiny_scene()
         for stage in ("optimize", "render", "surface", "evaluate"):
             with self.subTest(stage):
@@ -60,7 +60,7 @@ class StagesTest(StageCase):
                 self.assert_fails(result, 3, str(scene), "tetrec-")
                 self.assertFalse((self.folder / "out" / "manifest.json").exists())
 
-    def test_a_folder_of_no_stage_is_told_apart(self):
+    def test_a_folder_of_no_stage_is_refused(self):
         plain = self.folder / "plain"
         plain.mkdir()
         (plain / "notes.txt").write_text("mine")
@@ -68,7 +68,7 @@ class StagesTest(StageCase):
             with self.subTest(stage):
                 self.assert_fails(self.run_stage(stage, plain, "-o", self.folder / "out"), 3, str(plain))
 
-    def test_nobody_elses_folder_is_written_to(self):
+    def test_foreign_folders_are_not_written_to(self):
         write_tiny_dataset(self.folder / "ball")
         mine = self.folder / "mine"
         mine.mkdir()
@@ -137,13 +137,13 @@ class StagesTest(StageCase):
         self.assert_done(self.run_stage("import", self.folder / "ball", "-o", scene))
         self.assertEqual(hashes(scene), before)
 
-    def test_resume_refuses_a_run_of_other_options(self):
+    def test_resume_refuses_a_run_with_other_options(self):
         tetrahedra = self.tiny_tetrahedra()
         result = self.run_stage("tetrahedralize", tetrahedra.parent / "1_scene", "-o", tetrahedra,
                                 "--resolution", 8, "--resume")
-        self.assert_fails(result, 3, "--resolution")
+        self.assert_fails(result, 3, "resolution (was 16, now 8)")
 
-    def test_the_manifest_tells_what_was_done(self):
+    def test_the_manifest_records_what_was_done(self):
         tetrahedra = self.tiny_tetrahedra()
         manifest = self.manifest(tetrahedra)
         self.assertEqual(manifest["stage"], "tetrahedralize")

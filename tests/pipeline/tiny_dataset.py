@@ -1,17 +1,17 @@
-"""A NeRF-synthetic data set of a shaded ball, rendered here in closed form: 32x32 RGBA."""
+"""A NeRF-synthetic data set of a shaded ball, rendered in closed form as 32x32 RGBA images."""
 import json
 import math
 import struct
 import zlib
 
 SIZE = 32
-RADIUS = 0.6  # of the ball, around the origin
+RADIUS = 0.6  # of the ball around the origin
 DISTANCE = 3.0  # of the cameras
 FOV_RAD = 0.8
 
 
 def write_png(path, width, height, rgba):
-    """8-bit RGBA, `rgba` row by row."""
+    """Writes 8-bit RGBA, with `rgba` row by row."""
     def chunk(kind, body):
         return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
 
@@ -39,14 +39,14 @@ def unit(a):
 
 
 def world_from_camera(eye):
-    """Columns of a camera that looks at the origin, OpenGL axes (x right, y up, z back)."""
+    """The columns (x right, y up, z back, as in OpenGL) of a camera that looks at the origin."""
     back = unit(eye)
     right = unit(cross([0, 0, 1] if abs(back[2]) < 0.99 else [0, 1, 0], back))
     return right, cross(back, right), back
 
 
 def seen(eye, direction):
-    """Colour and alpha along a ray: a ball whose colour is a function of its normal."""
+    """Colour and alpha along a ray; the ball's colour is a function of its normal."""
     b = dot(eye, direction)
     inside = b * b - dot(eye, eye) + RADIUS * RADIUS
     if inside <= 0:
@@ -56,7 +56,7 @@ def seen(eye, direction):
 
 
 def picture(eye):
-    """RGBA bytes, 2 x 2 rays averaged with premultiplied alpha."""
+    """RGBA bytes of an image; 2 x 2 rays per pixel are averaged with premultiplied alpha."""
     right, up, back = world_from_camera(eye)
     scale = 2 * math.tan(FOV_RAD / 2) / SIZE
     pixels = bytearray()
@@ -78,7 +78,7 @@ def picture(eye):
 
 
 def eyes(count, offset):
-    """Camera centres spread evenly over a sphere (golden angle)."""
+    """Camera centres, spread evenly over a sphere by the golden angle."""
     for i in range(count):
         z = 1 - 2 * (i + offset) / count
         angle = 2.399963 * (i + offset)
@@ -87,7 +87,7 @@ def eyes(count, offset):
 
 
 def write_tiny_dataset(folder, train=40, validation=2, test=4):
-    """Writes transforms_*.json and pictures into `folder`."""
+    """Writes transforms_*.json and the images into `folder`."""
     for split, count, offset in (("train", train, 0.5), ("val", validation, 0.3), ("test", test, 0.4)):
         (folder / split).mkdir(parents=True)
         frames = []
@@ -101,7 +101,7 @@ def write_tiny_dataset(folder, train=40, validation=2, test=4):
 
 
 def write_tiny_photos(folder):
-    """The ball before black, of every picture a magenta quarter, which a mask hides."""
+    """Writes the ball in front of black; a mask hides a magenta quarter of every image."""
     write_tiny_dataset(folder)
     (folder / "masks").mkdir()
     number = 0
@@ -127,7 +127,7 @@ def write_tiny_photos(folder):
 
 
 def join_splits(folder):
-    """Makes the data set one of instant-ngp's form: a single transforms.json, its lens in pixels."""
+    """Converts the data set to instant-ngp's form: a single transforms.json with the lens in pixels."""
     frames = []
     for split in ("train", "val", "test"):
         path = folder / f"transforms_{split}.json"

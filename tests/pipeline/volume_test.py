@@ -1,4 +1,4 @@
-"""Volumes through tetrec-import: scene folders, and what is refused."""
+"""tetrec-import with volumes: scene folders and refused input."""
 import json
 import unittest
 
@@ -9,7 +9,7 @@ SIZE = (7, 6, 5)
 
 
 def samples():
-    """A ball: dense in the middle."""
+    """A ball that is densest in the middle."""
     for z in range(SIZE[2]):
         for y in range(SIZE[1]):
             for x in range(SIZE[0]):
@@ -37,7 +37,7 @@ class VolumeTest(StageCase):
     def raw_options(self):
         return "--dimensions", "7x6x5", "--sample-type", "uint8"
 
-    def test_a_raw_volume_becomes_a_scene_that_the_next_stage_takes(self):
+    def test_a_raw_volume_becomes_a_scene_that_the_next_stage_accepts(self):
         self.assert_done(self.import_volume(self.raw, *self.raw_options()))
         scene = json.loads((self.scene / "scene.json").read_text())
         self.assertEqual(len(scene["views"]), 16)
@@ -66,11 +66,11 @@ class VolumeTest(StageCase):
         self.assert_done(self.import_volume(self.header))
         self.assertNotEqual(hashes(self.scene), before)
 
-    def test_a_value_range_is_part_of_the_key_and_shows_what_the_types_range_hides(self):
+    def test_a_value_range_is_part_of_the_key_and_reveals_what_the_types_range_hides(self):
         self.raw.write_bytes(bytes(s // 16 for s in samples()))
         hidden = self.import_volume(self.header)
-        self.assert_fails(hidden, 3, "ball.nhdr: nothing of it is visible", "samples go from 0 to 15",
-                          "values 76.5 to 255", "--value-range")
+        self.assert_fails(hidden, 3, "ball.nhdr: nothing in it is visible", "samples range from 0 to 15",
+                          "values 76.5 to 255", "a value range LOW,HIGH")
         self.assertIn("refer to the type's range", hidden.stderr)
         self.assertEqual(list(self.scene.glob("ground_truth/*")), [])
         shown = self.import_volume(self.header, "--value-range", "0,15")
@@ -82,12 +82,13 @@ class VolumeTest(StageCase):
         self.assertEqual(self.manifest(self.scene)["finished"], manifest["finished"])
         narrow = self.import_volume(self.header, "--value-range", "-1,12")
         self.assert_done(narrow)
-        self.assertIn("outside of --value-range", narrow.stderr)
+        self.assertIn("outside the value range", narrow.stderr)
         self.assertGreater(self.manifest(self.scene)["counts"]["clamped_samples"], 0)
         self.assertNotEqual(hashes(self.scene), before)
-        self.assert_fails(self.import_volume(self.header, "--value-range", "15,0"), 2, "--value-range 15,0")
+        self.assert_fails(self.import_volume(self.header, "--value-range", "15,0"), 2, "--value-range is 15,0")
+        self.assert_fails(self.import_volume(self.header, "--value-range", "5"), 2, "--value-range")
 
-    def test_a_full_disk_shows_before_the_pictures(self):
+    def test_a_full_disk_is_noticed_before_the_images_are_rendered(self):
         result = self.import_volume(self.header, preexec_fn=limit_file_size(3000))
         self.assert_fails(result, 4, "ground_truth/volume.nrrd", "cannot write")
         self.assertFalse((self.scene / "images").exists())
@@ -101,14 +102,14 @@ class VolumeTest(StageCase):
             pictures.append(hashes(self.scene)["images/train/00001.png"])
         self.assertEqual(len(set(pictures)), 3)
 
-    def test_max_size_bounds_the_pictures(self):
+    def test_max_size_bounds_the_images(self):
         self.assert_done(self.import_volume(self.header, "--max-size", 20))
         camera = json.loads((self.scene / "scene.json").read_text())["cameras"][0]
         self.assertEqual((camera["width"], camera["height"]), (20, 20))
 
     def test_bad_volumes_are_named(self):
         self.header.write_text(self.header.read_text().replace("7 6 5", "7 6 9"))
-        self.assert_fails(self.import_volume(self.header), 3, "ball.raw", "holds 210 bytes")
+        self.assert_fails(self.import_volume(self.header), 3, "ball.raw", "contains 210 bytes")
         self.header.write_text(self.header.read_text().replace("ball.raw", "../ball.raw"))
         self.assert_fails(self.import_volume(self.header), 3, "ball.nhdr, line 7", "inside")
         self.assert_fails(self.import_volume(self.folder / "none.mha"), 3, "none.mha")
@@ -119,9 +120,16 @@ class VolumeTest(StageCase):
         self.assertFalse((self.scene / "manifest.json").exists())
 
     def test_options_that_do_not_go_together_are_refused(self):
-        self.assert_fails(self.import_volume(self.raw), 2, "give --dimensions")
-        self.assert_fails(self.import_volume(self.header, *self.raw_options()), 2, "--dimensions 7x6x5")
-        self.assert_fails(self.import_volume(self.header, "--format", "colmap"), 2, "--format", "pictures")
+        self.assert_fails(self.import_volume(self.raw), 2, "ball.raw", "give its dimensions")
+        self.assert_fails(self.import_volume(self.raw, "--dimensions", "7x6x5", "--sample-type", "int8"), 2,
+                          "--sample-type: int8", "uint16")
+        self.assert_fails(self.import_volume(self.raw, *self.raw_options(), "--byte-order", "middle"), 2,
+                          "--byte-order: middle")
+        self.assert_fails(self.import_volume(self.raw, "--dimensions", "7x6", "--sample-type", "uint8"), 2,
+                          "--dimensions is 7x6", "103x94x161")
+        self.assert_fails(self.import_volume(self.header, *self.raw_options()), 2,
+                          "--dimensions is for .raw files only", "ball.nhdr")
+        self.assert_fails(self.import_volume(self.header, "--format", "colmap"), 2, "--format", "image data sets")
         self.assert_fails(self.import_volume(self.header, "--shading", "both"), 2, "--shading: both")
         self.assert_fails(self.run_stage("import", self.header, "-o", self.scene), 2, "--transfer-function")
         self.assert_fails(self.run_stage("import", self.folder, "-o", self.scene, "--cameras", 9), 2,

@@ -1,5 +1,5 @@
 // Emission and absorption along one segment by adaptive quadrature in long double, straight from
-// the integral; shares no header with the product.
+// the integral. It shares no header with the product.
 #pragma once
 
 #include <algorithm>
@@ -46,7 +46,7 @@ std::array<long double, kValues> IntegratePanel(const Integrand& integrand, long
   return sum;
 }
 
-// Halves the panel until both halves together agree with the whole to about 1e-17 of the panel.
+// Halves the panel until the sum of the halves agrees with the whole to about 1e-17 of the panel.
 template <size_t kValues, class Integrand>
 std::array<long double, kValues> IntegrateAdaptively(const Integrand& integrand, long double begin,
                                                      long double end, int depth = 0) {
@@ -87,7 +87,7 @@ inline SegmentIntegral IntegrateSegment(long double s0, long double s1) {
     return std::array<long double, 7>{t * sigma * (1 - s), t * sigma * s, t,        by_s0 * (1 - s),
                                       by_s1 * (1 - s),     by_s0 * s,     by_s1 * s};
   };
-  // All the structure lies where tau is about 1; panels double from where it is small.
+  // The integrand changes most where tau is about 1: panels start small and double in size.
   std::array<long double, 7> sum{};
   long double begin = 0;
   long double end = std::min(1.0L, 0.25L / (s0 + std::sqrt(s1) + 1e-30L));
@@ -95,7 +95,7 @@ inline SegmentIntegral IntegrateSegment(long double s0, long double s1) {
     const auto panel = IntegrateAdaptively<7>(integrand, begin, end);
     for (size_t k = 0; k < sum.size(); ++k) sum[k] += panel[k];
     begin = end;
-    // What lies behind tau = 100 is below 4e-44 of anything.
+    // Beyond tau = 100 the share of any result is below 4e-44.
     if (tau(begin) > 100) break;
     end = std::min(1.0L, 2 * end);
   }

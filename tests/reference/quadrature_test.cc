@@ -14,7 +14,7 @@ TEST(Quadrature, GaussLegendreIsExactForPolynomialsOfDegree23) {
     for (size_t i = 0; i < rule.node.size(); ++i) {
       sum += rule.weight[i] * std::pow(rule.node[i], static_cast<long double>(degree));
     }
-    // Rounding of twelve terms in long double.
+    // The error is the rounding of twelve terms in long double.
     EXPECT_NEAR(static_cast<double>(sum * (degree + 1) - 1), 0.0, 1e-17) << "degree " << degree;
   }
 }
@@ -31,7 +31,7 @@ TEST(Quadrature, ConstantDensityGivesItsClosedForm) {
   }
 }
 
-// Integration by parts, which the product builds on and the quadrature does not:
+// Identities by integration by parts, on which the product relies and the quadrature does not:
 // w0 = 1 - M, w1 = M - T, dw0/ds1 + dw1/ds1 = T / 2 and so on.
 TEST(Quadrature, ObeysTheIdentitiesOfIntegrationByParts) {
   for (const reference::SegmentSample& sample : reference::DrawSegments(2000, 11)) {

@@ -1,6 +1,6 @@
-// Rung 3 of the ladder: the hand-written derivatives of the segment integral against quadrature
-// under the integral sign, against ceres::Jet through the product's forward, and against ceres::Jet
-// through the closed form with exact special functions.
+// The hand-written derivatives of the segment integral against quadrature under the integral sign,
+// against ceres::Jet through the product's forward function, and against ceres::Jet through the
+// closed form with exact special functions.
 #include "reference/quadrature.h"
 #include "reference/segment_samples.h"
 #include "shared/segment.glsl.h"
@@ -25,8 +25,8 @@ Derivatives DerivativesOf(const Segment& segment) {
           static_cast<double>(segment.dw1_ds0), static_cast<double>(segment.dw1_ds1)};
 }
 
-// Largest error of the four, each relative to the size of the positive terms it is made of:
-// dw1/ds = T/2 - dw0/ds crosses zero, so its own size is no measure.
+// The largest error of the four derivatives, each relative to the positive terms that it is the sum
+// or difference of: dw1/ds = T/2 - dw0/ds crosses zero, so its own size is not a measure.
 double Error(const Derivatives& got, const Derivatives& want, double transmittance) {
   const double by_s0 = std::abs(want.dw0_ds0), by_s1 = std::abs(want.dw0_ds1);
   const double errors[] = {std::abs(got.dw0_ds0 - want.dw0_ds0) / by_s0,
@@ -35,7 +35,7 @@ double Error(const Derivatives& got, const Derivatives& want, double transmittan
                            std::abs(got.dw1_ds1 - want.dw1_ds1) / (by_s1 + 0.5 * transmittance)};
   double worst = 0;
   for (const double error : errors) {
-    if (!(error <= worst)) worst = error;  // keeps NaN
+    if (!(error <= worst)) worst = error;  // lets NaN through
   }
   return worst;
 }
@@ -50,11 +50,11 @@ TEST(SegmentAdjoint, AgreesWithQuadratureUnderTheIntegralSign) {
     const auto in_float = tetrec::IntegrateSegmentWithDerivatives<float>(sample.s0, sample.s1);
     const auto in_double = tetrec::IntegrateSegmentWithDerivatives<double>(sample.s0, sample.s1);
     const auto transmittance = static_cast<double>(want.transmittance);
-    // 16 nodes cut off at tau = 22: 1.6e-6 of m2 where the density falls to zero just there. Thin
-    // segments take T as 1 - w0 - w1: 2.1e-6 in float just below the switch.
+    // 16 nodes that stop at tau = 22 err by 1.6e-6 of m2 if the density falls to zero just there.
+    // Thin segments compute T as 1 - w0 - w1, which errs by 2.1e-6 in float just below the switch.
     ASSERT_LE(Error(DerivativesOf(in_float), DerivativesOf(want), transmittance), 3e-6)
         << "s0 " << sample.s0 << " s1 " << sample.s1;
-    // Six nodes at tau < 0.01: in double only rounding is left.
+    // With six nodes at tau < 0.01 only rounding is left in double.
     ASSERT_LE(Error(DerivativesOf(in_double), DerivativesOf(want), transmittance),
               MeanDepth(sample) < 0.01 ? 2e-15 : 2e-6)
         << "s0 " << sample.s0 << " s1 " << sample.s1;
@@ -65,8 +65,8 @@ Derivatives Differentiate(const tetrec::SegmentWeights<Jet>& weights) {
   return {weights.w0.v[0], weights.w0.v[1], weights.w1.v[0], weights.w1.v[1]};
 }
 
-// The forward of thin segments, differentiated by Jets: the adjoint integrates the same by parts,
-// so the two differ by the error of the nodes, 2.5e-6 at the switch and nothing for the thinnest.
+// The forward function of thin segments, differentiated by Jets. The adjoint integrates the same by
+// parts, so both differ by the error of the nodes, 2.5e-6 at the switch and 0 for the thinnest.
 TEST(SegmentAdjoint, AgreesWithJetsThroughTheQuadratureSide) {
   for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples, 24)) {
     const double tau = MeanDepth(sample);
@@ -79,10 +79,10 @@ TEST(SegmentAdjoint, AgreesWithJetsThroughTheQuadratureSide) {
   }
 }
 
-// Above the switch Jets differentiate the fits of erfcx and Dawson. A fit's slope is worse than its
-// value, and more so the nearer the ends are to each other (x = s / sqrt(2 D) grows), so this
-// compares where they differ by half or more and light still passes; nearer ends are held by the
-// quadrature above and by the exact closed form below.
+// Above the switch Jets differentiate the fits of erfcx and Dawson. The slope of a fit is worse
+// than its value, the more so the closer the two densities are (x = s / sqrt(2 D) grows). So this
+// test compares segments whose ends differ by half or more and that still let light pass; the
+// others are covered by the quadrature above and by the exact closed form below.
 TEST(SegmentAdjoint, AgreesWithJetsThroughTheFits) {
   for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples, 25)) {
     const double tau = MeanDepth(sample);
@@ -139,7 +139,7 @@ TEST(SegmentAdjoint, AgreesWithJetsThroughTheExactClosedForm) {
     if (std::abs(sample.s0 - sample.s1) < 0.1f * std::max(sample.s0, sample.s1)) continue;
     const auto forward = ExactClosedForm(Jet(sample.s0, 0), Jet(sample.s1, 1));
     const auto adjoint = tetrec::IntegrateSegmentWithDerivatives<double>(sample.s0, sample.s1);
-    // 16 nodes up to tau = 10 (6.6e-12); the closed form itself cancels some three digits.
+    // 16 nodes up to tau = 10 err by 6.6e-12; the closed form itself cancels about three digits.
     ASSERT_LE(Error(Differentiate(forward), DerivativesOf(adjoint), std::exp(-tau)), 1e-11)
         << "s0 " << sample.s0 << " s1 " << sample.s1;
   }

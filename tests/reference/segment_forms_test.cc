@@ -1,6 +1,6 @@
-// The integral by the mean density and by parts of constant density: against quadrature of the same
-// densities, in their limits, their way to the exact integral, and their derivatives against
-// ceres::Jet.
+// The integrals by the mean density and by parts of constant density: against quadrature of the
+// same densities, in their limits, in their convergence to the exact integral, and their
+// derivatives against ceres::Jet.
 #include "reference/quadrature.h"
 #include "reference/segment_samples.h"
 #include "shared/integral.glsl.h"
@@ -23,7 +23,7 @@ struct Weights {
   long double w0, w1;
 };
 
-// Parts of constant density, each by quadrature, laid over one another in long double.
+// Parts of constant density, each by quadrature, composited in long double.
 Weights SplitByQuadrature(int parts, long double s0, long double s1) {
   Weights sum{0, 0};
   long double depth = 0;
@@ -43,10 +43,10 @@ double RelativeError(double got, long double want) {
   return static_cast<double>(std::abs(got - want) / std::abs(want));
 }
 
-// n parts round the transmittance n times, all the same way at worst: 1e-7 each.
+// n parts round the transmittance n times, by 1e-7 each and in the worst case all the same way.
 double FloatTolerance(int parts) { return 1e-6 + 1e-7 * parts; }
 
-// The fit of thin parts errs by 1e-9, and so does everything made of it.
+// The error of the fit for thin parts, and so of everything computed from it.
 constexpr double kDoubleTolerance = 2e-9;
 
 TEST(MeanSegment, AgreesWithQuadratureOfTheMeanDensity) {
@@ -54,7 +54,7 @@ TEST(MeanSegment, AgreesWithQuadratureOfTheMeanDensity) {
     const Weights want = SplitByQuadrature(1, sample.s0, sample.s1);
     const auto in_float = tetrec::IntegrateMeanSegment<float>(sample.s0, sample.s1);
     const auto in_double = tetrec::IntegrateMeanSegment<double>(sample.s0, sample.s1);
-    // 1 - M and M - T at tau = 1, where they begin to be used: 4 and 5 times a rounding.
+    // From tau = 1 on, 1 - M and M - T are used; there they err by 4 and 5 roundings.
     ASSERT_LE(RelativeError(in_float.w0, want.w0), 8e-7) << sample.s0 << " " << sample.s1;
     ASSERT_LE(RelativeError(in_float.w1, want.w1), 8e-7) << sample.s0 << " " << sample.s1;
     ASSERT_LE(RelativeError(in_double.w0, want.w0), kDoubleTolerance);
@@ -82,7 +82,7 @@ TEST(SplitSegment, OnePartIsTheMeanDensity) {
     const auto split =
         tetrec::IntegrateSplitSegmentWithDerivatives<double>(1, sample.s0, sample.s1);
     const auto mean = tetrec::IntegrateMeanSegmentWithDerivatives<double>(sample.s0, sample.s1);
-    // The same formula but for the order of a sum.
+    // The formulas are the same except for the order of a sum.
     ASSERT_LE(RelativeError(split.w0, mean.w0), 1e-14);
     ASSERT_LE(RelativeError(split.w1, mean.w1), 1e-14);
     ASSERT_LE(RelativeError(split.dw0_ds0, mean.dw0_ds0), 1e-14);
@@ -100,14 +100,14 @@ TEST(SplitSegment, TwiceThePartsLeaveAQuarterOfTheError) {
                                  exact.w1);
     };
     for (const int parts : {4, 8, 16, 32}) {
-      // The next order is 1 / n^2 smaller, with a factor that grows with the depth.
+      // The next order is smaller by 1 / n^2 times a factor that grows with the depth.
       EXPECT_NEAR(error(parts) / error(2 * parts), 4.0, 12.0 / (parts * parts) + 1e-3)
           << parts << " parts, s0 " << s0 << ", s1 " << s1;
     }
   }
 }
 
-// The ends' difference shrinks by half, and the mean density's error by half at least.
+// When the difference of the ends is halved, the error of the mean density is at least halved.
 TEST(MeanSegment, BecomesExactAsTheDensitiesBecomeEqual) {
   for (const double tau : {0.01, 0.5, 3.0, 30.0}) {
     double before = 1;
@@ -130,7 +130,7 @@ TEST(AllIntegrals, AreTheSameForEqualDensities) {
     for (const int integral : {kIntegralExact, kIntegralMean, kIntegralSplit}) {
       for (const int parts : kParts) {
         const auto got = tetrec::IntegrateSegmentBy<double>(integral, parts, tau, tau);
-        // 5e-7 is what the exact form leaves on thick segments.
+        // 5e-7 is the error of the exact form on thick segments.
         EXPECT_LE(RelativeError(got.w0, want.w0), 5e-7) << integral << " " << parts << " " << tau;
         EXPECT_LE(RelativeError(got.w1, want.w1), 5e-7) << integral << " " << parts << " " << tau;
       }
@@ -195,7 +195,7 @@ void ExpectDerivativesOfJets(int integral, int parts, const SegmentSample& sampl
   const auto adjoint =
       tetrec::IntegrateSegmentByWithDerivatives<double>(integral, parts, sample.s0, sample.s1);
   SCOPED_TRACE(::testing::Message() << parts << ": " << sample.s0 << " " << sample.s1);
-  // Both are sums of parts that are below 1/2 and cancel: rounding is absolute.
+  // Both are sums of parts below 1/2 that cancel, so the rounding error is absolute.
   ASSERT_NEAR(adjoint.w0, forward.w0.a, 1e-15);
   ASSERT_NEAR(adjoint.w1, forward.w1.a, 1e-15);
   ASSERT_NEAR(adjoint.dw0_ds0, forward.w0.v[0], 1e-12);
@@ -218,8 +218,8 @@ TEST(SplitSegment, DerivativesAreThoseOfJetsThroughTheForward) {
   }
 }
 
-// In float the terms of order 1 / n that are added cancel down to the derivative: the rounding is
-// absolute, of the largest sum, and each of the n transmittances brings its own.
+// In float, terms of order 1 / n are added and cancel down to the derivative. The rounding error is
+// absolute, relative to the largest sum, and each of the n transmittances contributes one.
 TEST(AllIntegrals, DerivativesInFloatAreThoseInDouble) {
   for (const int integral : {kIntegralMean, kIntegralSplit}) {
     for (const int parts : kParts) {

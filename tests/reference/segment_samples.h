@@ -1,4 +1,4 @@
-// Random segments (s0, s1) over the whole range that rays meet, hard cases included.
+// Random segments (s0, s1) over the whole range that rays encounter, hard cases included.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@ struct SegmentSample {
   float s0, s1;  // optical depth per unit fraction at start and end
 };
 
-// Zero, 1e-8 to 1e4, nearly equal ends (relative difference 1e-9 to 0.1), one end zero, and a
-// quarter around the switch between the product's two formulas (mean depth 0.3 to 30).
+// Zero, 1e-8 to 1e4, nearly equal ends (relative difference 1e-9 to 0.1), one end zero. A quarter
+// of the samples is around the switch between the product's two formulas (mean depth 0.3 to 30).
 inline std::vector<SegmentSample> DrawSegments(int count, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);

@@ -1,4 +1,4 @@
-// Rungs 1 and 2 of the ladder: the product's segment integral against quadrature and in its limits.
+// The product's segment integral against quadrature and in its limits.
 #include "reference/quadrature.h"
 #include "reference/segment_samples.h"
 #include "shared/segment.glsl.h"
@@ -23,7 +23,7 @@ struct Worst {
   double error = 0;
   reference::SegmentSample at{};
   void Add(double candidate, const reference::SegmentSample& sample) {
-    // Written so that NaN is kept.
+    // This form lets NaN through.
     if (!(candidate <= error)) {
       error = candidate;
       at = sample;
@@ -31,7 +31,7 @@ struct Worst {
   }
 };
 
-// Adds the largest relative error of w0 and w1 from either entry point.
+// Records the larger relative error of w0 and w1, from either entry point.
 template <class Real>
 void AddWeightError(Worst& worst, const reference::SegmentSample& sample,
                     const reference::SegmentIntegral& want) {
@@ -50,10 +50,11 @@ TEST(Segment, WeightsAgreeWithQuadrature) {
     AddWeightError<float>(in_float, sample, want);
     AddWeightError<double>(in_double, sample, want);
   }
-  // The fits of erfcx and Dawson (4e-7 each, the larger part of M - T or 1 - M) and float rounding;
-  // 5.5e-7 measured. The stated bound is 8e-7.
+  // The fits of erfcx and Dawson (4e-7 each, the larger part of M - T or 1 - M) and float rounding
+  // add up to 5.5e-7 as measured. The documented bound is 8e-7.
   EXPECT_LE(in_float.error, 8e-7) << "s0 " << in_float.at.s0 << " s1 " << in_float.at.s1;
-  // No rounding: 7 nodes at the switch give 2.2e-7, 16 nodes cut off at tau = 22 give 3.7e-7.
+  // Without rounding, 7 nodes at the switch err by 2.2e-7, 16 nodes that stop at tau = 22
+  // by 3.7e-7.
   EXPECT_LE(in_double.error, 5e-7) << "s0 " << in_double.at.s0 << " s1 " << in_double.at.s1;
 }
 
@@ -72,13 +73,13 @@ TEST(Segment, WeightsAddUpToTheOpacity) {
   for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples, 3)) {
     const auto got = tetrec::IntegrateSegment<float>(sample.s0, sample.s1);
     const double opacity = -std::expm1(-0.5 * (double{sample.s0} + double{sample.s1}));
-    // Both weights are right to 8e-7 and positive, so is their sum.
+    // Both weights are positive and right to 8e-7, and so is their sum.
     EXPECT_LE(RelativeError(double{got.w0} + double{got.w1}, opacity), 8e-7)
         << sample.s0 << " " << sample.s1;
   }
 }
 
-// The same segment walked the other way: the absorbed light is the same, T is symmetric.
+// Walking the segment backwards absorbs the same light: T is symmetric.
 TEST(Segment, OpacityDoesNotDependOnTheDirection) {
   for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples, 4)) {
     const auto there = tetrec::IntegrateSegment<float>(sample.s0, sample.s1);
@@ -88,7 +89,7 @@ TEST(Segment, OpacityDoesNotDependOnTheDirection) {
   }
 }
 
-// Cutting a segment in two changes nothing: weights of the ends follow from those of the halves.
+// Cutting a segment in two changes nothing: its weights follow from those of the halves.
 TEST(Segment, TwoHalvesGiveTheWhole) {
   for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples / 10, 5)) {
     const double s0 = sample.s0, s1 = sample.s1, middle = 0.5 * (s0 + s1);
@@ -152,7 +153,7 @@ TEST(Segment, EqualEndsGiveTheConstantDensityForm) {
     const long double exact = static_cast<float>(tau);
     const long double w1 = exact < 1e-3L ? exact / 2 - exact * exact / 3 + exact * exact * exact / 8
                                          : -std::expm1(-exact) / exact - std::exp(-exact);
-    if (exact < 1e-37L) continue;  // denormal floats have no 24 bits
+    if (exact < 1e-37L) continue;  // denormal floats have fewer than 24 bits
     EXPECT_LE(RelativeError(got.w1, w1), 8e-7) << tau;
   }
 }
@@ -170,8 +171,7 @@ TEST(Segment, NoValueOnAGridOfExtremesIsOutsideItsRange) {
            {adjoint.dw0_ds0, adjoint.dw0_ds1, adjoint.dw1_ds0, adjoint.dw1_ds1}) {
         EXPECT_TRUE(std::abs(derivative) <= 0.5f) << derivative << " at " << a << " " << b;
       }
-      // More density at the entry never shows more of the exit than of the entry, and a rise of
-      // either density never makes w0 fall.
+      // If the entry is denser, w1 never exceeds w0, and w0 never falls when a density rises.
       EXPECT_GE(adjoint.dw0_ds0, 0.0f) << a << " " << b;
       EXPECT_GE(adjoint.dw0_ds1, 0.0f) << a << " " << b;
     }
@@ -202,7 +202,7 @@ TEST(SpecialFunctions, FitsAgreeWithTheirDefinitions) {
     worst_dawson =
         std::max(worst_dawson, RelativeError(tetrec::Dawson<double>(x), integrate(x, 1)));
   }
-  // What the header states (4e-7) holds for float; the fits alone are better.
+  // The bound in the header (4e-7) is for float; the fits alone are better.
   EXPECT_LE(worst_erfcx, 4e-7);
   EXPECT_LE(worst_dawson, 4e-7);
 }

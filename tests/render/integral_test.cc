@@ -1,4 +1,4 @@
-// The words of --integral.
+// The words for integrals.
 #include "render/integral.h"
 
 #include "core/error.h"
@@ -19,11 +19,11 @@ TEST(Integral, WordsAreReadAndWrittenAlike) {
 
 TEST(Integral, OtherWordsAreRefusedWithWhatMayStandThere) {
   for (const char* words : {"", "Exact", "exact ", "split", "linear"}) {
-    ExpectError<UsageError>([&] { ParseIntegral(words); }, {"--integral", words, "split:N"});
+    ExpectError<UsageError>([&] { ParseIntegral(words); }, {words, "no such integral", "split:N"});
   }
   for (const char* words : {"split:", "split:0", "split:-1", "split:65", "split:4.5", "split:04",
                             "split:4x", "split:99999999999"}) {
-    ExpectError<UsageError>([&] { ParseIntegral(words); }, {"--integral", words, "1 to 64"});
+    ExpectError<UsageError>([&] { ParseIntegral(words); }, {words, "parts", "1 to 64"});
   }
 }
 

@@ -1,8 +1,8 @@
-// A loss linear in the pixels, its value by the reference renderer, and views to take it in.
+// A loss that is linear in the pixels, its value by the reference renderer, and views for it.
 #pragma once
 
-#include "render/reference_renderer.h"
-#include "scenes.h"
+#include "render/reference/render_picture.h"
+#include "render/scenes.h"
 
 #include <cmath>
 #include <random>
@@ -10,14 +10,14 @@
 
 namespace tetrec::test {
 
-// A random field and the size of its pictures.
+// A random field and the size of its images.
 struct Scene {
   int points;
   uint32_t seed;
   int width, height;
 };
 
-// Outside at a corner, inside, and outside in front of one face; odd sizes leave blocks cut.
+// Outside at a corner, inside, and outside in front of one face. With odd sizes, blocks are cut.
 inline std::vector<RenderView> ThreeViews(int width, int height) {
   return {LookAt({1.7, -1.1, -1.0}, {0.0, 0.3, 0.6}, width, height),
           LookAt({0.1, 0.4, 0.5}, {0.3, 0.6, 0.9}, width, height),
@@ -46,7 +46,7 @@ inline double Loss(const RadianceField& field, const RenderView& view,
   return loss;
 }
 
-// (L(x + h) - L(x - h)) / 2h for the step that the float x can really take.
+// (L(x + h) - L(x - h)) / 2h, with a step that the float x can represent.
 inline double CentralDifference(RadianceField& field, float& value, float step,
                                 const RenderView& view, const std::vector<glm::dvec4>& g,
                                 const IntegralOptions& integral = {}) {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include "core/error.h"
+#include "geometry/look_at.h"
 #include "mesh/delaunay.h"
+#include "render/create_renderer.h"
 #include "render/ray_blocks.h"
-#include "render/renderer.h"
+#include "render/training_renderer.h"
 
 #include <glm/glm.hpp>
 #include <gtest/gtest.h>
@@ -18,7 +20,7 @@
 
 namespace tetrec::test {
 
-// Corners of the box that every field here fills; exact floats, no two sides alike.
+// Corners of the box that every field here fills; exact floats, all sides different.
 inline const glm::vec3 kBoxMin(-0.5f, -0.25f, 0.25f), kBoxMax(0.5f, 1.0f, 1.0f);
 
 // 0 .. 7 -> corner of the box.
@@ -62,18 +64,13 @@ inline RadianceField ConstantField(TetMesh mesh, float density, const glm::vec3&
           std::vector<glm::vec3>(vertices, color)};
 }
 
-// A camera at `eye` that looks at `target`; focal length in picture widths.
+// A camera at `eye` that looks at `target`; focal length in image widths.
 inline RenderView LookAt(const glm::dvec3& eye, const glm::dvec3& target, int width, int height,
                          double focal = 1.0) {
   const glm::dvec3 forward = glm::normalize(target - eye);
-  const glm::dvec3 helper = std::abs(forward.y) < 0.9 ? glm::dvec3(0, -1, 0) : glm::dvec3(1, 0, 0);
-  const glm::dvec3 right = glm::normalize(glm::cross(forward, helper));
-  const glm::dvec3 down = glm::cross(forward, right);
-  RenderView view;
-  view.camera = {width, height, focal * width, focal * width, 0.5 * width, 0.5 * height};
-  const glm::dmat3 cam_from_world_rotation = glm::transpose(glm::dmat3(right, down, forward));
-  view.cam_from_world = {cam_from_world_rotation, -(cam_from_world_rotation * eye)};
-  return view;
+  const glm::dvec3 up = std::abs(forward.y) < 0.9 ? glm::dvec3(0, -1, 0) : glm::dvec3(1, 0, 0);
+  return {{width, height, focal * width, focal * width, 0.5 * width, 0.5 * height},
+          CamLookingAt(eye, target, up)};
 }
 
 // One pixel whose ray runs from `eye` exactly (up to rounding) through `target`.
@@ -83,8 +80,9 @@ inline RenderView AimAt(const glm::dvec3& eye, const glm::dvec3& target) {
 
 // The ray's part ahead of `eye` inside the box.
 struct BoxSpan {
-  double length = 0.0;     // 0 where it misses
-  double steepness = 1.0;  // least |cosine| between the ray and the normals where it passes the box
+  double length = 0.0;  // 0 if the ray misses
+  double steepness =
+      1.0;  // smallest |cosine| between the ray and the normals where it crosses the box
 };
 
 inline BoxSpan BoxChord(const glm::dvec3& eye, const glm::dvec3& direction) {
@@ -111,12 +109,12 @@ inline glm::dvec3 PixelDirection(const RenderView& view, int x, int y) {
 
 inline glm::dvec3 Eye(const RenderView& view) { return view.cam_from_world.Inverse().translation; }
 
-// Every 4 x 2 block of a picture, row by row.
+// Every 4 x 2 block of an image, in row order.
 inline std::vector<RayBlock> AllBlocks(const Camera& camera, uint32_t view = 0) {
   return CoveringBlocks(camera.width, camera.height, view);
 }
 
-// Those of one view after the other.
+// The blocks of one view after the other.
 inline std::vector<RayBlock> BlocksOf(const std::vector<RenderView>& views) {
   std::vector<RayBlock> all;
   for (uint32_t v = 0; v < views.size(); ++v) {
@@ -126,8 +124,18 @@ inline std::vector<RayBlock> BlocksOf(const std::vector<RenderView>& views) {
   return all;
 }
 
-// What `steps` steps say of the loss, each on a whole picture, the views in turns.
-inline std::vector<double> LearnPictures(TrainingRenderer& renderer,
+// Rows of the standard layout: rgb and the logarithm of density, or their moments.
+inline std::vector<glm::vec4> StandardRows(const std::vector<float>& values) {
+  std::vector<glm::vec4> rows(values.size() / kStandardComponents);
+  for (size_t i = 0; i < values.size(); ++i) rows[i / 4][int(i % 4)] = values[i];
+  return rows;
+}
+
+// Changes nothing but the moments.
+inline const AdamUpdate kStandingUpdate{.color_rate = 0.0, .density_rate = 0.0};
+
+// The losses that `steps` steps report, each on a whole image, the views in turn.
+inline std::vector<double> LearnPictures(ProbedRenderer& renderer,
                                          const std::vector<RenderView>& views, uint32_t steps,
                                          float jitter_px = 0.0f) {
   std::vector<double> losses;
@@ -138,43 +146,39 @@ inline std::vector<double> LearnPictures(TrainingRenderer& renderer,
                          .Step({.blocks = blocks,
                                 .background_srgb = glm::vec3(i % 3 == 0, i % 2, 0.5f),
                                 .jitter_px = jitter_px,
-                                .seed = i,
-                                .adam_step = i})
+                                .seed = i},
+                               {.step = i})
                          .loss);
   }
   return losses;
 }
 
-// A random state must be read back as it was set, bit by bit.
-inline void ExpectStateComesBack(TrainingRenderer& renderer, const TetMesh& mesh,
-                                 FieldStorage storage) {
+// Expects that a random state is read back bit by bit as it was set.
+inline void ExpectStateComesBack(ProbedRenderer& renderer, const TetMesh& mesh,
+                                 const FieldLayout& layout) {
   std::mt19937 random(1);
   std::normal_distribution<float> normal;
-  const auto row = [&] {
-    return glm::vec4(normal(random), normal(random), normal(random), normal(random));
-  };
-  VertexState state;
-  state.storage = storage;
-  for (size_t i = 0; i < RowCount(mesh, storage); ++i) {
-    state.parameters.push_back(row());
-    state.first_moment.push_back(row());
-    state.second_moment.push_back(glm::abs(row()));
+  FieldState state{.layout = layout};
+  for (size_t i = 0; i < RowCount(mesh, layout.storage) * size_t(layout.Components()); ++i) {
+    state.parameters.push_back(normal(random));
+    state.first_moment.push_back(normal(random));
+    state.second_moment.push_back(std::abs(normal(random)));
   }
-  renderer.SetVertexState(mesh, state);
-  const VertexState back = renderer.ReadVertexState();
-  EXPECT_EQ(back.storage, storage);
+  renderer.SetState(mesh, state);
+  const FieldState back = renderer.ReadState();
+  EXPECT_EQ(back.layout, layout);
   EXPECT_EQ(back.parameters, state.parameters);
   EXPECT_EQ(back.first_moment, state.first_moment);
   EXPECT_EQ(back.second_moment, state.second_moment);
 }
 
-// Holds renderers with validation on; a message of the layer fails the test that caused it.
+// Owns renderers with validation on. A message of the layer fails the test that caused it.
 class RendererTest : public ::testing::Test {
  protected:
-  // Skips the test where there is no Vulkan device.
-  TrainingRenderer& MakeRenderer(RendererOptions options = {}) {
+  // Skips the test if there is no Vulkan device.
+  ProbedRenderer& MakeRenderer(RendererOptions options = {}) {
     options.device.validation = true;
-    renderers_.push_back(CreateRenderer(options));
+    renderers_.push_back(CreateProbedRenderer(options));
     return *renderers_.back();
   }
 
@@ -191,7 +195,7 @@ class RendererTest : public ::testing::Test {
     for (const auto& renderer : renderers_) {
       EXPECT_EQ(renderer->ValidationMessages(), std::vector<std::string>{});
     }
-    // Messages of the renderers' end come in the log alone.
+    // Messages from the destruction of renderers appear only in the log.
     ::testing::internal::CaptureStderr();
     renderers_.clear();
     EXPECT_EQ(::testing::internal::GetCapturedStderr().find("Vulkan validation"),
@@ -199,7 +203,7 @@ class RendererTest : public ::testing::Test {
   }
 
  private:
-  std::vector<std::unique_ptr<TrainingRenderer>> renderers_;
+  std::vector<std::unique_ptr<ProbedRenderer>> renderers_;
 };
 
 inline std::string NameOf(RendererKind kind) {
@@ -212,7 +216,7 @@ inline std::string NameOf(RendererKind kind) {
 // Tests that every renderer must pass.
 class EveryRendererTest : public RendererTest, public ::testing::WithParamInterface<RendererKind> {
  protected:
-  TrainingRenderer& MakeRenderer(RendererOptions options = {}) {
+  ProbedRenderer& MakeRenderer(RendererOptions options = {}) {
     options.kind = GetParam();
     return RendererTest::MakeRenderer(options);
   }

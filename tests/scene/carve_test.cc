@@ -62,7 +62,7 @@ TEST(CarveMasks, KeepsLittleMoreThanTheBall) {
       CarveMasks(MasksOf(SomeScene(SyntheticKind::kBall)), box, {48, 48, 48}, 20);
   // A cell is kept when its square reaches the silhouette: at most its ball's half diagonal
   // (0.045), sqrt(2) of it at the square's corners, and a pixel (0.025 units) more. Between the
-  // outlines of 40 views, 0.5 rad apart, the hull stands off by up to 1 / cos(0.25) - 1 = 3 %.
+  // outlines of 40 views, 0.5 rad apart, the hull is larger by up to 1 / cos(0.25) - 1 = 3 %.
   const double reach = (0.9 + std::sqrt(2.0) * (0.045 + 0.025)) * 1.03;
   double farthest = 0;
   for (int z = 0; z < 48; ++z) {
@@ -122,13 +122,12 @@ TEST(FindSubjectBounds, WrapsTheSubjectClosely) {
   }
 }
 
-TEST(FindSubjectBounds, KeepsAPartThatMostPicturesLeaveOut) {
+TEST(FindSubjectBounds, KeepsAPartThatMostImagesMiss) {
   const SyntheticOptions options = {.kind = SyntheticKind::kTwoBalls};
   const glm::dvec3 left_ball(-0.45, 0.1, 0);
   std::vector<AlphaMask> masks = MasksOf(SomeScene(options.kind));
   for (size_t i = 0; i < masks.size(); ++i) {
-    if (i % 4 == 0)
-      continue;  // every fourth keeps the whole in view; the others close in on the left
+    if (i % 4 == 0) continue;  // sees both balls; the other views zoom in on the left one
     AlphaMask& mask = masks[i];
     mask.camera.fx = mask.camera.fy = 250;
     const glm::dvec3 origin = mask.cam_from_world.Inverse().translation;
@@ -150,14 +149,14 @@ TEST(FindSubjectBounds, KeepsAPartThatMostPicturesLeaveOut) {
 }
 
 TEST(FindSubjectBounds, MovesWithTheWorld) {
-  // Also far from the origin and in small units, as surveyed data come.
+  // It works far from the origin and in small units, too, as in surveyed data.
   std::vector<AlphaMask> masks = MasksOf(SomeScene(SyntheticKind::kTwoBalls));
   const Bounds3 before = FindSubjectBounds(masks);
   const Similarity3 old_from_new{0.001, glm::dmat3(1.0), {-20, 10, 5}};
   for (AlphaMask& mask : masks)
     mask.cam_from_world = CamFromWorld(mask.cam_from_world, old_from_new);
   const Bounds3 after = FindSubjectBounds(masks);
-  // A cell may fall to the other side of a pixel's border by rounding: one cell of 1 / 64.
+  // Rounding may move a cell across the border of a pixel: one cell of 1 / 64.
   EXPECT_LT(glm::length(old_from_new * after.min - before.min), 0.05);
   EXPECT_LT(glm::length(old_from_new * after.max - before.max), 0.05);
 }
@@ -168,10 +167,11 @@ TEST(FindSubjectBounds, SaysWhyThereAreNone) {
   ExpectError<DataError>([&] { FindSubjectBounds(masks); },
                          {"40 training views", "nothing in common"});
   for (AlphaMask& mask : masks) mask.cam_from_world.rotation = glm::dmat3(1.0);
-  ExpectError<DataError>([&] { FindSubjectBounds(masks); }, {"along one line", "--bounds"});
+  ExpectError<DataError>([&] { FindSubjectBounds(masks); },
+                         {"along one line", "give the subject's bounds"});
 }
 
-TEST(BoxSeenByAll, LiesInEveryPicture) {
+TEST(BoxSeenByAll, IsWithinEveryImage) {
   const std::vector<AlphaMask> masks = MasksOf(SomeScene(SyntheticKind::kBall));
   const Bounds3 box = BoxSeenByAll(masks).value();
   EXPECT_GT(box.Size().x, 1.0);  // the views see a ball of radius 1.15: a cube of side 1.33
@@ -185,7 +185,7 @@ TEST(BoxSeenByAll, LiesInEveryPicture) {
   }
 }
 
-TEST(BoxSeenByAll, IsNoneWhereTheCamerasDoNotLookAtOnePlace) {
+TEST(BoxSeenByAll, DoesNotExistIfTheCamerasDoNotLookAtOnePlace) {
   std::vector<AlphaMask> outwards = MasksOf(SomeScene(SyntheticKind::kBall));
   std::vector<AlphaMask> parallel = outwards;
   for (AlphaMask& mask : outwards) {
@@ -198,8 +198,9 @@ TEST(BoxSeenByAll, IsNoneWhereTheCamerasDoNotLookAtOnePlace) {
   for (AlphaMask& mask : parallel) mask.cam_from_world.rotation = glm::dmat3(1.0);
   EXPECT_FALSE(BoxSeenByAll(outwards));
   EXPECT_FALSE(BoxSeenByAll(parallel));
-  ExpectError<DataError>([&] { FindSubjectBounds(outwards); },
-                         {"away from each other", "--bounds", "--triangulate"});
+  ExpectError<DataError>(
+      [&] { FindSubjectBounds(outwards); },
+      {"away from each other", "give the subject's bounds", "triangulated points"});
 }
 
 TEST(BoxAroundCameras, GrowsTheirBoxByItsLongestSide) {
@@ -211,11 +212,12 @@ TEST(BoxAroundCameras, GrowsTheirBoxByItsLongestSide) {
   EXPECT_LT(glm::length(box.min - glm::dvec3(-3, -2, -1)), 1e-12);
   EXPECT_LT(glm::length(box.max - glm::dvec3(9, 6, 8)), 1e-12);
   masks[1] = masks[0];
-  ExpectError<DataError>([&] { BoxAroundCameras(masks); },
-                         {"cameras (2) are all at one place", "--bounds", "--triangulate"});
+  ExpectError<DataError>(
+      [&] { BoxAroundCameras(masks); },
+      {"cameras (2) are all at one place", "triangulation", "give the subject's bounds"});
 }
 
-TEST(ReadTrainingMasks, ReadsTheTrainingViewsAlphaAndNoOther) {
+TEST(ReadTrainingMasks, ReadsTheAlphaOfTrainingViewsOnly) {
   const ScratchFolder folder;
   SyntheticOptions options;
   options.train_views = 3;

@@ -101,7 +101,7 @@ TEST(SceneFile, RefusesEveryBrokenFieldByName) {
        [](Json& j) { j["background"] = "green"; }},
       {"has_alpha is 1; expected true or false", [](Json& j) { j["has_alpha"] = 1; }},
       {"has_masks is \"no\"; expected true or false", [](Json& j) { j["has_masks"] = "no"; }},
-      {"has_masks is true beside has_alpha", [](Json& j) { j["has_masks"] = true; }},
+      {"has_masks is true although has_alpha is", [](Json& j) { j["has_masks"] = true; }},
       {"subject_bounds is an empty box", [](Json& j) { j["subject_bounds"]["min"][1] = 0.5; }},
       {"subject_bounds.max has 4 items; expected 3 numbers",
        [](Json& j) { j["subject_bounds"]["max"].push_back(1); }},
@@ -139,15 +139,15 @@ TEST(SceneFile, RefusesEveryBrokenFieldByName) {
        [](Json& j) { j["views"][0]["split"] = "val"; }},
       {"views[0].cam_from_world.rotation has 2 items; expected 3 rows",
        [](Json& j) { j["views"][0]["cam_from_world"]["rotation"].erase(2); }},
-      {"views[0].cam_from_world.rotation is no rotation: R^T R is off by",
+      {"views[0].cam_from_world.rotation is not a rotation: R^T R is off by",
        [](Json& j) { j["views"][0]["cam_from_world"]["rotation"][0][0] = 3.0; }},
-      {"views[0].cam_from_world.rotation is no rotation",
+      {"views[0].cam_from_world.rotation is not a rotation",
        [](Json& j) {  // a mirror
          j["views"][0]["cam_from_world"]["rotation"] = {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
        }},
       {"views[0].cam_from_world.translation[2] is \"near\"; expected a number",
        [](Json& j) { j["views"][0]["cam_from_world"]["translation"][2] = "near"; }},
-      {"points.ply: has 2 points where scene.json counts 3", [](Json& j) { j["point_count"] = 3; }},
+      {"points.ply: has 2 points, but scene.json states 3", [](Json& j) { j["point_count"] = 3; }},
       {"point_count is -1; expected 0 to", [](Json& j) { j["point_count"] = -1; }},
   };
   const ScratchFolder folder;

@@ -27,7 +27,7 @@ TEST(SyntheticScene, FogEqualsTheVolumeIntegralByQuadrature) {
   for (const glm::dvec3& target :
        {glm::dvec3(0.0), glm::dvec3(0.3, 0.5, 0), glm::dvec3(0, 0.7, -0.5)}) {
     const glm::dvec3 origin(3, 0.2, 0.1), direction = glm::normalize(target - origin);
-    // Midpoint rule over [1, 5] with colour 0.5 + 0.5 x, as the header's words say.
+    // Midpoint rule over [1, 5] with colour 0.5 + 0.5 x, as the header specifies.
     const int steps = 400000;
     const double step = 4.0 / steps;
     double tau = 0;
@@ -40,7 +40,7 @@ TEST(SyntheticScene, FogEqualsTheVolumeIntegralByQuadrature) {
       tau += thickness;
     }
     const RaySample sample = SampleSynthetic(options, origin, direction);
-    // The rule is off by at most a step's share at both ends: 2.5 * 1e-5 each.
+    // The rule errs by at most one step's contribution at each end: 2.5 * 1e-5.
     EXPECT_NEAR(sample.alpha, 1 - std::exp(-tau), 5e-5);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(sample.premultiplied_srgb[c], color[c], 5e-5);
   }
@@ -56,7 +56,8 @@ TEST(SyntheticScene, BallCoversTheAreaOfItsOutline) {
     ASSERT_EQ(image.channels, 4);
     double area = 0;
     for (size_t i = 3; i < image.pixels.size(); i += 4) area += image.pixels[i] / 255.0;
-    // 3 x 3 rays a pixel: the border's pixels, about 2 pi r, are right to 1 / 9 each, signs mixed.
+    // With 3 x 3 rays per pixel, each of the about 2 pi r border pixels is accurate to 1 / 9, with
+    // mixed signs.
     EXPECT_NEAR(area, kPi * radius_px * radius_px, 0.01 * kPi * radius_px * radius_px);
   }
 }
@@ -80,7 +81,7 @@ TEST(SyntheticScene, HasItsViewsInSplitsAndLooksAtTheCentre) {
   }
 }
 
-TEST(SyntheticScene, PointsHaveTheColourOfThePicturesThatSeeThem) {
+TEST(SyntheticScene, PointsHaveTheColourOfTheImagesThatSeeThem) {
   SyntheticOptions options = Small(SyntheticKind::kRoom);
   options.points = 200;
   const SyntheticScene synthetic = MakeSyntheticScene(options);
@@ -96,7 +97,7 @@ TEST(SyntheticScene, PointsHaveTheColourOfThePicturesThatSeeThem) {
       const Rigid3& cam_from_world = synthetic.scene.views[size_t(i)].cam_from_world;
       const glm::dvec3 origin = cam_from_world.Inverse().translation;
       const glm::dvec3 direction = point.position - origin;
-      // Hidden where the way there passes through the ball.
+      // The ball hides the point if the ray to it passes through the ball.
       const double nearest =
           std::clamp(-glm::dot(origin, direction) / glm::dot(direction, direction), 0.0, 1.0);
       if (glm::length(origin + nearest * direction) < 0.9 - 1e-9) continue;
@@ -113,7 +114,7 @@ TEST(SyntheticScene, PointsHaveTheColourOfThePicturesThatSeeThem) {
   }
 }
 
-TEST(SyntheticScene, OfOneSeedIsAlwaysTheSameAndOfAnotherIsNot) {
+TEST(SyntheticScene, IsTheSameForTheSameSeedOnly) {
   SyntheticOptions options = Small(SyntheticKind::kBall);
   const SyntheticScene a = MakeSyntheticScene(options), b = MakeSyntheticScene(options);
   options.seed = 2;

@@ -1,4 +1,4 @@
-// out[i] = factor in[i] + 1: something to order two dispatches by.
+// out[i] = factor in[i] + 1: shows in which order two dispatches ran.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "thread_index.glsl"

@@ -1,4 +1,4 @@
-// The shared segment integral as a kernel computes it, for the comparison with C++.
+// The shared segment integral as a kernel computes it, for comparison with C++.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 layout(push_constant) uniform Push { uint ray_count; } push;

@@ -1,4 +1,4 @@
-// Counts the fragments of every pixel of a picture of push.width.
+// Counts the fragments of every pixel of an image that is push.width pixels wide.
 #version 460
 
 layout(push_constant) uniform Push { uint width; uint step; } push;

@@ -1,4 +1,4 @@
-// Triangle i covers what lies right of the viewport's i leftmost sixteenths.
+// Triangle i covers everything to the right of the viewport's i leftmost sixteenths.
 #version 460
 
 void main() {

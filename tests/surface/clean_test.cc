@@ -1,7 +1,7 @@
 #include "surface/clean.h"
 
 #include "core/error.h"
-#include "surface/measure.h"
+#include "mesh/mesh_facts.h"
 #include "surface/shapes.h"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ TEST(KeepLargePieces, DropsSmallPiecesAndCavities) {
   EXPECT_EQ(result.mesh.positions.size(), 2 * large.positions.size());
   EXPECT_EQ(result.mesh.colors_srgb.size(), result.mesh.positions.size());
   EXPECT_EQ(result.mesh.colors_srgb[300], large.colors_srgb[300]);
-  EXPECT_TRUE(MeasureSurface(result.mesh).IsClosedManifold());
+  EXPECT_TRUE(MeasureMesh(result.mesh).IsClosedManifold());
   CleanOptions keep;
   keep.keep_cavities = true;
   keep.min_component_share = 0;
@@ -61,11 +61,12 @@ TEST(Decimate, KeepsShapeTopologyAndColours) {
   const TriangleMesh small = Decimate(sphere, sphere.triangles.size() / 4);
   EXPECT_LE(small.triangles.size(), sphere.triangles.size() / 4);
   EXPECT_GT(small.triangles.size(), sphere.triangles.size() / 5);
-  const SurfaceFacts facts = MeasureSurface(small);
+  const MeshFacts facts = MeasureMesh(small);
   EXPECT_TRUE(facts.IsClosedManifold());
   EXPECT_EQ(facts.euler_characteristic, 2);
-  // Edges grow twice as long, and with them the flat caps' loss (1.7 % before) about four times.
-  EXPECT_NEAR(facts.volume, MeasureSurface(sphere).volume, 0.07 * 4 * std::numbers::pi / 3);
+  // Edges become twice as long, so the volume lost by flat triangles (1.7 % before) grows about
+  // four times.
+  EXPECT_NEAR(facts.volume, MeasureMesh(sphere).volume, 0.07 * 4 * std::numbers::pi / 3);
   for (size_t v = 0; v < small.positions.size(); ++v) {
     const auto& c = small.colors_srgb[v];
     EXPECT_EQ(sphere.positions[size_t(c[0] | c[1] << 8)], small.positions[v]);
@@ -73,7 +74,7 @@ TEST(Decimate, KeepsShapeTopologyAndColours) {
   EXPECT_EQ(Decimate(sphere, sphere.triangles.size()).triangles, sphere.triangles);
 }
 
-TEST(Decimate, RefusesWhatIsNoManifold) {
+TEST(Decimate, RefusesASurfaceThatIsNotAManifold) {
   TriangleMesh book;
   book.positions = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}};
   book.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
@@ -86,7 +87,7 @@ TEST(SeparateFans, MakesAManifoldOfTrianglesThatMeetInAPoint) {
   mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
   const TriangleMesh separate = SeparateFans(mesh);
   EXPECT_EQ(separate.positions.size(), 6u);
-  EXPECT_EQ(MeasureSurface(separate).non_manifold_vertices, 0u);
+  EXPECT_EQ(MeasureMesh(separate).non_manifold_vertices, 0u);
   EXPECT_EQ(separate.positions[separate.triangles[1].x], mesh.positions[0]);
 }
 
@@ -96,14 +97,14 @@ TEST(SeparateFans, LetsARaggedCropBeDecimated) {
   const LevelSet set = MarchTetrahedra(
       tets, Sampled(tets, [&](const glm::dvec3&) { return double(random() % 2); }), 0.5f);
   const TriangleMesh crop = AsTriangles(CropTo(set, {glm::dvec3(-0.7), glm::dvec3(0.9)}));
-  ASSERT_GT(MeasureSurface(crop).non_manifold_vertices, 0u);
+  ASSERT_GT(MeasureMesh(crop).non_manifold_vertices, 0u);
   const TriangleMesh separate = SeparateFans(crop);
-  EXPECT_EQ(MeasureSurface(separate).non_manifold_vertices, 0u);
+  EXPECT_EQ(MeasureMesh(separate).non_manifold_vertices, 0u);
   EXPECT_LT(Decimate(separate, separate.triangles.size() / 2).triangles.size(),
             separate.triangles.size());
 }
 
-TEST(SeparateFans, ChangesNoManifold) {
+TEST(SeparateFans, LeavesManifoldsAlone) {
   const TriangleMesh sphere = Sphere(1, {0, 0, 0});
   EXPECT_EQ(SeparateFans(sphere).triangles, sphere.triangles);
 }
@@ -112,19 +113,9 @@ TEST(Transformed, ScalesAreasBySquareOfTheScale) {
   const TriangleMesh sphere = Sphere(1, {0, 0, 0});
   // A quarter turn about z.
   const Similarity3 transform{3.0, glm::dmat3({0, 1, 0}, {-1, 0, 0}, {0, 0, 1}), {10, 20, 30}};
-  const SurfaceFacts before = MeasureSurface(sphere),
-                     after = MeasureSurface(Transformed(sphere, transform));
+  const MeshFacts before = MeasureMesh(sphere), after = MeasureMesh(Transformed(sphere, transform));
   EXPECT_NEAR(after.area, 9 * before.area, 1e-4 * after.area);  // float vertices
   EXPECT_NEAR(after.volume, 27 * before.volume, 1e-4 * after.volume);
-}
-
-TEST(MeasureSurface, FindsAVertexThatJoinsTwoPieces) {
-  TriangleMesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
-  mesh.triangles = {{0, 1, 2}, {0, 3, 4}};
-  const SurfaceFacts facts = MeasureSurface(mesh);
-  EXPECT_EQ(facts.non_manifold_vertices, 1u);
-  EXPECT_EQ(facts.border_edges, 6u);
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ RadianceField Ramp(double slope, double scale) {
   return field;
 }
 
-// Along x: slope s^2 / 2 = ln 2, so sigma = slope s = sqrt(2 ln 2 slope). The eye is so far away
-// that its rays are parallel to x to 1e-4.
+// Along x, slope s^2 / 2 = ln 2, so sigma = slope s = sqrt(2 ln 2 slope). The eye is so far away
+// that its rays are parallel to x within 1e-4.
 TEST(HalfTransmittanceLevel, IsTheClosedFormOnALinearRampAtAnyScale) {
   for (const double scale : {0.01, 1.0, 100.0}) {
     const RadianceField field = Ramp(3, scale);
@@ -46,8 +46,8 @@ TEST(HalfTransmittanceLevel, CutsASteepBallNearItsWall) {
       FindHalfTransmittanceLevel(field, {glm::dvec3(-1), glm::dvec3(1)}, {}, 2000, 1);
   EXPECT_EQ(level.rays, 2000u);
   EXPECT_GT(level.opaque_rays, 1000u);
-  // Half transmittance lies sqrt(2 ln 2 / 200) = 0.083 deep for head-on rays, less for grazing
-  // ones.
+  // Half transmittance is at a depth of sqrt(2 ln 2 / 200) = 0.083 for head-on rays, less for
+  // grazing ones.
   EXPECT_GT(level.isovalue / 200, 0.03);
   EXPECT_LT(level.isovalue / 200, 0.11);
 }

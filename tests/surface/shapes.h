@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mesh/delaunay.h"
-#include "mesh/start_points.h"
+#include "start/start_points.h"
 #include "surface/marching_tetrahedra.h"
 
 #include <cmath>
@@ -23,7 +23,7 @@ inline std::vector<float> Sampled(const TetMesh& mesh,
   return values;
 }
 
-// Positive inside.
+// Level functions of shapes, positive inside.
 inline double Ball(const glm::dvec3& p) { return 1 - glm::length(p); }
 inline double Torus(const glm::dvec3& p) {
   return 0.4 - std::hypot(std::hypot(p.x, p.y) - 0.9, p.z);

@@ -1,0 +1,82 @@
+// The parts of COLMAP's SQLite database that Tetrec reads and writes (format: COLMAP documentation,
+// "Database Format").
+#pragma once
+
+#include "colmap/matching.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+struct sqlite3;
+
+namespace tetrec {
+
+struct DatabaseImage {
+  uint32_t id = 0;
+  std::string name;
+  uint64_t features = 0;
+};
+
+using ImagePair = std::pair<uint32_t, uint32_t>;  // image ids, the lower first
+
+// A database and the version of COLMAP that wrote it, for messages.
+struct DatabaseFile {
+  std::filesystem::path path;
+  std::string colmap;
+};
+
+// Every call may throw EnvironmentError (disk full, not writable, the tables of another version of
+// COLMAP) or DataError (not a database that COLMAP writes).
+class ColmapDatabase {
+ public:
+  // Opens an existing database.
+  explicit ColmapDatabase(const std::filesystem::path& path,
+                          const std::string& colmap_version = "unknown");
+
+  std::vector<DatabaseImage> Images() const;  // by id
+  Descriptors ReadDescriptors(uint32_t image_id) const;
+  // The descriptors of the `count` features with the largest scales.
+  Descriptors ReadCoarsestDescriptors(uint32_t image_id, size_t count) const;
+  std::set<ImagePair> MatchedPairs() const;   // with raw matches
+  std::set<ImagePair> VerifiedPairs() const;  // with two-view geometries
+  uint64_t MatchCount() const;                // raw matches of all pairs
+
+  // Adds the images, cameras and features of another database under new ids. Only columns that both
+  // have are copied, because versions after the tested one dropped some.
+  void Append(const std::filesystem::path& other);
+
+  // Gives images and cameras ids in the order of the images' names, since the mapper's result
+  // depends on the ids. With `camera_per_folder` the images of one folder share the camera of the
+  // first by name. Requires that nothing is matched yet.
+  void NumberByName(bool camera_per_folder);
+
+  // Keeps the `count` features with the largest scales of every image, in their order, because
+  // COLMAP's own limit is loose. Requires that nothing is matched yet.
+  void KeepCoarsest(size_t count);
+
+  // Writes raw matches of several pairs in one transaction; `second` contains the matches from the
+  // lower to the higher id.
+  void WriteMatches(const std::vector<std::pair<ImagePair, std::vector<FeatureMatch>>>& pairs);
+
+ private:
+  void Execute(const std::string& sql);
+  std::vector<std::string> Columns(const char* schema, const char* table) const;
+  std::string CopySql(const char* table, const std::vector<std::string>& needed,
+                      const std::filesystem::path& other) const;
+  void RefuseFrames(const char* schema, const std::filesystem::path& path) const;
+  std::vector<float> ReadScales(uint32_t image_id) const;
+  std::vector<size_t> CoarsestRows(uint32_t image_id, size_t count) const;
+  void KeepRows(const char* table, uint32_t image_id, std::span<const size_t> rows);
+  std::set<ImagePair> PairsOf(const char* table) const;
+
+  DatabaseFile file_;
+  std::unique_ptr<sqlite3, int (*)(sqlite3*)> database_;
+};
+
+}  // namespace tetrec

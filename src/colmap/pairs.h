@@ -1,0 +1,26 @@
+// Which pairs of images are matched.
+#pragma once
+
+#include "colmap/database.h"
+#include "core/words.h"
+
+#include <array>
+#include <vector>
+
+namespace tetrec {
+
+// kAuto: all pairs of a few images; of more, the pairs whose coarsest features match best (Wu,
+// "Towards linear-time incremental structure from motion", 2013) and neighbours in the order of
+// names.
+enum class PairChoice { kAuto, kExhaustive, kSequential };
+template <>
+inline constexpr auto kWords<PairChoice> =
+    std::to_array<Word<PairChoice>>({{PairChoice::kAuto, "auto"},
+                                     {PairChoice::kExhaustive, "exhaustive"},
+                                     {PairChoice::kSequential, "sequential"}});
+
+// `images` in the order of their names.
+std::vector<ImagePair> ChoosePairs(const ColmapDatabase& database,
+                                   const std::vector<DatabaseImage>& images, PairChoice choice);
+
+}  // namespace tetrec

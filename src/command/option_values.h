@@ -1,0 +1,16 @@
+// The values of command-line options, as a manifest records them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+namespace tetrec {
+
+// The given value or the default: a number, a truth value, text, or an array of these.
+nlohmann::json OptionValue(const CLI::Option& option);
+
+// Throws UsageError for what CLI11 accepts wrongly: it reads "nan" and "inf" as numbers, and wraps
+// "-3" to a huge number for an unsigned option.
+void CheckNumbers(const CLI::App& app);
+
+}  // namespace tetrec

@@ -1,0 +1,196 @@
+// Writing, reading and following manifests.
+#include "core/manifest.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/process_memory.h"
+#include "core/version.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <ctime>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+using nlohmann::json;
+namespace {
+
+constexpr int kSchema = 1;
+
+std::string ProgramsOf(const std::set<std::string>& stages) {
+  std::vector<std::string> names;
+  for (const std::string& stage : stages) names.push_back(ProgramOf(stage));
+  return fmt::format("{}", fmt::join(names, " or "));
+}
+
+std::string NowUtc() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+std::string TextOrEmpty(const json& object, const char* field) {
+  if (!object.is_object()) return "";
+  const auto found = object.find(field);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+// The first input that is a stage is the one before in the chain.
+json PreviousOf(const json& inputs) {
+  for (const json& input : inputs) {
+    if (input["kind"] == "stage") return input["path"];
+  }
+  return nullptr;
+}
+
+bool IsAlive(const json& status) {
+  const auto pid = status.find("pid");
+  return pid != status.end() && pid->is_number_integer() && pid->get<int64_t>() > 0 &&
+         kill(pid_t(pid->get<int64_t>()), 0) == 0;
+}
+
+}  // namespace
+
+std::string ProgramOf(const std::string& stage) { return "tetrec-" + stage; }
+
+void WriteManifest(const fs::path& folder, const ManifestFacts& facts) {
+  const json manifest = {{"schema", kSchema},
+                         {"stage", facts.stage},
+                         {"version", facts.version},
+                         {"program_version", ProgramVersion()},
+                         {"git", GitRevision()},
+                         {"key", facts.key},
+                         {"command", facts.command},
+                         {"options", facts.options},
+                         {"seed", facts.options.contains("seed") ? facts.options["seed"] : json()},
+                         {"inputs", facts.inputs},
+                         {"previous", PreviousOf(facts.inputs)},
+                         {"outputs", facts.outputs},
+                         {"device", facts.device},
+                         {"counts", facts.counts},
+                         {"notes", facts.notes},
+                         {"warnings", facts.warnings},
+                         {"seconds", facts.seconds},
+                         {"resumed", facts.resumed},
+                         {"peak_rss_bytes", PeakRssBytes()},
+                         {"finished", NowUtc()}};
+  WriteJson(folder / kManifestFile, manifest);
+}
+
+json StatusOfNewRun(const std::string& stage, const std::string& key, const json& options,
+                    const std::string& command) {
+  return {{"schema", kSchema},       {"stage", stage},
+          {"status", "running"},     {"key", key},
+          {"options", options},      {"pid", getpid()},
+          {"started", NowUtc()},     {"error", nullptr},
+          {"own", json::array()},    {"scratch", json::array()},
+          {"caches", json::array()}, {"command", command}};
+}
+
+json ReadManifest(const fs::path& folder, const std::set<std::string>& stages) {
+  const std::string name = folder.string(), programs = ProgramsOf(stages);
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw DataError(
+        fmt::format("{}: there is no such folder; run {} with -o {} first", name, programs, name));
+  }
+  const json manifest = ReadManifestOrStatus(folder / kManifestFile),
+             status = ReadManifestOrStatus(folder / kStatusFile);
+  if (manifest.is_null() && status.is_null()) {
+    throw DataError(
+        fmt::format("{}: not a stage folder (it has no valid manifest.json); expected the folder "
+                    "that {} wrote",
+                    name, programs));
+  }
+  const json& known = manifest.is_null() ? status : manifest;
+  const std::string stage = known["stage"];
+  if (!stages.contains(stage)) {
+    throw DataError(fmt::format("{}: is the folder of {}; expected the folder that {} wrote", name,
+                                ProgramOf(stage), programs));
+  }
+  if (manifest.is_null()) {
+    throw DataError(fmt::format("{}: {} did not finish there ({}); run it again", name,
+                                ProgramOf(stage), StateInWords(status, true)));
+  }
+  if (manifest["schema"] != kSchema) {
+    throw DataError(fmt::format("{}: manifest.json has the schema {}, expected {}; run {} again",
+                                name, manifest["schema"].dump(), kSchema, ProgramOf(stage)));
+  }
+  if (const std::string spoiled = FirstSpoiledOutput(folder, manifest); !spoiled.empty()) {
+    throw DataError(fmt::format("{}: {} is missing or was changed; run {} again", name, spoiled,
+                                ProgramOf(stage)));
+  }
+  return manifest;
+}
+
+json ReadManifestOrStatus(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return nullptr;
+  try {
+    json value = ReadJson(path);
+    const bool ours = value.is_object() && value.contains("schema") &&
+                      value["schema"].is_number_integer() && value.contains("stage") &&
+                      value["stage"].is_string() && value.contains("key") &&
+                      value["key"].is_string();
+    return ours ? value : nullptr;
+  } catch (const DataError&) {
+    return nullptr;
+  }
+}
+
+std::optional<fs::path> PreviousFolder(const fs::path& folder, const json& manifest) {
+  const std::string previous = TextOrEmpty(manifest, "previous");
+  if (previous.empty()) return std::nullopt;
+  return (folder / previous).lexically_normal();
+}
+
+fs::path PreviousStage(const fs::path& folder, const std::set<std::string>& stages) {
+  fs::path at = folder;
+  for (int link = 0;; ++link) {
+    const std::optional<fs::path> previous =
+        PreviousFolder(at, ReadManifestOrStatus(at / kManifestFile));
+    if (link == kLongestChain || !previous) {
+      throw DataError(
+          fmt::format("{}: not the folder of {} that {} was made from; put it back there or run "
+                      "the stages again",
+                      at.string(), ProgramsOf(stages), folder.string()));
+    }
+    at = *previous;
+    const json manifest = ReadManifestOrStatus(at / kManifestFile);
+    if (stages.contains(TextOrEmpty(manifest, "stage"))) {
+      ReadManifest(at, stages);
+      return at;
+    }
+  }
+}
+
+std::string FirstSpoiledOutput(const fs::path& folder, const json& manifest) {
+  const auto outputs = manifest.find("outputs");
+  if (outputs == manifest.end() || !outputs->is_array()) return kManifestFile;
+  for (const json& output : *outputs) {
+    const std::string path = TextOrEmpty(output, "path");
+    if (path.empty() || !output.contains("bytes") || !output["bytes"].is_number_unsigned())
+      return kManifestFile;
+    std::error_code error;
+    if (fs::file_size(folder / path, error) != output["bytes"].get<uint64_t>() || error)
+      return path;
+  }
+  return "";
+}
+
+std::string StateInWords(const json& status, bool may_run) {
+  std::string state = TextOrEmpty(status, "status");
+  if (state == "running")
+    return may_run && IsAlive(status) ? "is still running" : "was killed before it finished";
+  if (state.empty()) state = "unfinished";
+  const std::string error = TextOrEmpty(status, "error");
+  return state + (error.empty() ? "" : ": " + error);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,39 @@
+// An input of a stage: how the manifest records it, and the hash that stands for it in the key.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace tetrec {
+
+// Other files that an input file names inside itself.
+using FilesNamedBy =
+    std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)>;
+
+struct StageInput {
+  std::string name;
+  std::filesystem::path path;
+  nlohmann::json record;    // {"name", "path", "kind": "stage", "folder" or "file", "sha256", ...}
+  nlohmann::json manifest;  // of an earlier stage's folder; otherwise null
+  std::map<std::string, std::string> hashes;  // for the key: of the input and of files it names
+};
+
+// `stages`: those of which one must have written the folder; empty for a path from outside, which
+// may be a file (hashed, with the files that it names) or a folder (hashed by the names, sizes and
+// times of its files). `output_folder` must not be inside of a folder that is an input. Throws
+// DataError and UsageError.
+StageInput ReadStageInput(const std::string& name, const std::filesystem::path& path,
+                          const std::set<std::string>& stages,
+                          const std::filesystem::path& output_folder,
+                          const FilesNamedBy& files_of = {});
+
+// SHA-256 of the value's compact text.
+std::string HashOfJson(const nlohmann::json& value);
+
+}  // namespace tetrec

@@ -1,0 +1,206 @@
+// The run of a stage, from its folder to its manifest.
+#include "core/stage_run.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/folder_lock.h"
+#include "core/log.h"
+#include "core/manifest.h"
+#include "core/progress.h"
+#include "core/stage_folder.h"
+#include "core/stop_request.h"
+#include "core/timer.h"
+#include "core/version.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+using nlohmann::json;
+namespace {
+
+// Why the key differs, in words. `now` contains only options that change results.
+std::string DifferenceOf(const json& before, const json& now) {
+  const json old = before.value("options", json::object());
+  std::vector<std::string> parts;
+  for (const auto& [name, value] : now.items()) {
+    const std::string was = old.contains(name) ? old[name].dump() : "unknown";
+    if (was != value.dump())
+      parts.push_back(fmt::format("{} (was {}, now {})", name, was, value.dump()));
+  }
+  if (parts.empty()) return "the input or the program's version";
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+void LogWarningsAgain(const std::vector<std::string>& warnings) {
+  if (warnings.empty()) return;
+  LogLine(LogLevel::kInfo,
+          fmt::format("{} warning{}:", warnings.size(), warnings.size() == 1 ? "" : "s"));
+  for (const std::string& warning : warnings) LogLine(LogLevel::kInfo, "  " + warning);
+}
+
+}  // namespace
+
+// One run, inside the folder's lock.
+class StageRun {
+ public:
+  explicit StageRun(const StageRequest& request);
+  void Call(const std::function<void(Stage&)>& body);
+
+ private:
+  void RemoveOrContinueEarlierRun();
+  void StartLog() const;
+  void RecordFailure(const char* state, const std::string& message);
+  void Finish();
+  double Seconds() const { return seconds_before_ + timer_.seconds(); }
+
+  const Timer timer_;
+  const StageRequest& request_;
+  const json old_manifest_, old_status_;  // null if there are none
+  double seconds_before_ = 0;             // of the run that this one continues
+  Stage stage_;
+};
+
+StageRun::StageRun(const StageRequest& request)
+    : request_(request),
+      old_manifest_(ReadManifestOrStatus(request.folder / kManifestFile)),
+      old_status_(ReadManifestOrStatus(request.folder / kStatusFile)) {
+  stage_.folder_ = request.folder;
+  stage_.key_ = request.Key();
+  for (const StageInput& input : request.inputs) {
+    stage_.inputs_[input.name] = input.path;
+    if (!input.manifest.is_null()) stage_.input_manifests_[input.name] = input.manifest;
+  }
+  const bool same_key =
+      old_status_.is_object() && old_status_["key"] == stage_.key_ && old_manifest_.is_null();
+  if (request.resume && !same_key && (old_status_.is_object() || old_manifest_.is_object())) {
+    throw DataError(fmt::format(
+        "{}: cannot resume: the earlier run in this folder differs in {}; give the same options "
+        "and input again, or do not resume, to start over",
+        request.folder.string(),
+        DifferenceOf(old_manifest_.is_object() ? old_manifest_ : old_status_,
+                     request.options_with_effect)));
+  }
+  stage_.resume_ = same_key && !request.force;
+  stage_.status_ =
+      StatusOfNewRun(request.stage, stage_.key_, request.options, request.command_line);
+  RemoveOrContinueEarlierRun();
+  WriteJson(request.folder / kStatusFile, stage_.status_);
+  StartLog();
+}
+
+void StageRun::RemoveOrContinueEarlierRun() {
+  if (stage_.resume_) {
+    for (const char* role : {"own", "scratch"})
+      stage_.status_[role] = DeclaredPaths(old_status_, role);
+    if (old_status_.contains("seconds") && old_status_["seconds"].is_number())
+      seconds_before_ = old_status_["seconds"];
+  } else {
+    RemoveOldRun(request_.folder, old_manifest_, old_status_, request_.force);
+  }
+  if (!request_.force) stage_.status_["caches"] = DeclaredPaths(old_status_, "caches");
+}
+
+void StageRun::StartLog() const {
+  SetLogFile(request_.folder / kLogFileName);
+  LogToFileOnly(fmt::format("{} {} ({}), version {}", ProgramOf(request_.stage), ProgramVersion(),
+                            GitRevision(), request_.version));
+  LogToFileOnly("command: " + request_.command_line);
+  LogToFileOnly("options: " +
+                request_.options.dump(-1, ' ', false, json::error_handler_t::replace));
+  if (stage_.resume_) {
+    LogInfo("{}: continues an earlier run ({})", request_.folder.string(),
+            StateInWords(old_status_, false));
+  }
+}
+
+void StageRun::Call(const std::function<void(Stage&)>& body) {
+  try {
+    body(stage_);
+    ThrowIfStopRequested("run the same command again to continue");
+    Finish();
+  } catch (const Interrupted& error) {
+    RecordFailure("interrupted", error.what());
+    throw;
+  } catch (const std::bad_alloc&) {
+    RecordFailure("failed", "out of memory");
+    throw;
+  } catch (const std::exception& error) {
+    RecordFailure("failed", OneLine(error.what()));
+    throw;
+  }
+}
+
+void StageRun::RecordFailure(const char* state, const std::string& message) {
+  stage_.status_["status"] = state;
+  stage_.status_["error"] = message;
+  stage_.status_["seconds"] = Seconds();
+  LogToFileOnly("error: " + message);
+  try {
+    WriteJson(request_.folder / kStatusFile, stage_.status_);
+  } catch (const Error&) {
+    // The disk may be full; the first error is the one to report.
+  }
+}
+
+void StageRun::Finish() {
+  // Scratch of earlier attempts too.
+  for (const std::string& path : DeclaredPaths(stage_.status_, "scratch"))
+    RemoveOwned(request_.folder / path);
+  const double seconds = Seconds();
+  stage_.seconds_["total"] = seconds;
+  ManifestFacts facts = {.stage = request_.stage,
+                         .version = request_.version,
+                         .key = stage_.key_,
+                         .command = request_.command_line,
+                         .options = request_.options,
+                         .inputs = json::array(),
+                         .outputs = OutputRecords(request_.folder, stage_.outputs_),
+                         .device = stage_.device_,
+                         .counts = stage_.counts_,
+                         .notes = stage_.notes_,
+                         .seconds = stage_.seconds_,
+                         .warnings = TakeWarnings(),
+                         .resumed = stage_.resume_};
+  for (const StageInput& input : request_.inputs) facts.inputs.push_back(input.record);
+  LogWarningsAgain(facts.warnings);
+  stage_.status_["status"] = "done";
+  stage_.status_["seconds"] = seconds;
+  WriteJson(request_.folder / kStatusFile, stage_.status_);
+  LogInfo("done in {}: {}", AsDuration(seconds), request_.folder.string());
+  WriteManifest(request_.folder, facts);
+}
+
+std::string StageRequest::Key() const {
+  json hashes = json::object();
+  for (const StageInput& input : inputs) {
+    for (const auto& [name, hash] : input.hashes) hashes[name] = hash;
+  }
+  return HashOfJson({{"stage", stage},
+                     {"version", version},
+                     {"options", options_with_effect},
+                     {"inputs", hashes}});
+}
+
+void RunStage(const StageRequest& request, const std::function<void(Stage&)>& body) {
+  std::error_code error;
+  fs::create_directories(request.folder, error);
+  if (error) {
+    throw EnvironmentError(fmt::format("{}: the output folder cannot be made ({})",
+                                       request.folder.string(), error.message()));
+  }
+  CheckFolderIsOurs(request.folder, request.stage);
+  const json manifest = ReadManifestOrStatus(request.folder / kManifestFile);
+  if (!request.force && manifest.is_object() && manifest["key"] == request.Key() &&
+      FirstSpoiledOutput(request.folder, manifest).empty()) {
+    fmt::print("up to date: {}\n", request.folder.string());
+    return;
+  }
+  const FolderLock lock(request.folder);
+  StageRun(request).Call(body);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,177 @@
+// The surface's part of the evaluation.
+#include "eval/evaluate_surface.h"
+
+#include "core/checked_json.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "core/progress.h"
+#include "eval/mesh_preview.h"
+#include "eval/metrics_json.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+using nlohmann::json;
+namespace {
+
+// The only PLY file among the stage's outputs, or surface.ply.
+std::string SurfaceFile(const StageFacts& surface) {
+  std::vector<std::string> files;
+  for (const json& output : surface.manifest.value("outputs", json::array())) {
+    const std::string path = output.is_object() ? output.value("path", "") : "";
+    if (fs::path(path).extension() == ".ply") files.push_back(path);
+  }
+  if (files.size() == 1) return files[0];
+  if (std::count(files.begin(), files.end(), "surface.ply") == 1) return "surface.ply";
+  throw DataError(
+      fmt::format("{}: has {} PLY files and none is surface.ply; run tetrec-surface again",
+                  surface.folder.string(), files.size()));
+}
+
+// The mean direction from the bottom to the top of the images.
+glm::dvec3 UpInWorld(const Scene& scene) {
+  glm::dvec3 up(0.0);
+  for (const View& view : scene.views) {
+    up += glm::transpose(view.cam_from_world.rotation) * glm::dvec3(0, -1, 0);
+  }
+  // Cameras turned in all directions, also upside down, have no common up; use z then.
+  const double length = glm::length(up);
+  return length > 0.05 * double(scene.views.size()) ? up / length : glm::dvec3(0, 0, 1);
+}
+
+void DrawPreviews(const TriangleMesh& mesh_in_input, const Scene& scene, SurfaceResult& result) {
+  const TriangleMesh mesh = Transformed(mesh_in_input, scene.input_from_world.Inverse());
+  PreviewOptions options;
+  options.up = UpInWorld(scene);
+  for (const glm::vec3& position : mesh.positions) options.bounds.Add(glm::dvec3(position));
+  const Bounds3 subject = scene.subject_bounds.Scaled(1.1);
+  const Bounds3 common{glm::max(options.bounds.min, subject.min),
+                       glm::min(options.bounds.max, subject.max)};
+  if (!common.IsEmpty()) options.bounds = common;
+  if (options.bounds.IsEmpty()) return;  // a mesh without vertices
+  options.bounds = options.bounds.Scaled(1.0001);
+  if (mesh.colors_srgb.size() == mesh.positions.size()) {
+    result.color_pictures = RenderTurntable(mesh, options);
+  }
+  options.use_colors = false;
+  result.clay_pictures = RenderTurntable(mesh, options);
+}
+
+void CompareWithTruth(const TriangleMesh& mesh_in_input, const std::optional<Scene>& scene,
+                      const EvaluateOptions& options, const Stage& stage, SurfaceResult& result,
+                      std::vector<std::string>& warnings) {
+  TriangleMesh mesh_in_truth = mesh_in_input;
+  if (stage.HasInput("cameras")) {
+    if (!scene)
+      throw DataError("the true cameras require the scene folder of the run, which is missing");
+    result.alignment = AlignByCameras(*scene, ReadTrueCameras(stage.Input("cameras")));
+    const Alignment& alignment = *result.alignment;
+    LogInfo(
+        "alignment: {} cameras, centres off by {:.4g} RMS ({:.3f} % of their spread), directions "
+        "by "
+        "{:.3f} degrees on average",
+        alignment.matched, alignment.center_rms,
+        100 * alignment.center_rms / alignment.center_spread, alignment.rotation_mean_deg);
+    if (!alignment.unmatched.empty()) {
+      Warn(warnings, fmt::format("{} of {} views have no true camera and are left out of the "
+                                 "alignment, the first is '{}'",
+                                 alignment.unmatched.size(), scene->views.size(),
+                                 alignment.unmatched.front()));
+    }
+    if (alignment.rotation_mean_deg > 2) {
+      Warn(warnings,
+           fmt::format("after the alignment, the cameras' directions differ from the true ones by "
+                       "{:.1f} degrees on average: do not trust the surface's scores",
+                       alignment.rotation_mean_deg));
+    }
+    mesh_in_truth = Transformed(mesh_in_input, alignment.truth_from_input);
+  }
+  SurfaceScoreOptions score_options;
+  score_options.threshold = options.threshold_percent / 100;
+  score_options.samples = options.surface_samples;
+  score_options.seed = options.seed;
+  if (const auto& b = options.ground_truth_bounds; !b.empty()) {
+    score_options.bounds = Bounds3{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+  }
+  const TriangleMesh truth = ReadTriangleMesh(stage.Input("ground-truth"));
+  result.scores = CompareSurfaces(mesh_in_truth, truth, score_options);
+  LogInfo("surface: F-score {:.4f} (precision {:.4f}, recall {:.4f}) at {:.4g}, diagonal {:.4g}",
+          result.scores->f_score, result.scores->precision, result.scores->recall,
+          result.scores->threshold, result.scores->diagonal);
+}
+
+json AlignmentJson(const Alignment& a) {
+  return {{"scale", a.truth_from_input.scale},
+          {"rotation", ToJson(a.truth_from_input.rotation)},
+          {"translation", ToJson(a.truth_from_input.translation)},
+          {"matched_views", a.matched},
+          {"unmatched_views", a.unmatched},
+          {"center_rms", a.center_rms},
+          {"center_max", a.center_max},
+          {"center_spread", a.center_spread},
+          {"rotation_mean_deg", a.rotation_mean_deg},
+          {"rotation_max_deg", a.rotation_max_deg}};
+}
+
+json ScoresJson(const SurfaceScores& s, const EvaluateOptions& options) {
+  return {
+      {"f_score", s.f_score},
+      {"precision", s.precision},
+      {"recall", s.recall},
+      {"accuracy", Finite(s.accuracy)},
+      {"completeness", Finite(s.completeness)},
+      {"chamfer", Finite(s.chamfer)},
+      {"threshold", s.threshold},
+      {"threshold_percent_of_diagonal", options.threshold_percent},
+      {"diagonal", s.diagonal},
+      {"bounds_min", ToJson(s.crop.min)},
+      {"bounds_max", ToJson(s.crop.max)},
+      {"bounds_from", options.ground_truth_bounds.empty() ? "the truth's bounding box grown by 5 %"
+                                                          : "--ground-truth-bounds"},
+      {"reconstruction_samples", s.reconstruction_samples},
+      {"ground_truth_samples", s.truth_samples}};
+}
+
+}  // namespace
+
+json SurfaceJson(const SurfaceResult& surface, const EvaluateOptions& options) {
+  const MeshFacts& facts = surface.facts;
+  json result = {{"file", surface.file},
+                 {"faces", facts.faces},
+                 {"vertices", facts.vertices},
+                 {"components", facts.components},
+                 {"watertight", facts.watertight},
+                 {"boundary_edges", facts.boundary_edges},
+                 {"non_manifold_edges", facts.non_manifold_edges},
+                 {"area", facts.area},
+                 {"volume", facts.watertight ? json(facts.volume) : json()},
+                 {"ground_truth", nullptr},
+                 {"alignment", nullptr}};
+  if (surface.scores) result["ground_truth"] = ScoresJson(*surface.scores, options);
+  if (surface.alignment) result["alignment"] = AlignmentJson(*surface.alignment);
+  return result;
+}
+
+SurfaceResult EvaluateSurface(const EvaluateOptions& options, const std::optional<Scene>& scene,
+                              const StageFacts& surface_stage, const Stage& stage,
+                              std::vector<std::string>& warnings) {
+  SurfaceResult result;
+  result.file = SurfaceFile(surface_stage);
+  const TriangleMesh mesh = ReadTriangleMesh(surface_stage.folder / result.file);
+  result.facts = MeasureMesh(mesh);
+  LogInfo("surface: {} triangles, {} components, {}", WithThousands(result.facts.faces),
+          WithThousands(result.facts.components),
+          result.facts.watertight ? "watertight" : "not watertight");
+  if (mesh.triangles.empty()) Warn(warnings, "the surface has no triangle");
+  if (scene) DrawPreviews(mesh, *scene, result);
+  if (stage.HasInput("ground-truth")) {
+    CompareWithTruth(mesh, scene, options, stage, result, warnings);
+  }
+  return result;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,36 @@
+// A field as an optimiser sees it: parameters and moments, row by row.
+#pragma once
+
+#include "field/radiance_field.h"
+
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+// rows x layout.Components() each.
+struct FieldState {
+  FieldLayout layout;
+  std::vector<float> parameters;
+  std::vector<float> first_moment, second_moment;  // of Adam
+
+  size_t rows() const { return parameters.size() / size_t(layout.Components()); }
+};
+
+// The field's values as parameters, and moments of 0.
+FieldState StateOf(const RadianceField& field);
+
+// The field that a state describes. Throws DataError as CheckField.
+RadianceField FieldOf(TetMesh mesh, const FieldState& state);
+
+// A row of a new field: at `share` of the way from row `a` to row `b` of an old one.
+struct RowSource {
+  uint32_t a, b;
+  float share;
+};
+
+// Linear interpolation of the values, whose parameters need not be linear, and of the moments. A
+// row whose ends are one is copied.
+FieldState Prolong(const FieldState& state, std::span<const RowSource> sources);
+
+}  // namespace tetrec

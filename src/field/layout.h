@@ -1,0 +1,93 @@
+// What each vertex, or each tet, of a field carries: the one description from which buffers,
+// optimiser, checkpoints, refinement and file formats are derived.
+#pragma once
+
+#include "core/file.h"
+#include "core/words.h"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tetrec {
+
+enum class FieldStorage {
+  kVertex,  // one row of attributes per vertex, linear inside each tet
+  kCell,    // one row per tet, constant inside
+};
+template <>
+inline constexpr auto kWords<FieldStorage> = std::to_array<Word<FieldStorage>>(
+    {{FieldStorage::kVertex, "vertex"}, {FieldStorage::kCell, "cell"}});
+
+// "vertex" or "tet": what the rows belong to.
+const char* RowName(FieldStorage storage);
+
+// How the parameter that is learned becomes the value that is rendered. Shaders and files use the
+// numbers (kActivation... of shared/adam.glsl.h).
+enum class Activation : uint32_t {
+  kIdentity,  // the parameter itself
+  kColor,     // the parameter itself, which an update clamps to [0, 1]
+  kExp,       // e^parameter; a value >= 0 that interpolates linearly, its parameter does not
+};
+
+// Which learning rate an attribute follows. An attribute with a rate of its own needs a class here
+// and its rate in AdamUpdate.
+enum class RateClass : uint32_t { kColor, kDensity };
+constexpr int kRateClasses = 2;
+
+struct Attribute {
+  std::string name;  // 1 .. 32 letters a-z, digits and underscores
+  int components = 1;
+  Activation activation = Activation::kIdentity;
+  RateClass rate = RateClass::kColor;
+  bool operator==(const Attribute&) const = default;
+};
+
+constexpr size_t kMostAttributes = 8, kMostNameLetters = 32;
+constexpr int kMostComponents = 64;  // of an attribute
+
+// Every layout starts with these two, which all renderers read; components before and behind them
+// are known by their offsets.
+inline const Attribute kColorAttribute{"color", 3, Activation::kColor, RateClass::kColor};
+inline const Attribute kDensityAttribute{"density", 1, Activation::kExp, RateClass::kDensity};
+constexpr int kColorOffset = 0, kDensityOffset = 3, kStandardComponents = 4;
+
+struct FieldLayout {
+  FieldStorage storage = FieldStorage::kVertex;
+  std::vector<Attribute> attributes = {kColorAttribute, kDensityAttribute};
+
+  int Components() const;  // of a row
+  // First component of the attribute; TETREC_CHECKs that there is one of that name.
+  int OffsetOf(std::string_view name) const;
+  bool IsStandard() const { return attributes.size() == 2; }
+  // The attribute of each component of a row.
+  std::vector<const Attribute*> ByComponent() const;
+  // "color[0]", "color[1]", "color[2]", "log density": the parameters of a row.
+  std::vector<std::string> ParameterNames() const;
+  bool operator==(const FieldLayout&) const = default;
+};
+
+// Throws DataError that names the attribute and what is wrong with it.
+void CheckLayout(const FieldLayout& layout);
+
+// The form in which files contain a layout, little endian: u32 storage (0 vertex, 1 cell), u32
+// number of attributes, then for each u32 length of its name, the name, u32 components, u32
+// activation (0 identity, 1 colour, 2 exponential), u32 rate class (0 colour, 1 density).
+void AppendLayout(ByteWriter& writer, const FieldLayout& layout);
+// Throws DataError.
+FieldLayout TakeLayout(ByteReader& reader);
+
+// Below this logarithm float's denormals are near, and a density and its gradient would stay 0 for
+// ever: the parameter of density 0, and the least that an update leaves.
+constexpr float kLeastLogDensity = -80.0f;
+
+float ValueOf(Activation activation, float parameter);
+float ParameterOf(Activation activation, float value);
+// dvalue/dparameter, by the value.
+template <class Real>
+Real ActivationSlope(Activation activation, Real value) {
+  return activation == Activation::kExp ? value : Real(1);
+}
+
+}  // namespace tetrec

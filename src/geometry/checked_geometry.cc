@@ -1,0 +1,28 @@
+// Geometry in JSON from outside, checked field by field.
+#include "geometry/checked_geometry.h"
+
+#include "geometry/rotation.h"
+
+#include <fmt/format.h>
+
+namespace tetrec {
+
+glm::dmat3 CheckedRotation(const glm::dmat3& matrix, double tolerance, const CheckedJson& json) {
+  const double distance = DistanceFromRotation(matrix);
+  if (!(distance <= tolerance)) {
+    json.Fail(fmt::format("is not a rotation: R^T R is off by {:.2g}", distance));
+  }
+  return matrix;
+}
+
+Bounds3 ReadBounds(const CheckedJson& json) {
+  const Bounds3 bounds{json.Field("min").Vector3(), json.Field("max").Vector3()};
+  if (!glm::all(glm::lessThan(bounds.min, bounds.max))) json.Fail("is an empty box");
+  return bounds;
+}
+
+nlohmann::json ToJson(const Bounds3& bounds) {
+  return {{"min", ToJson(bounds.min)}, {"max", ToJson(bounds.max)}};
+}
+
+}  // namespace tetrec

@@ -1,0 +1,307 @@
+// Image files by OpenCV, with the checks that OpenCV leaves out.
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/lower_case.h"
+#include "image/exr_header.h"
+#include "image/image.h"
+#include "image/srgb.h"
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <string_view>
+
+namespace tetrec {
+namespace {
+
+constexpr uint64_t kMaxSide = uint64_t{1} << 16;
+constexpr uint64_t kMaxPixels = uint64_t{1} << 28;
+constexpr uint64_t kMaxFileBytes = std::numeric_limits<int>::max();  // OpenCV's limit
+
+uint32_t BigEndian16(const uint8_t* p) { return uint32_t(p[0]) << 8 | p[1]; }
+uint32_t BigEndian32(const uint8_t* p) { return BigEndian16(p) << 16 | BigEndian16(p + 2); }
+
+void CheckSize(uint64_t width, uint64_t height, const std::string& name) {
+  if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide ||
+      width * height > kMaxPixels) {
+    throw DataError(fmt::format(
+        "{}: image of {} x {} pixels; expected 1 to {} per side and at most {} in total", name,
+        width, height, kMaxSide, kMaxPixels));
+  }
+}
+
+[[noreturn]] void FailTruncated(const std::string& name, size_t bytes) {
+  throw DataError(fmt::format(
+      "{}: truncated image, ends after {} bytes; copy it again or remove it", name, bytes));
+}
+
+// Pixel bytes that one byte of a file can produce (deflate's limit is 1,032; JPEG has at least one
+// bit per 64 pixels). With this limit a short file costs little memory, whatever it claims.
+constexpr uint64_t kMaxPixelBytesPerByte = 1032;
+
+void CheckAgainstFile(uint64_t pixel_bytes, uint64_t file_bytes, const std::string& name) {
+  if (pixel_bytes / kMaxPixelBytesPerByte > file_bytes) {
+    throw DataError(
+        fmt::format("{}: a file of {} bytes cannot contain the {} bytes of pixels that it claims; "
+                    "copy it again "
+                    "or remove it",
+                    name, file_bytes, pixel_bytes));
+  }
+}
+
+constexpr uint8_t kPngSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+constexpr uint8_t kJpegSignature[] = {0xFF, 0xD8, 0xFF};
+
+template <size_t N>
+bool StartsWith(std::span<const uint8_t> bytes, const uint8_t (&signature)[N]) {
+  return bytes.size() >= N && std::memcmp(bytes.data(), signature, N) == 0;
+}
+
+// Bits per pixel for the bit depth and colour type of the header chunk.
+uint64_t PngBits(uint8_t depth, uint8_t color_type) {
+  const bool has_colours = (color_type & 3) == 2, has_alpha = (color_type & 4) != 0;
+  return uint64_t(depth) * ((has_colours ? 3 : 1) + (has_alpha ? 1 : 0));
+}
+
+// What a PNG's chunks specify, known before it is decoded.
+struct PngFacts {
+  bool has_transparency_chunk = false;
+};
+
+// Walks the chunks to IEND, because the decoder treats a truncated file as a complete one. (PNG,
+// ISO 15948, section 5)
+PngFacts CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
+  PngFacts facts;
+  size_t position = sizeof(kPngSignature);
+  bool header_seen = false;
+  while (bytes.size() - position >= 12) {
+    const uint64_t length = BigEndian32(&bytes[position]);
+    const uint8_t* type = &bytes[position + 4];
+    if (length > bytes.size() - position - 12) break;
+    if (std::memcmp(type, "IHDR", 4) == 0 && length >= 10) {
+      const uint64_t width = BigEndian32(type + 4), height = BigEndian32(type + 8);
+      CheckSize(width, height, name);
+      CheckAgainstFile(width * height * PngBits(type[12], type[13]) / 8, bytes.size(), name);
+      header_seen = true;
+    }
+    if (!header_seen) throw DataError(fmt::format("{}: PNG file without a header chunk", name));
+    if (std::memcmp(type, "tRNS", 4) == 0) facts.has_transparency_chunk = true;
+    if (std::memcmp(type, "IEND", 4) == 0) return facts;
+    position += 12 + length;
+  }
+  FailTruncated(name, bytes.size());
+}
+
+// Position behind the two bytes of the next marker, 0 if there is none. Skips byte stuffing, fill
+// bytes and restart markers.
+size_t NextJpegMarker(std::span<const uint8_t> bytes, size_t position) {
+  for (; position + 1 < bytes.size(); ++position) {
+    const uint8_t code = bytes[position + 1];
+    const bool is_marker = code != 0x00 && code != 0xFF && (code < 0xD0 || code > 0xD7);
+    if (bytes[position] == 0xFF && is_marker) return position + 2;
+  }
+  return 0;
+}
+
+// Walks the markers to EOI, because the decoder fills missing parts with grey. A search for the
+// last EOI is not enough, since thumbnails have one too. (JPEG, ITU T.81, annex B)
+void CheckJpeg(std::span<const uint8_t> bytes, const std::string& name) {
+  size_t position = 2;
+  while ((position = NextJpegMarker(bytes, position)) != 0) {
+    const uint8_t code = bytes[position - 1];
+    if (code == 0xD9) return;                    // EOI
+    if (code == 0x01 || code == 0xD8) continue;  // markers without a segment
+    if (bytes.size() - position < 2) break;
+    const size_t length = BigEndian16(&bytes[position]);
+    if (length > bytes.size() - position) break;
+    const bool is_frame =
+        code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC;
+    if (is_frame && length >= 7) {
+      const uint64_t width = BigEndian16(&bytes[position + 5]);
+      const uint64_t height = BigEndian16(&bytes[position + 3]);
+      CheckSize(width, height, name);
+      CheckAgainstFile(width * height, bytes.size(), name);
+    }
+    position += length;
+  }
+  FailTruncated(name, bytes.size());
+}
+
+// OpenCV reads EXR only if this environment variable is set when it first looks. It is set before
+// any thread starts, since the environment is not thread-safe.
+const bool kExrEnabled = setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1) == 0;
+
+cv::Mat Decode(std::span<const uint8_t> bytes, const std::string& name, ExifRotation rotation) {
+  // IMREAD_UNCHANGED alone ignores the rotation too.
+  const int flags = rotation == ExifRotation::kApply
+                        ? int(cv::IMREAD_ANYCOLOR) | int(cv::IMREAD_ANYDEPTH)
+                        : int(cv::IMREAD_UNCHANGED) | int(cv::IMREAD_IGNORE_ORIENTATION);
+  try {
+    const cv::Mat encoded(1, int(bytes.size()), CV_8U, const_cast<uint8_t*>(bytes.data()));
+    return cv::imdecode(encoded, flags);
+  } catch (const cv::Exception& error) {
+    // Not the image's fault, for which OpenCV does not throw: there is no memory, or no space for
+    // the temporary file that OpenCV uses to read EXR.
+    std::string reason = error.err;
+    std::replace(reason.begin(), reason.end(), '\n', ' ');
+    throw EnvironmentError(fmt::format("{}: cannot be decoded: {}", name, reason));
+  }
+}
+
+// The channels in the order RGB or RGBA, 8 bits each.
+cv::Mat ToEightBitRgb(const cv::Mat& decoded, const std::string& name) {
+  cv::Mat eight;
+  switch (decoded.depth()) {
+    case CV_8U:
+      eight = decoded;
+      break;
+    case CV_16U:
+      decoded.convertTo(eight, CV_8U, 1.0 / 257.0);
+      break;
+    default:
+      throw DataError(
+          fmt::format("{}: samples are integers of more than 16 bits; convert it to PNG", name));
+  }
+  cv::Mat rgb;
+  switch (eight.channels()) {
+    case 1:
+      cv::cvtColor(eight, rgb, cv::COLOR_GRAY2RGB);
+      break;
+    case 3:
+      cv::cvtColor(eight, rgb, cv::COLOR_BGR2RGB);
+      break;
+    case 4:
+      cv::cvtColor(eight, rgb, cv::COLOR_BGRA2RGBA);
+      break;
+    default:
+      throw DataError(
+          fmt::format("{}: image with {} channels; expected 1, 3 or 4", name, eight.channels()));
+  }
+  return rgb;
+}
+
+// A level from 0 to 255. Sets `is_clipped` for values outside, including infinities and NaN (which
+// becomes black).
+uint8_t ToByteOrClip(double value, bool& is_clipped) {
+  constexpr double kHalfLevel = 0.5 / 255;
+  if (!(value >= -kHalfLevel && value <= 1 + kHalfLevel)) is_clipped = true;
+  return std::isnan(value) ? 0 : uint8_t(std::lround(255 * std::clamp(value, 0.0, 1.0)));
+}
+
+// Converts 1 to 4 floats per pixel: grey, or blue, green and red; then alpha, if any. The source is
+// in linear light and premultiplied.
+Image DisplayFromExr(const cv::Mat& linear, uint64_t& clipped_pixels) {
+  const int channels = linear.channels();
+  const bool is_grey = channels < 3, has_alpha = channels % 2 == 0;
+  Image image = MakeImage(linear.cols, linear.rows, has_alpha ? 4 : 3);
+  for (int y = 0; y < image.height; ++y) {
+    const float* source = linear.ptr<float>(y);
+    for (int x = 0; x < image.width; ++x, source += channels) {
+      bool is_clipped = false;
+      uint8_t* pixel = image.At(x, y);
+      const double alpha = has_alpha ? double(source[channels - 1]) : 1.0;
+      if (has_alpha) pixel[3] = ToByteOrClip(alpha, is_clipped);
+      if (!has_alpha || pixel[3] > 0) {
+        const double divisor = std::clamp(alpha, 0.0, 1.0);
+        for (int c = 0; c < 3; ++c) {
+          const double value = source[is_grey ? 0 : 2 - c] / divisor;
+          pixel[c] = ToByteOrClip(SrgbFromLinear(value), is_clipped);
+        }
+      }
+      clipped_pixels += is_clipped;
+    }
+  }
+  return image;
+}
+
+// OpenCV would pass a file with this word at this place, whatever it starts with, to its reader of
+// medical images, which trusts the lengths that it finds.
+void RefuseDicom(std::span<const uint8_t> bytes, const std::string& name) {
+  constexpr size_t kPlace = 128;
+  constexpr std::string_view kWord = "DICM";
+  if (bytes.size() < kPlace + kWord.size()) return;
+  if (std::memcmp(&bytes[kPlace], kWord.data(), kWord.size()) != 0) return;
+  throw DataError(
+      fmt::format("{}: EXR with the mark of a DICOM file at byte 128; save it again", name));
+}
+
+}  // namespace
+
+bool HasPhotoExtension(const std::filesystem::path& path) {
+  const std::string extension = LowerExtension(path);
+  return extension == ".jpg" || extension == ".jpeg" || extension == ".jpe" ||
+         extension == ".jfif" || extension == ".png";
+}
+
+Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name, ExifRotation rotation,
+                  uint64_t* clipped_pixels) {
+  TETREC_CHECK(bytes.size() <= kMaxFileBytes, name);
+  const bool is_png = StartsWith(bytes, kPngSignature), is_exr = StartsWith(bytes, kExrSignature);
+  const bool is_jpeg = StartsWith(bytes, kJpegSignature);
+  if (bytes.empty()) throw DataError(fmt::format("{}: empty file, expected an image", name));
+  if (!is_png && !is_jpeg && !is_exr) {
+    throw DataError(
+        fmt::format("{}: not an image that can be read; expected PNG, JPEG or EXR", name));
+  }
+  const PngFacts png = is_png ? CheckPng(bytes, name) : PngFacts{};
+  if (is_jpeg) CheckJpeg(bytes, name);
+
+  if (is_exr) {
+    RefuseDicom(bytes, name);
+    const glm::u64vec2 size = CheckExrHeader(bytes, name);
+    CheckSize(size.x, size.y, name);
+    CheckAgainstFile(size.x * size.y, bytes.size(), name);
+  }
+
+  const cv::Mat decoded = Decode(bytes, name, rotation);
+  if (decoded.empty()) {
+    throw DataError(
+        fmt::format("{}: damaged image, cannot be decoded; copy it again or remove it", name));
+  }
+  CheckSize(uint64_t(decoded.cols), uint64_t(decoded.rows), name);
+  if (png.has_transparency_chunk && decoded.channels() < 4) {
+    LogWarning("{}: its transparent colour is treated as opaque; store an alpha channel instead",
+               name);
+  }
+  if (is_exr && decoded.depth() == CV_32F) {
+    uint64_t ignored = 0;
+    return DisplayFromExr(decoded, clipped_pixels != nullptr ? *clipped_pixels : ignored);
+  }
+  const cv::Mat rgb = ToEightBitRgb(decoded, name);
+  Image image = MakeImage(rgb.cols, rgb.rows, rgb.channels());
+  const size_t row_bytes = size_t(rgb.cols) * size_t(rgb.channels());
+  for (int y = 0; y < rgb.rows; ++y) std::memcpy(image.At(0, y), rgb.ptr(y), row_bytes);
+  return image;
+}
+
+Image ReadImage(const std::filesystem::path& path, ExifRotation rotation,
+                uint64_t* clipped_pixels) {
+  return DecodeImage(ReadBytes(path, kMaxFileBytes), path.string(), rotation, clipped_pixels);
+}
+
+void WriteImage(const std::filesystem::path& path, const Image& image) {
+  const std::string extension = LowerExtension(path);
+  const bool is_jpeg = extension == ".jpg" || extension == ".jpeg";
+  TETREC_CHECK(extension == ".png" || is_jpeg, "image format of " + path.string());
+  TETREC_CHECK(!is_jpeg || image.channels == 3, "JPEG has no alpha: " + path.string());
+  TETREC_CHECK(
+      image.pixels.size() == size_t(image.width) * size_t(image.height) * size_t(image.channels),
+      "size of image " + path.string());
+
+  const cv::Mat rgb(image.height, image.width, CV_8UC(image.channels),
+                    const_cast<uint8_t*>(image.pixels.data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, image.channels == 4 ? cv::COLOR_RGBA2BGRA : cv::COLOR_RGB2BGR);
+  std::vector<uint8_t> bytes;
+  TETREC_CHECK(cv::imencode(extension, bgr, bytes), "encoding " + path.string());
+  WriteBytes(path, bytes);
+}
+
+}  // namespace tetrec

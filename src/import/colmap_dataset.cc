@@ -1,0 +1,132 @@
+// Data sets of a COLMAP model and its images.
+#include "import/colmap_dataset.h"
+
+#include "colmap/model.h"
+#include "core/checked_json.h"
+#include "core/error.h"
+#include "core/short_list.h"
+#include "image/image.h"
+#include "import/missing_pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+namespace {
+
+// The absolute path without a slash or dot at its end.
+fs::path Plain(const fs::path& folder) {
+  return (fs::absolute(folder) / "").lexically_normal().parent_path();
+}
+
+// The folder that contains the folder of images: the model's, or one above it up to the data set's.
+fs::path FolderOfImages(const fs::path& dataset, const fs::path& model, const std::string& images) {
+  if (!StaysInside(images)) {
+    throw UsageError(
+        fmt::format("images is \"{}\"; expected the name of a folder in the data set", images));
+  }
+  for (fs::path above = model;; above = above.parent_path()) {
+    if (fs::is_directory(above / images)) return above;
+    if (above == dataset || !above.has_relative_path()) break;
+  }
+  throw DataError(fmt::format(
+      "{}: no folder {} with the model's images in it or above it, up to {}; if it has another "
+      "name, give that as the folder of images",
+      model.string(), images, dataset.string()));
+}
+
+// Empty if there is none.
+fs::path FindMask(const fs::path& masks, const std::string& name) {
+  const fs::path stem = fs::path(name).replace_extension();
+  for (const std::string& file : {name + ".png", stem.generic_string() + ".png"}) {
+    if (fs::is_regular_file(masks / file)) return masks / file;
+  }
+  return {};
+}
+
+void FindMasks(const fs::path& masks, Dataset& set) {
+  if (!fs::is_directory(masks)) return;
+  std::vector<std::string> without;
+  for (PosedPicture& picture : set.pictures) {
+    picture.mask = FindMask(masks, picture.name);
+    if (picture.mask.empty()) without.push_back(picture.name);
+  }
+  if (without.size() == set.pictures.size()) {
+    set.remarks.push_back(
+        fmt::format("{}: contains no mask of any image and is ignored; expected names like {}.png",
+                    masks.string(), without[0]));
+  }
+}
+
+// Counts the images that are not in the model because COLMAP did not register them.
+void CountOthers(const fs::path& images, Dataset& set) {
+  std::set<std::string> known;
+  for (const PosedPicture& picture : set.pictures) known.insert(picture.name);
+  size_t others = 0;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(images)) {
+    const bool is_picture = HasPhotoExtension(entry.path()) && entry.is_regular_file();
+    others +=
+        is_picture && !known.contains(entry.path().lexically_relative(images).generic_string());
+  }
+  if (others == 0) return;
+  set.remarks.push_back(
+      fmt::format("{}: {} images are not in the model and are left out", images.string(), others));
+}
+
+}  // namespace
+
+std::optional<fs::path> FindColmapModel(const fs::path& folder) {
+  for (const char* place : {"", "sparse/0", "sparse", "colmap/sparse/0", "colmap/sparse"}) {
+    const fs::path model = Plain(folder / place);
+    if (fs::exists(model / "cameras.bin") || fs::exists(model / "cameras.txt")) return model;
+  }
+  return std::nullopt;
+}
+
+Dataset ReadColmapDataset(const fs::path& folder, const std::string& images_name,
+                          MissingPictures missing) {
+  const std::optional<fs::path> folder_of_model = FindColmapModel(folder);
+  if (!folder_of_model) {
+    throw DataError(fmt::format(
+        "{}: no COLMAP model; expected cameras.bin or cameras.txt here, in sparse/0, sparse, "
+        "colmap/sparse/0 or colmap/sparse",
+        folder.string()));
+  }
+  const ColmapModel model = ReadColmapModel(*folder_of_model);
+  if (model.images.empty()) {
+    throw DataError(fmt::format("{}: the model has no images", folder_of_model->string()));
+  }
+  const fs::path above = FolderOfImages(Plain(folder), *folder_of_model, images_name);
+  const fs::path images = above / images_name;
+  Dataset set;
+  if (folder_of_model->filename() == "0" && fs::exists(folder_of_model->parent_path() / "1")) {
+    set.remarks.push_back(
+        fmt::format("{} contains several models: the first is read, the others are not",
+                    folder_of_model->parent_path().string()));
+  }
+  for (const auto& [id, image] : model.images) {
+    PosedPicture picture;
+    picture.name = image.name;
+    std::error_code
+        unusable;  // such as a name too long for the file system, which does not exist either
+    if (fs::is_regular_file(images / image.name, unusable)) picture.file = images / image.name;
+    picture.cam_from_input = image.cam_from_world;
+    picture.lens = model.cameras.at(image.camera);
+    set.pictures.push_back(std::move(picture));
+  }
+  HandleMissingPictures(images, missing, set);
+  CountOthers(images, set);
+  std::sort(set.pictures.begin(), set.pictures.end(),
+            [](const PosedPicture& a, const PosedPicture& b) { return a.name < b.name; });
+  FindMasks(above / "masks", set);
+  for (const auto& [id, point] : model.points) {
+    set.points.push_back(
+        {point.position, point.color_srgb, float(point.error_px), uint32_t(point.track.size())});
+  }
+  return set;
+}
+
+}  // namespace tetrec

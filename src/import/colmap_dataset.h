@@ -1,0 +1,23 @@
+// Data sets of a COLMAP model and its images. The model is in the folder itself or in sparse/0,
+// sparse, colmap/sparse/0 or colmap/sparse; the images are in images/ beside the model or above it.
+// Masks, if any, are in masks/ beside images/, named as COLMAP does (IMAGE.EXT.png) or IMAGE.png;
+// their black pixels hide the image.
+#pragma once
+
+#include "import/dataset.h"
+
+#include <filesystem>
+#include <optional>
+
+namespace tetrec {
+
+// The folder of the model, if there is one.
+std::optional<std::filesystem::path> FindColmapModel(const std::filesystem::path& folder);
+
+// `images` is the name of the folder of images, such as images_4 for the same images at a quarter
+// of the size. Throws DataError if there is no model, if ReadColmapModel refuses it, if it has no
+// images, or if images are missing (see HandleMissingPictures).
+Dataset ReadColmapDataset(const std::filesystem::path& folder, const std::string& images = "images",
+                          MissingPictures missing = MissingPictures::kRefuse);
+
+}  // namespace tetrec

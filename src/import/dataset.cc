@@ -1,0 +1,74 @@
+// Chooses the reader for a data set.
+#include "import/dataset.h"
+
+#include "core/error.h"
+#include "core/log.h"
+#include "import/colmap_dataset.h"
+#include "import/transforms.h"
+#include "scene/image_files.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+namespace tetrec {
+namespace {
+
+Dataset ReadInFormat(const std::filesystem::path& folder, DatasetFormat format,
+                     const std::string& images, MissingPictures missing) {
+  if (format == DatasetFormat::kColmap) {
+    return ReadColmapDataset(folder, images.empty() ? "images" : images, missing);
+  }
+  if (!images.empty()) {
+    throw UsageError(fmt::format(
+        "images is \"{}\", but only a COLMAP model has a folder of images to choose; {} is read as "
+        "{}, which names each image",
+        images, folder.string(), Name(format)));
+  }
+  return format == DatasetFormat::kTransforms ? ReadTransforms(folder, missing)
+                                              : ReadNerfSynthetic(folder, missing);
+}
+
+}  // namespace
+
+DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
+  if (std::filesystem::is_regular_file(folder)) {
+    throw DataError(
+        fmt::format("{}: is a file; give the folder of a data set, or a volume, whose name ends in "
+                    ".raw (samples alone), .nrrd, .nhdr, .mha or .mhd",
+                    folder.string()));
+  }
+  if (!std::filesystem::is_directory(folder)) {
+    throw DataError(
+        fmt::format("{}: no such folder; expected a data set with known cameras", folder.string()));
+  }
+  const auto has = [&](const char* file) { return std::filesystem::exists(folder / file); };
+  std::vector<DatasetFormat> found;
+  if (has("transforms_train.json")) found.push_back(DatasetFormat::kNerfSynthetic);
+  if (has("transforms.json")) found.push_back(DatasetFormat::kTransforms);
+  if (FindColmapModel(folder)) found.push_back(DatasetFormat::kColmap);
+  for (size_t i = 1; i < found.size(); ++i) {
+    LogInfo("{}: read as {}; it is {} as well (choose another format to read that)",
+            folder.string(), Name(found[0]), Name(found[i]));
+  }
+  if (!found.empty()) return found[0];
+  throw DataError(
+      fmt::format("{}: is not a data set with known cameras: it has neither transforms_train.json "
+                  "(NeRF-synthetic) nor transforms.json (instant-ngp, nerfstudio) nor cameras.bin "
+                  "or cameras.txt "
+                  "(COLMAP, also in sparse/0); for photos alone use tetrec-sfm",
+                  folder.string()));
+}
+
+Dataset ReadDataset(const std::filesystem::path& folder, DatasetFormat format,
+                    const std::string& images, MissingPictures missing) {
+  Dataset set = ReadInFormat(
+      folder, format == DatasetFormat::kAuto ? RecogniseDataset(folder) : format, images, missing);
+  std::vector<std::string> names;
+  for (const PosedPicture& picture : set.pictures) names.push_back(picture.name);
+  const std::vector<std::string> files = ImageFiles(names);
+  for (size_t i = 0; i < files.size(); ++i) set.pictures[i].image = files[i];
+  return set;
+}
+
+}  // namespace tetrec

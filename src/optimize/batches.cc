@@ -1,0 +1,74 @@
+// The batches of rays that training steps draw.
+#include "optimize/batches.h"
+
+#include "core/error.h"
+#include "core/random.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace tetrec {
+namespace {
+
+// Blocks per D-SSIM tile if a batch consists of several tiles: 32 x 32 pixels.
+constexpr size_t kTileBlocks = 128;
+constexpr int kLeastDssimPicture = 12;  // [px] whole blocks with room for a window
+
+glm::vec3 DrawColor(uint64_t seed, uint64_t iteration) {
+  Random random(seed ^ 0xB0Cull, iteration);
+  const float r = float(random.Uniform()), g = float(random.Uniform()), b = float(random.Uniform());
+  return {r, g, b};
+}
+
+void CheckRoomForWindows(const TrainingSet& set, const std::filesystem::path& scene_folder) {
+  for (const TargetImage& target : set.targets) {
+    if (std::min(target.width, target.height) >= kLeastDssimPicture) continue;
+    throw DataError(
+        fmt::format("{}: an image of {}x{} px is too small for D-SSIM, which needs {}; choose the "
+                    "loss l1 or l2",
+                    scene_folder.string(), target.width, target.height, kLeastDssimPicture));
+  }
+}
+
+}  // namespace
+
+BatchDrawer::BatchDrawer(const OptimizeOptions& options, const TrainingSet& set, bool needs_tiles,
+                         const glm::vec3& background_srgb,
+                         const std::filesystem::path& scene_folder)
+    : options_(options), set_(set), needs_tiles_(needs_tiles), background_srgb_(background_srgb) {
+  if (options.loss.dssim > 0) CheckRoomForWindows(set, scene_folder);
+}
+
+TrainingBatch BatchDrawer::Draw(uint64_t iteration) {
+  TrainingBatch batch;
+  batch.tiles = DrawBlocksOrTiles(iteration);
+  batch.blocks = blocks_;
+  batch.loss = options_.loss.pixel;
+  batch.dssim_weight = float(options_.loss.dssim);
+  batch.background_srgb = Background(iteration);
+  batch.jitter_px = float(options_.jitter_px);
+  batch.seed = uint32_t(Random(options_.seed, iteration ^ 0x717u).Next());
+  return batch;
+}
+
+glm::vec3 BatchDrawer::Background(uint64_t iteration) const {
+  return options_.random_background ? DrawColor(options_.seed, iteration) : background_srgb_;
+}
+
+// Fills blocks_; returns the shape of its tiles, if it consists of tiles.
+TileShape BatchDrawer::DrawBlocksOrTiles(uint64_t iteration) {
+  const size_t count = size_t(options_.rays_per_step) / kRaysPerBlock;
+  const bool with_dssim = options_.loss.dssim > 0;
+  if (!with_dssim && !needs_tiles_) {
+    blocks_ = DrawBlocks(set_, count, options_.subject_share, options_.seed, iteration);
+    return {};
+  }
+  const size_t tiles = needs_tiles_ ? 1 : std::max<size_t>(1, count / kTileBlocks);
+  DrawnTiles drawn =
+      DrawTiles(set_, tiles, count / tiles, options_.subject_share, options_.seed, iteration);
+  blocks_ = std::move(drawn.blocks);
+  return drawn.shape;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,36 @@
+// The batches of rays that training steps draw.
+#pragma once
+
+#include "optimize/optimize_options.h"
+#include "optimize/training_set.h"
+#include "render/training_renderer.h"
+
+#include <filesystem>
+
+namespace tetrec {
+
+// A batch depends on the seed and the iteration alone, so a resumed run draws what the first one
+// would have drawn.
+class BatchDrawer {
+ public:
+  // `needs_tiles`: as the renderer does. `background_srgb`: the scene's own. Throws DataError that
+  // names `scene_folder` if an image is too small for the loss.
+  BatchDrawer(const OptimizeOptions& options, const TrainingSet& set, bool needs_tiles,
+              const glm::vec3& background_srgb, const std::filesystem::path& scene_folder);
+
+  // Its blocks stay valid until the next call.
+  TrainingBatch Draw(uint64_t iteration);
+  // Behind field and targets: random, or the scene's own.
+  glm::vec3 Background(uint64_t iteration) const;
+
+ private:
+  TileShape DrawBlocksOrTiles(uint64_t iteration);
+
+  const OptimizeOptions& options_;
+  const TrainingSet& set_;
+  bool needs_tiles_;
+  glm::vec3 background_srgb_;
+  std::vector<RayBlock> blocks_;
+};
+
+}  // namespace tetrec

@@ -1,0 +1,42 @@
+// The options of the optimize stage: checks.
+#include "optimize/optimize_options.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+
+namespace tetrec {
+namespace {
+
+// A tile of 16 x 16 pixels, with room for windows of 11 x 11.
+constexpr int kLeastDssimRays = 256;
+
+}  // namespace
+
+void OptimizeOptions::Check() const {
+  const auto fail = [](const char* option, double value, const char* want) {
+    throw UsageError(fmt::format("{} is {}, must be {}", option, value, want));
+  };
+  if (!(time_limit_s >= 0)) fail("time_limit", time_limit_s, "at least 0 s");
+  if (time_limit_s == 0 && iterations == 0) {
+    throw UsageError("time_limit and 'iterations' are both 0, so nothing ends the run: set one");
+  }
+  if (renderer.deterministic && (time_limit_s > 0 || iterations == 0)) {
+    throw UsageError(
+        "deterministic: a run by time ends where the machine's speed takes it; set 'iterations' "
+        "and "
+        "'time_limit' 0");
+  }
+  if (rays_per_step < kRaysPerBlock || rays_per_step > 1 << 22) {
+    fail("rays", rays_per_step, "8 to 4194304");
+  }
+  if (loss.dssim > 0 && rays_per_step < kLeastDssimRays) {
+    fail("rays", rays_per_step, "at least 256 for a loss with D-SSIM, whose windows need tiles");
+  }
+  if (!(checkpoint_interval_s >= 0)) {
+    fail("checkpoint_interval", checkpoint_interval_s, "at least 0 s");
+  }
+  if (!(max_density > 0 && max_density <= 1e30)) fail("max_density", max_density, "above 0");
+}
+
+}  // namespace tetrec

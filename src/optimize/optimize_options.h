@@ -1,0 +1,39 @@
+// The options of the optimize stage.
+#pragma once
+
+#include "field/layout.h"
+#include "optimize/schedule.h"
+#include "render/loss.h"
+#include "render/training_renderer.h"
+
+#include <cstdint>
+
+namespace tetrec {
+
+struct OptimizeOptions {
+  double time_limit_s = 300;  // of optimisation, with refinement and watching; 0: none
+  uint64_t iterations = 0;    // 0: by time
+  uint64_t seed = 1;
+  int rays_per_step = 4096;
+  LossOptions loss;
+  double color_rate = AdamUpdate().color_rate;      // Adam's first step on colour [display sRGB]
+  double density_rate = AdamUpdate().density_rate;  // on the logarithm of density
+  double max_density = AdamUpdate().max_density;    // [1 / world unit]
+  // Pull of seen vertices towards empty, as a share of Adam's largest step: without it, fog in
+  // front of the cameras explains why photos differ in exposure.
+  double density_decay = 0.05;
+  double jitter_px = 0.5;         // rays are moved inside their pixel by up to half of this
+  double subject_share = 0.85;    // share of the rays drawn where the masks show something
+  bool random_background = true;  // behind field and target; false: the scene's own
+  uint64_t max_vertices = 0;      // 0: as many as the time affords
+  double score_rays_per_tet = 1;  // by which a refinement judges the tets
+  int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv
+  double checkpoint_interval_s = 30;
+  FieldStorage storage = FieldStorage::kVertex;  // of the fitted field
+  ScheduleOptions schedule;
+  RendererOptions renderer;
+
+  void Check() const;  // throws UsageError naming the option and its value
+};
+
+}  // namespace tetrec

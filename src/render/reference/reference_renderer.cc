@@ -1,0 +1,512 @@
+// The reference renderer behind the interface of the others: images, gradients and training steps
+// on the CPU.
+#include "render/reference/reference_renderer.h"
+
+#include "core/error.h"
+#include "render/adam_push.h"
+#include "render/field_checks.h"
+#include "render/ray_blocks.h"
+#include "render/reference/batch.h"
+#include "render/reference/dssim.h"
+#include "shared/adam.glsl.h"
+#include "shared/loss.glsl.h"
+#include "shared/random.glsl.h"
+#include "shared/ssim.glsl.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <thread>
+
+namespace tetrec {
+namespace {
+
+// The memory of a field: per tet the mesh, its boxes and scores; per component of a row the
+// parameter, moments and sum of gradients; per row what it has besides.
+constexpr uint64_t kBytesPerTet = 100, kBytesPerComponent = 40, kBytesPerRow = 40;
+
+template <class Real>
+class ReferenceRenderer final : public ProbedRenderer {
+ public:
+  explicit ReferenceRenderer(const RendererOptions& options)
+      : options_(options), stop_depth_(StopDepthOf<Real>(options.stop_transmittance)) {}
+
+  // Keeps the field's own densities instead of converting them to logarithms and back.
+  void SetField(const RadianceField& field) override {
+    CheckField(field);
+    SetState(field.mesh, StateOf(field));
+    field_ = field;
+  }
+
+  void SetState(const TetMesh& mesh, const FieldState& state) override {
+    CheckRenderable(mesh, state);
+    const size_t rows = state.rows(), components = size_t(state.layout.Components());
+    CheckMemory(
+        mesh,
+        kBytesPerTet * mesh.tets.size() + (kBytesPerRow + kBytesPerComponent * components) * rows,
+        MeasureFreeHostMemory());
+    state_ = state;
+    field_ = MakeField(mesh, state.layout, std::vector<float>(rows * components));
+    for (size_t row = 0; row < rows; ++row) Spread(row);
+    boxes_ = MakeTetBoxes(mesh);
+    scores_.assign(mesh.tets.size(), 0.0);
+    ClearSums();
+    forward_.reset();
+  }
+
+  FieldState ReadState() override { return state_; }
+
+  void SetTargets(std::span<const RenderView> views,
+                  std::span<const TargetImage> targets) override {
+    TETREC_CHECK(views.size() == targets.size(), "one target per view");
+    for (size_t i = 0; i < views.size(); ++i) {
+      TETREC_CHECK(
+          views[i].camera.width == targets[i].width && views[i].camera.height == targets[i].height,
+          fmt::format("target {} and its camera differ in size", i));
+    }
+    views_.assign(views.begin(), views.end());
+    targets_.assign(targets.begin(), targets.end());
+  }
+
+  bool NeedsTiles() const override { return false; }
+
+  StepResult Step(const TrainingBatch& batch, const AdamUpdate& update) override {
+    const StepResult result = Forward(batch);
+    Backward(GradientParts::kColorDensity);
+    Update(update);
+    return OneStepLate(result);
+  }
+
+  StepResult Forward(const TrainingBatch& batch) override {
+    forward_.emplace();
+    forward_->blocks.assign(batch.blocks.begin(), batch.blocks.end());
+    forward_->jitter_px = batch.jitter_px;
+    forward_->seed = batch.seed;
+    const Batch rays = ForwardBatch();
+    std::vector<Vec4<Real>>& gradients = forward_->gradients;
+    gradients.resize(rays.rays());
+    const std::vector<Vec4<Real>> colors = March(rays);
+    const Real scale = Real(1) / Real(3 * batch.rays_of_mean());
+    StepResult result = CompareWithTargets(rays, colors, batch, scale, gradients);
+    if (batch.dssim_weight > 0) MixDssim(rays, colors, batch, gradients, result);
+    return result;
+  }
+
+  void Backward(GradientParts parts) override {
+    TETREC_CHECK(forward_, "Backward follows Forward");
+    const Batch rays = ForwardBatch();
+    const bool with_positions = parts == GradientParts::kColorDensityPosition;
+    AddGradientsOfRays(
+        rays.rays(), [&](size_t i) { return RayOf(rays, i); },
+        [&](size_t i) { return forward_->gradients[i]; }, with_positions, sums_);
+    has_position_sums_ |= with_positions;
+  }
+
+  GradientSums TakeGradients() override {
+    const size_t components = size_t(state_.layout.Components()), rows = state_.rows();
+    GradientSums result;
+    result.values.resize(rows * components);
+    for (size_t row = 0; row < rows; ++row) {
+      for (size_t c = 0; c < components; ++c) result.values[row * components + c] = SumAt(row, c);
+    }
+    if (has_position_sums_) {
+      result.position = sums_.position;
+      result.absolute_position = sums_.absolute_position;
+    }
+    ClearSums();
+    return result;
+  }
+
+  void AddGradients(const GradientSums& sums) override {
+    const size_t components = size_t(state_.layout.Components()), rows = state_.rows();
+    const size_t vertices = field_.mesh.positions.size();
+    TETREC_CHECK(sums.values.size() == rows * components, "one gradient per component");
+    TETREC_CHECK(sums.position.size() == sums.absolute_position.size() &&
+                     (sums.position.empty() || sums.position.size() == vertices),
+                 "one gradient per position, or none");
+    for (size_t row = 0; row < rows; ++row) {
+      for (size_t c = 0; c < components; ++c) SumAt(row, c) += sums.values[row * components + c];
+    }
+    for (size_t v = 0; v < sums.position.size(); ++v) {
+      sums_.position[v] += sums.position[v];
+      sums_.absolute_position[v] += sums.absolute_position[v];
+    }
+    has_position_sums_ |= !sums.position.empty();
+  }
+
+  void Update(const AdamUpdate& update) override {
+    const gpu_types::AdamPush push = MakeAdamPush(update, uint32_t(state_.rows()));
+    const AdamRates<Real> rates{Real(push.beta1), Real(push.beta2), Real(push.epsilon),
+                                Real(push.second_moment_correction)};
+    const std::vector<const Attribute*> attributes = state_.layout.ByComponent();
+    const size_t components = attributes.size();
+    std::vector<Real> by_parameter(components);
+    for (size_t row = 0; row < state_.rows(); ++row) {
+      bool is_seen = false;
+      for (size_t c = 0; c < components; ++c) {
+        const Activation activation = attributes[c]->activation;
+        by_parameter[c] = Real(SumAt(row, c)) * ActivationSlope(activation, Real(ValueAt(row, c)));
+        is_seen |= by_parameter[c] != Real(0);
+      }
+      for (size_t c = 0; c < components; ++c) {
+        const size_t at = row * components + c;
+        float &parameter = state_.parameters[at], &first = state_.first_moment[at],
+              &second = state_.second_moment[at];
+        AdamState<Real> next =
+            AdamStep(AdamState<Real>{Real(parameter), Real(first), Real(second)}, rates,
+                     Real(push.rates[int(attributes[c]->rate)]), by_parameter[c]);
+        if (c == kDensityOffset && is_seen) next.parameter -= Real(push.density_decay);
+        parameter = float(ClampParameter(int(attributes[c]->activation), next.parameter,
+                                         Real(push.least_log), Real(push.largest_log)));
+        first = float(next.first);
+        second = float(next.second);
+      }
+      Spread(row);
+    }
+    ClearSums();
+  }
+
+  void WriteParameters(std::span<const float> parameters) override {
+    CheckRows(parameters, state_.layout, state_.rows(), "parameters");
+    state_.parameters.assign(parameters.begin(), parameters.end());
+    for (size_t row = 0; row < state_.rows(); ++row) Spread(row);
+  }
+
+  void ClearScores() override { scores_.assign(scores_.size(), 0.0); }
+
+  // A gradient scale of 1/2 makes the gradients of L2 the residuals themselves.
+  StepResult AddScores(const TrainingBatch& batch, ScoreKind kind) override {
+    const Batch rays{views_, batch.blocks, batch.jitter_px, batch.seed};
+    TrainingBatch by_square = batch;
+    by_square.loss = LossKind::kL2;
+    std::vector<Vec4<Real>> residuals(rays.rays());
+    const StepResult result =
+        CompareWithTargets(rays, March(rays), by_square, Real(0.5), residuals);
+    AddShares(rays, residuals, kind);
+    return OneStepLate(result);
+  }
+
+  std::vector<float> ReadScores() override { return {scores_.begin(), scores_.end()}; }
+
+  RenderedImage Render(const RenderView& view, int samples) override {
+    const int width = view.camera.width, height = view.camera.height;
+    const size_t pixels = size_t(width) * size_t(height);
+    RenderedImage image{width, height, std::vector<glm::vec3>(pixels), std::vector<float>(pixels)};
+    ParallelFor(pixels, kRaysPerTask, [&](size_t first, size_t last) {
+      for (size_t i = first; i < last; ++i) {
+        const glm::dvec2 corner(double(i % size_t(width)), double(i / size_t(width)));
+        Vec3<Real> color(Real(0));
+        Real transmittance(0);
+        for (int sample = 0; sample < samples * samples; ++sample) {
+          const glm::dvec2 inside =
+              (glm::dvec2(sample % samples, sample / samples) + 0.5) / double(samples);
+          const RayResult<Real> ray = Integrate(RayThrough<Real>(view, corner + inside));
+          color += ray.color_srgb;
+          transmittance += std::exp(-ray.optical_depth);
+        }
+        const Real share = Real(1) / Real(samples * samples);
+        image.color_srgb[i] = glm::vec3(share * color);
+        image.transmittance[i] = float(share * transmittance);
+      }
+    });
+    counts_.rays += pixels * size_t(samples * samples);
+    return image;
+  }
+
+  FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient,
+                              GradientParts parts) override {
+    const size_t width = size_t(view.camera.width), pixels = width * size_t(view.camera.height);
+    TETREC_CHECK(pixel_gradient.size() == pixels, "one gradient per pixel");
+    const bool with_positions = parts == GradientParts::kColorDensityPosition;
+    ReferenceGradient sum(field_);
+    AddGradientsOfRays(
+        pixels,
+        [&](size_t i) {
+          return RayThrough<Real>(view, {double(i % width) + 0.5, double(i / width) + 0.5});
+        },
+        [&](size_t i) { return Vec4<Real>(pixel_gradient[i]); }, with_positions, sum);
+    counts_.rays += pixels;
+    FieldGradient result;
+    result.color_srgb.assign(sum.color_srgb.begin(), sum.color_srgb.end());
+    result.density.assign(sum.density.begin(), sum.density.end());
+    if (with_positions) {
+      result.position.assign(sum.position.begin(), sum.position.end());
+      result.absolute_position.assign(sum.absolute_position.begin(), sum.absolute_position.end());
+    }
+    return result;
+  }
+
+  std::vector<glm::vec4> MarchBlocks(const RenderView& view,
+                                     std::span<const RayBlock> blocks) override {
+    const std::vector<Vec4<Real>> rays = March({std::span(&view, 1), blocks, 0.0f, 0});
+    return {rays.begin(), rays.end()};
+  }
+
+  RenderCounts counts() const override {
+    RenderCounts counts = counts_;
+    counts.hit_rays = hit_rays_;
+    counts.steps = steps_;
+    return counts;
+  }
+
+  nlohmann::json DescribeDevice() const override {
+    return {{"name", std::is_same_v<Real, double> ? "CPU, double precision" : "CPU, float"},
+            {"type", "software"},
+            {"threads", std::max(1u, std::thread::hardware_concurrency())}};
+  }
+
+  std::vector<std::string> ValidationMessages() const override { return {}; }
+
+ private:
+  // The rays of blocks of views.
+  struct Batch {
+    std::span<const RenderView> views;
+    std::span<const RayBlock> blocks;
+    float jitter_px;
+    uint32_t seed;
+
+    size_t rays() const { return blocks.size() * kRaysPerBlock; }
+    const RenderView& ViewOf(size_t ray) const { return views[blocks[ray / kRaysPerBlock].view]; }
+    bool InPicture(size_t ray) const {
+      const glm::ivec2 at = PixelOfRay(blocks, ray);
+      return at.x < ViewOf(ray).camera.width && at.y < ViewOf(ray).camera.height;
+    }
+  };
+
+  // What Backward needs of the batch of Forward.
+  struct ForwardedBatch {
+    std::vector<RayBlock> blocks;
+    float jitter_px = 0;
+    uint32_t seed = 0;
+    std::vector<Vec4<Real>> gradients;  // dL/d(rgb, transmittance) of each ray
+  };
+
+  Batch ForwardBatch() const {
+    return {views_, forward_->blocks, forward_->jitter_px, forward_->seed};
+  }
+
+  template <class RayOf, class GradientOf>
+  void AddGradientsOfRays(size_t count, const RayOf& ray, const GradientOf& gradient,
+                          bool with_positions, ReferenceGradient& sum) const {
+    tetrec::AddGradients<Real>(field_, boxes_, count, ray, gradient, stop_depth_, options_.integral,
+                               with_positions, sum);
+  }
+
+  void ClearSums() {
+    sums_ = ReferenceGradient(field_);
+    const size_t others = size_t(state_.layout.Components()) - kStandardComponents;
+    other_sums_.assign(state_.rows() * others, 0.0);
+    has_position_sums_ = false;
+  }
+
+  float ValueAt(size_t row, size_t component) const {
+    if (component < kDensityOffset) return field_.color_srgb[row][int(component)];
+    if (component == kDensityOffset) return field_.density[row];
+    component -= kStandardComponents;
+    for (const AttributeValues& other : field_.others) {
+      const size_t count = size_t(other.attribute.components);
+      if (component < count) return other.values[row * count + component];
+      component -= count;
+    }
+    TETREC_CHECK(false, "no such component");
+    return 0;
+  }
+
+  // The sum of dL/dvalue of a component of a row.
+  double& SumAt(size_t row, size_t component) {
+    if (component < kDensityOffset) return sums_.color_srgb[row][int(component)];
+    if (component == kDensityOffset) return sums_.density[row];
+    const size_t others = size_t(state_.layout.Components()) - kStandardComponents;
+    return other_sums_[row * others + component - kStandardComponents];
+  }
+
+  // The same ray as in rays.glsl.
+  static WorldRay<Real> RayOf(const Batch& batch, size_t i) {
+    const uint32_t random = gpu_types::Hash(batch.seed ^ gpu_types::Hash(uint32_t(i)));
+    const glm::dvec2 unit(gpu_types::UnitFloat(random),
+                          gpu_types::UnitFloat(gpu_types::Hash(random)));
+    const glm::dvec2 in_pixel = 0.5 + double(batch.jitter_px) * (unit - 0.5);
+    return RayThrough<Real>(batch.ViewOf(i), glm::dvec2(PixelOfRay(batch.blocks, i)) + in_pixel);
+  }
+
+  RayResult<Real> Integrate(const WorldRay<Real>& ray) {
+    const auto result = IntegrateRay<Real>(field_, CutMesh<Real>(field_, boxes_, ray, stop_depth_),
+                                           options_.integral);
+    if (options_.count_steps && result.tets > 0) {
+      ++hit_rays_;
+      steps_ += result.tets;
+    }
+    return result;
+  }
+
+  // Colour before the background and optical depth of every ray; 0 outside the image.
+  std::vector<Vec4<Real>> March(const Batch& batch) {
+    std::vector<Vec4<Real>> colors(batch.rays(), Vec4<Real>(Real(0)));
+    ParallelFor(batch.rays(), kRaysPerTask, [&](size_t first, size_t last) {
+      for (size_t i = first; i < last; ++i) {
+        if (!batch.InPicture(i)) continue;
+        const RayResult<Real> ray = Integrate(RayOf(batch, i));
+        colors[i] = Vec4<Real>(ray.color_srgb, ray.optical_depth);
+      }
+    });
+    counts_.rays += batch.rays();
+    return colors;
+  }
+
+  // As loss.comp: the means of the loss and of the squared error, and dL/d(rgb, transmittance) of
+  // every ray, 0 outside the image.
+  StepResult CompareWithTargets(const Batch& batch, std::span<const Vec4<Real>> colors,
+                                const TrainingBatch& training, Real gradient_scale,
+                                std::span<Vec4<Real>> gradients) const {
+    const int loss = training.loss == LossKind::kL2 ? kLossL2 : kLossL1;
+    const Vec3<Real> background(training.background_srgb);
+    StepResult result;
+    for (size_t i = 0; i < batch.rays(); ++i) {
+      gradients[i] = Vec4<Real>(Real(0));
+      if (!batch.InPicture(i)) continue;
+      const Vec4<Real> target = TargetOf(batch, i);
+      const Real transmittance = std::exp(-colors[i].a);
+      for (int c = 0; c < 3; ++c) {
+        const Real residual =
+            ResidualOf(colors[i][c], transmittance, target[c], target.a, background[c]);
+        gradients[i][c] = gradient_scale * LossSlope(loss, residual);
+        result.loss += double(LossOf(loss, residual));
+        result.squared_error += double(residual) * double(residual);
+      }
+      gradients[i].a = glm::dot(Vec3<Real>(gradients[i]), background);
+    }
+    result.loss /= 3.0 * double(batch.rays());
+    result.squared_error /= 3.0 * double(batch.rays());
+    return result;
+  }
+
+  Vec4<Real> TargetOf(const Batch& batch, size_t ray) const {
+    const TargetImage& target = targets_[batch.blocks[ray / kRaysPerBlock].view];
+    const glm::ivec2 at = PixelOfRay(batch.blocks, ray);
+    const uint32_t rgba8 = target.rgba8[size_t(at.y) * size_t(target.width) + size_t(at.x)];
+    Vec4<Real> value;
+    for (int c = 0; c < 4; ++c) value[c] = Real(rgba8 >> (8 * c) & 255u) / Real(255);
+    return value;
+  }
+
+  // Gives D-SSIM its share of the loss and of the rays' gradients, tile by tile.
+  void MixDssim(const Batch& batch, std::span<const Vec4<Real>> colors,
+                const TrainingBatch& training, std::span<Vec4<Real>> gradients,
+                StepResult& result) const {
+    const int width = int(training.tiles.columns) * kRayBlockWidth;
+    const int height = int(training.tiles.rows) * kRayBlockHeight;
+    const size_t pixels = size_t(width) * size_t(height);
+    TETREC_CHECK(pixels > 0 && batch.rays() % pixels == 0, "D-SSIM needs tiles");
+    const glm::dvec3 background(training.background_srgb);
+    const double weight = training.dssim_weight;
+    const double share = weight * double(pixels) / double(batch.rays());
+    const double share_of_mean = weight * double(pixels) / double(training.rays_of_mean());
+    for (Vec4<Real>& gradient : gradients) gradient *= Real(1.0 - weight);
+    result.loss *= 1.0 - weight;
+    for (size_t first = 0; first < batch.rays(); first += pixels) {
+      const glm::ivec2 corner = PixelOfRay(batch.blocks, first);
+      const auto place = [&](size_t ray) {
+        const glm::ivec2 at = PixelOfRay(batch.blocks, ray) - corner;
+        return size_t(at.y) * size_t(width) + size_t(at.x);
+      };
+      std::vector<glm::dvec3> shown(pixels), wanted(pixels);
+      for (size_t ray = first; ray < first + pixels; ++ray) {
+        TETREC_CHECK(batch.InPicture(ray), "a tile of D-SSIM leaves its picture");
+        const glm::dvec4 color(colors[ray]), target(TargetOf(batch, ray));
+        shown[place(ray)] = glm::dvec3(color) + std::exp(-color.a) * background;
+        wanted[place(ray)] = glm::dvec3(target) + (1.0 - target.a) * background;
+        if (!IsJudged(target.r, target.a)) {
+          shown[place(ray)] = wanted[place(ray)] = glm::dvec3(kNotJudged);
+        }
+      }
+      const Dssim dssim = EvaluateDssim(shown, wanted, width, height);
+      result.loss += share * dssim.value;
+      for (size_t ray = first; ray < first + pixels; ++ray) {
+        const glm::dvec3 g = share_of_mean * dssim.gradient[place(ray)];
+        gradients[ray] += Vec4<Real>(glm::dvec4(g, glm::dot(g, background)));
+      }
+    }
+  }
+
+  // Density and colour from the parameters, and the other attributes.
+  void Spread(size_t row) {
+    const size_t components = size_t(state_.layout.Components());
+    const float* parameters = &state_.parameters[row * components];
+    field_.density[row] = float(std::exp(Real(parameters[kDensityOffset])));
+    for (int c = 0; c < 3; ++c) field_.color_srgb[row][c] = parameters[kColorOffset + c];
+    const float* parameter = parameters + kStandardComponents;
+    for (AttributeValues& other : field_.others) {
+      const size_t count = size_t(other.attribute.components);
+      for (size_t c = 0; c < count; ++c) {
+        other.values[row * count + c] = ValueOf(other.attribute.activation, *parameter++);
+      }
+    }
+  }
+
+  // As march_score.comp, but summed in the order of the rays.
+  void AddShares(const Batch& batch, std::span<const Vec4<Real>> residuals, ScoreKind kind) {
+    struct Share {
+      uint32_t tet;
+      Real value;
+    };
+    std::vector<std::vector<Share>> lists((batch.rays() + kRaysPerTask - 1) / kRaysPerTask);
+    ParallelFor(batch.rays(), kRaysPerTask, [&](size_t first, size_t last) {
+      for (size_t i = first; i < last; ++i) {
+        if (!batch.InPicture(i)) continue;
+        const Vec3<Real> residual(residuals[i]);
+        const Real error = kind == ScoreKind::kSquaredResidual
+                               ? glm::dot(residual, residual)
+                               : glm::dot(glm::abs(residual), Vec3<Real>(Real(1)));
+        Real transmittance(1);
+        for (const auto& segment : CutMesh<Real>(field_, boxes_, RayOf(batch, i), stop_depth_)) {
+          const Real opacity = Real(1) - std::exp(-EndsOf(field_, segment).depth());
+          const Real share = transmittance * opacity;
+          if (share > Real(kLeastScoredShare)) {
+            lists[first / kRaysPerTask].push_back({segment.tet, error * share});
+          }
+          transmittance *= Real(1) - opacity;
+        }
+      }
+    });
+    for (const std::vector<Share>& list : lists) {
+      for (const Share& share : list) scores_[share.tet] += double(share.value);
+    }
+  }
+
+  // Like the other renderers, which have two batches in flight.
+  StepResult OneStepLate(const StepResult& result) {
+    current_ ^= 1;
+    return std::exchange(results_[current_], result);
+  }
+
+  RendererOptions options_;
+  std::atomic<uint64_t> hit_rays_ = 0, steps_ = 0;  // counted by many threads
+  Real stop_depth_;
+  RadianceField field_;  // the values of the parameters in state_
+  TetBoxes boxes_;
+  FieldState state_;
+  ReferenceGradient sums_{0, 0};    // since the last update
+  std::vector<double> other_sums_;  // of attributes beside colour and density, row by row
+  bool has_position_sums_ = false;
+  std::optional<ForwardedBatch> forward_;
+  std::vector<RenderView> views_;
+  std::vector<TargetImage> targets_;
+  std::vector<double> scores_;
+  std::array<StepResult, 2> results_;
+  int current_ = 0;
+  RenderCounts counts_;
+};
+
+}  // namespace
+
+std::unique_ptr<ProbedRenderer> CreateReferenceRenderer(const RendererOptions& options) {
+  if (options.precision == Precision::kFloat) {
+    return std::make_unique<ReferenceRenderer<float>>(options);
+  }
+  return std::make_unique<ReferenceRenderer<double>>(options);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,135 @@
+// A renderer that learns: steps of training whole and in parts, and scores. No Vulkan type here.
+#pragma once
+
+#include "field/field_state.h"
+#include "render/loss.h"
+#include "render/renderer.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+// A picture's pixels in [0, 1], colour premultiplied by alpha.
+struct TargetImage {
+  int width = 0, height = 0;
+  std::vector<uint32_t> rgba8;  // r in the lowest byte; or kNotJudgedTarget
+};
+// White of alpha 0, which is not a premultiplied colour: no residual, no gradient
+// (shared/loss.glsl.h).
+inline constexpr uint32_t kNotJudgedTarget = 0x00FFFFFF;
+
+// 4 x 2 rays through neighbouring pixels of view `view`, the first at (x, y).
+struct RayBlock {
+  uint32_t view, x, y, padding = 0;
+};
+constexpr int kRayBlockWidth = 4, kRayBlockHeight = 2, kRaysPerBlock = 8;
+
+// Blocks per row and rows of blocks of a tile: a rectangle of one view, row of blocks by row.
+struct TileShape {
+  uint32_t columns = 0, rows = 0;
+};
+
+// Rays and what they are compared by.
+struct TrainingBatch {
+  std::span<const RayBlock> blocks;
+  LossKind loss = LossKind::kL2;
+  float dssim_weight = 0.0f;  // LossOptions::dssim
+  // With a dssim_weight `blocks` is a row of such tiles, each at least 11 x 11 pixels and inside
+  // its picture.
+  TileShape tiles;
+  glm::vec3 background_srgb{0.0f};  // behind field and target
+  float jitter_px = 0.0f;
+  uint32_t seed = 0;
+  // The loss is a mean over this many rays: those of all batches whose gradients are summed for
+  // one update. 0: those of this batch.
+  uint64_t update_rays = 0;
+
+  uint64_t rays() const { return blocks.size() * kRaysPerBlock; }
+  uint64_t rays_of_mean() const { return update_rays > 0 ? update_rays : rays(); }
+};
+
+// One update by Adam (Kingma and Ba 2015).
+struct AdamUpdate {
+  uint32_t step = 1;  // counts from 1
+  float beta1 = 0.9f, beta2 = 0.99f;
+  float epsilon = 1e-12f;                        // gradients of a mean over many rays are tiny
+  double color_rate = 0.02, density_rate = 0.2;  // by RateClass
+  double max_density = 1e5;                      // bound of kExp [1 / world unit]
+  // Pull of seen rows towards empty, as a share of Adam's largest step.
+  double density_decay = 0.0;
+};
+
+struct StepResult {
+  double loss = 0;           // mean over the batch's rays and channels
+  double squared_error = 0;  // mean over the batch's rays and channels
+};
+
+// Which gradients to compute; those by positions make the backward pass slower.
+enum class GradientParts { kColorDensity, kColorDensityPosition };
+
+// Sums over batches since they were last taken, or used by an update.
+struct GradientSums {
+  std::vector<double> values;  // dL/dvalue (not parameter), rows x layout.Components()
+  // From backward passes with positions, otherwise empty. World frame, per vertex. A face that a
+  // ray meets edge-on, its angle lost in rounding, adds nothing: the true gradient grows without
+  // bound.
+  std::vector<glm::dvec3> position;
+  // As AbsGS (Ye et al. 2024): the sum, over the rays' passages of the tets around the vertex, of
+  // the length of the passage's own dL/dposition across the ray. Across, because that is what a
+  // move changes in the picture, and because gradients along the rays grow with how flat the faces
+  // lie to them. Opposite gradients of different rays add up here and cancel in `position`.
+  std::vector<double> absolute_position;
+};
+
+// What AddScores adds to each tet that a ray passes, times the tet's share of the ray's opacity.
+enum class ScoreKind {
+  kSquaredResidual,   // squares of the residual, over the channels
+  kAbsoluteResidual,  // absolute values
+};
+
+// The field is on the device between SetState and ReadState.
+class TrainingRenderer : public Renderer {
+ public:
+  // Views and what they should show; sizes must agree.
+  virtual void SetTargets(std::span<const RenderView> views,
+                          std::span<const TargetImage> targets) = 0;
+  // Takes longer if the layout is not that of the field before: kernels are made for one.
+  virtual void SetState(const TetMesh& mesh, const FieldState& state) = 0;
+  virtual FieldState ReadState() = 0;
+  // Whether every batch of blocks must be one tile.
+  virtual bool NeedsTiles() const = 0;
+
+  // Forward, loss, backward, update in one go; returns before the device is done. The result is
+  // that of the step before last (which it waits for), zero for the first.
+  virtual StepResult Step(const TrainingBatch& batch, const AdamUpdate& update) = 0;
+
+  // The parts of a step, each done when it returns. Forward and Backward of any number of batches
+  // that agree in rays_of_mean, loss and dssim_weight, then Update, make what one Step over all
+  // their blocks makes.
+
+  // Renders a batch and compares it with its targets.
+  virtual StepResult Forward(const TrainingBatch& batch) = 0;
+  // Adds the gradients of the batch of Forward to the sums. Nothing is rendered in between.
+  virtual void Backward(GradientParts parts) = 0;
+  // Reads the sums and sets them to zero.
+  virtual GradientSums TakeGradients() = 0;
+  // Adds given sums, those of another machine or of a regulariser.
+  virtual void AddGradients(const GradientSums& sums) = 0;
+  // Adam by the sums of dL/dvalue, which are zero then.
+  virtual void Update(const AdamUpdate& update) = 0;
+  // Replaces all parameters by what another optimiser made of the gradients; moments stay.
+  virtual void WriteParameters(std::span<const float> parameters) = 0;
+
+  // Adds the blocks' errors to the scores of ReadScores; ClearScores first. The batch's loss does
+  // not matter; its result comes as that of Step does.
+  virtual void ClearScores() = 0;
+  // At most kMostScoredRays rays between ClearScores and ReadScores.
+  virtual StepResult AddScores(const TrainingBatch& batch, ScoreKind kind) = 0;
+  virtual std::vector<float> ReadScores() = 0;  // per tet
+};
+
+}  // namespace tetrec

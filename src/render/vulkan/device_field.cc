@@ -1,0 +1,245 @@
+// A field on the device: mesh, parameters, gradients, the state of Adam.
+#include "render/vulkan/device_field.h"
+
+#include "core/error.h"
+#include "geometry/bounds3.h"
+#include "mesh/boundary.h"
+#include "shared/gpu_types.glsl.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <tuple>
+
+namespace tetrec {
+namespace {
+
+// Vertex ids and neighbours, two rows per tet.
+std::vector<glm::uvec4> TetRows(const TetMesh& mesh) {
+  std::vector<glm::uvec4> rows(2 * mesh.tets.size());
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    rows[2 * t] = mesh.tets[t];
+    rows[2 * t + 1] = mesh.neighbors[t];
+  }
+  return rows;
+}
+
+// Position with density, and colour, two rows per vertex, then one row per cell that has
+// attributes; density and colour are 0 here.
+std::vector<glm::vec4> VertexRows(const TetMesh& mesh, FieldStorage storage) {
+  const size_t cells = storage == FieldStorage::kCell ? mesh.tets.size() : 0;
+  std::vector<glm::vec4> rows(2 * mesh.positions.size() + cells, glm::vec4(0.0f));
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    rows[2 * v] = glm::vec4(mesh.positions[v], 0.0f);
+  }
+  return rows;
+}
+
+// Bytes of one sum.
+uint64_t SumBytes(bool fixed_point) { return fixed_point ? 8 : 4; }
+uint64_t SumBytes(const DeviceField& field) { return SumBytes(field.fixed_point); }
+
+// A convex boundary with more faces is searched by its tree of boxes, too.
+constexpr size_t kFewFaces = 64;
+
+// Outward normal, offset.
+glm::vec4 PlaneOf(const TetMesh& mesh, const BoundaryFace& face) {
+  const auto& corner = kFaceVertices[face.face];
+  const glm::uvec4& tet = mesh.tets[face.tet];
+  const glm::dvec3 a(mesh.positions[tet[corner[0]]]), b(mesh.positions[tet[corner[1]]]),
+      c(mesh.positions[tet[corner[2]]]);
+  const glm::dvec3 outward = glm::normalize(glm::cross(b - a, c - a));
+  return {outward, float(glm::dot(outward, a))};
+}
+
+// Plane and (a, b, c, tet) as bits, two rows per boundary face.
+std::vector<glm::vec4> FaceRows(const TetMesh& mesh, std::span<const BoundaryFace> faces) {
+  std::vector<glm::vec4> rows;
+  rows.reserve(2 * faces.size());
+  for (const BoundaryFace& face : faces) {
+    const auto& corner = kFaceVertices[face.face];
+    const glm::uvec4& tet = mesh.tets[face.tet];
+    rows.push_back(PlaneOf(mesh, face));
+    // Wound inwards, so positive in the frame of a ray that enters.
+    rows.push_back(
+        glm::uintBitsToFloat(glm::uvec4(tet[corner[0]], tet[corner[2]], tet[corner[1]], face.tet)));
+  }
+  return rows;
+}
+
+void SortByPlane(const TetMesh& mesh, std::vector<BoundaryFace>& faces) {
+  std::stable_sort(faces.begin(), faces.end(), [&](const BoundaryFace& a, const BoundaryFace& b) {
+    const glm::vec4 pa = PlaneOf(mesh, a), pb = PlaneOf(mesh, b);
+    return std::tie(pa.x, pa.y, pa.z, pa.w) < std::tie(pb.x, pb.y, pb.z, pb.w);
+  });
+}
+
+// Plane and (first face, face after the last) as bits, two rows per plane, for faces sorted by
+// plane. Returns the number of planes.
+uint32_t AppendPlanes(std::vector<glm::vec4>& rows) {
+  const uint32_t faces = uint32_t(rows.size() / 2);
+  uint32_t planes = 0;
+  for (uint32_t begin = 0, end = 0; begin < faces; begin = end, ++planes) {
+    const glm::vec4 plane = rows[2 * begin];
+    while (end < faces && rows[2 * end] == plane) ++end;
+    rows.push_back(plane);
+    rows.push_back(glm::uintBitsToFloat(glm::uvec4(begin, end, 0, 0)));
+  }
+  return planes;
+}
+
+void AppendTree(std::vector<glm::vec4>& rows, const BoxTree& tree) {
+  rows.reserve(rows.size() + 2 * tree.nodes.size());
+  for (const BoxNode& node : tree.nodes) {
+    rows.emplace_back(node.min, std::bit_cast<float>(node.first));
+    rows.emplace_back(node.max, std::bit_cast<float>(node.second));
+  }
+}
+
+void UploadBoundary(const Device& device, DeviceField& field) {
+  std::vector<BoundaryFace> faces = BoundaryFaces(field.mesh);
+  field.not_convex = WhyNotConvex(field.mesh, faces);
+  field.hull_faces = uint32_t(faces.size());
+  std::vector<glm::vec4> rows;
+  if (!field.not_convex.empty() || faces.size() > kFewFaces) {
+    const BoxTree tree = BuildBoxTree(field.mesh, faces);
+    field.tree_leaves = tree.leaves;
+    rows = FaceRows(field.mesh, faces);
+    AppendTree(rows, tree);
+  } else {
+    SortByPlane(field.mesh, faces);
+    rows = FaceRows(field.mesh, faces);
+    field.hull_planes = AppendPlanes(rows);
+  }
+  field.hull = MakeBuffer(device, "hull", rows, VK_FORMAT_R32G32B32A32_SFLOAT);
+}
+
+// All first moments of a row, then all second ones.
+std::vector<float> MomentRows(const FieldState& state) {
+  const long components = state.layout.Components();
+  std::vector<float> rows;
+  rows.reserve(2 * state.parameters.size());
+  for (long first = 0; first < long(state.parameters.size()); first += components) {
+    for (const auto* moments : {&state.first_moment, &state.second_moment}) {
+      rows.insert(rows.end(), moments->begin() + first, moments->begin() + first + components);
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point) {
+  const uint64_t sum = SumBytes(fixed_point);
+  const bool cells = layout.storage == FieldStorage::kCell;
+  // Rows of 16 bytes: 2 per tet; 2 per vertex and 4 sums; for what has attributes a parameter, two
+  // moments and a sum per component, and one row more if that is a tet; 2 per face, and twice as
+  // many nodes of 2 as there are faces, at most.
+  const uint64_t attributes = uint64_t(layout.Components()) * (3 * 4 + sum);
+  return {.of_tet = 2 * 16 + sum + (cells ? 16 + attributes : 0),
+          .of_vertex = 2 * 16 + 4 * sum + (cells ? 0 : attributes),
+          .of_face = 2 * 16 + 2 * 2 * 16};
+}
+
+DeviceField UploadField(const Device& device, const TetMesh& mesh, const FieldState& state,
+                        bool fixed_point) {
+  const size_t components = size_t(state.layout.Components());
+  TETREC_CHECK(state.parameters.size() == RowCount(mesh, state.layout.storage) * components,
+               "one row of parameters per vertex, or per tet");
+  DeviceField field;
+  field.mesh = mesh;
+  field.fixed_point = fixed_point;
+  field.most_tets_at_vertex = MostTetsAtVertex(mesh);
+  const Bounds3 bounds = BoundsOf(mesh.positions);
+  field.diagonal = bounds.Diagonal();
+  field.ball = glm::vec4(bounds.Center(), 1.001f * 0.5f * float(field.diagonal));
+  field.vertex_count = uint32_t(mesh.positions.size());
+  field.tet_count = uint32_t(mesh.tets.size());
+  field.layout = state.layout;
+  field.row_count = uint32_t(state.rows());
+  field.first_cell = 2 * field.vertex_count;
+  field.tets = MakeBuffer(device, "tets", TetRows(mesh), VK_FORMAT_R32G32B32A32_UINT);
+  field.vertices = MakeBuffer(device, "vertices", VertexRows(mesh, state.layout.storage),
+                              VK_FORMAT_R32G32B32A32_SFLOAT);
+  UploadBoundary(device, field);
+  field.parameters = MakeBuffer(device, "parameters", state.parameters);
+  field.moments = MakeBuffer(device, "moments", MomentRows(state));
+  field.gradients = Buffer(device, "field gradients", state.parameters.size() * SumBytes(field));
+  field.gradients.FillZero();
+  field.tet_scores = Buffer(device, "tet scores", field.tet_count * SumBytes(field));
+  field.tet_scores.FillZero();
+  return field;
+}
+
+void AllocatePositionGradients(const Device& device, DeviceField& field) {
+  if (field.position_gradients.handle() != VK_NULL_HANDLE) return;
+  field.position_gradients =
+      Buffer(device, "position gradients", 4 * field.vertex_count * SumBytes(field));
+  field.position_gradients.FillZero();
+}
+
+std::vector<double> QuantaOf(const FieldLayout& layout, const FixedPoint& fixed) {
+  std::vector<double> quanta;
+  for (const Attribute* attribute : layout.ByComponent()) {
+    quanta.push_back(attribute->rate == RateClass::kDensity ? fixed.density_quanta
+                                                            : fixed.color_quanta);
+  }
+  return quanta;
+}
+
+std::vector<double> DownloadSums(const DeviceField& field, const Buffer& sums,
+                                 std::span<const double> quanta) {
+  const uint64_t count = sums.bytes() / SumBytes(field);
+  std::vector<double> values;
+  values.reserve(count);
+  if (!field.fixed_point) {
+    for (const float sum : sums.DownloadAs<float>(count)) values.push_back(double(sum));
+    return values;
+  }
+  for (const int64_t sum : sums.DownloadAs<int64_t>(count)) {
+    values.push_back(double(sum) / quanta[values.size() % quanta.size()]);
+  }
+  return values;
+}
+
+void AddToSums(const DeviceField& field, Buffer& sums, std::span<const double> values,
+               std::span<const double> quanta) {
+  TETREC_CHECK(values.size() == sums.bytes() / SumBytes(field), "one value per sum");
+  if (field.fixed_point) {
+    auto all = sums.DownloadAs<int64_t>(values.size());
+    for (size_t i = 0; i < all.size(); ++i) {
+      const double count = values[i] * quanta[i % quanta.size()];
+      TETREC_CHECK(std::abs(count) <= 0x1p62, "a gradient is too large for the fixed-point sums");
+      all[i] += std::llround(count);
+    }
+    sums.Upload(all);
+  } else {
+    auto all = sums.DownloadAs<float>(values.size());
+    for (size_t i = 0; i < all.size(); ++i) all[i] += float(values[i]);
+    sums.Upload(all);
+  }
+}
+
+std::vector<float> DownloadScores(const DeviceField& field) {
+  if (!field.fixed_point) return field.tet_scores.DownloadAs<float>(field.tet_count);
+  std::vector<float> scores;
+  for (int64_t score : field.tet_scores.DownloadAs<int64_t>(field.tet_count)) {
+    scores.push_back(float(double(score) / kScoreQuanta));
+  }
+  return scores;
+}
+
+FieldState DownloadState(const DeviceField& field) {
+  const size_t components = size_t(field.layout.Components());
+  FieldState state{.layout = field.layout};
+  state.parameters = field.parameters.DownloadAs<float>(field.row_count * components);
+  const auto moments = field.moments.DownloadAs<float>(2 * state.parameters.size());
+  for (size_t i = 0; i < moments.size(); ++i) {
+    const bool is_first = i / components % 2 == 0;
+    (is_first ? state.first_moment : state.second_moment).push_back(moments[i]);
+  }
+  return state;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,64 @@
+// A field on the device: mesh, parameters, gradients, the state of Adam.
+#pragma once
+
+#include "field/field_state.h"
+#include "gpu/buffer.h"
+#include "render/vulkan/fixed_point.h"
+
+#include <span>
+#include <string>
+
+namespace tetrec {
+
+// 32 bytes per tet, 32 per vertex, and 16 more per component of a row of attributes to learn (20 in
+// fixed point); 16 more per tet if cells have the attributes; one plane and one triangle per
+// boundary face, and over them the planes of a convex boundary of few faces, or a tree of boxes.
+struct DeviceField {
+  TetMesh mesh;            // the host's copy
+  std::string not_convex;  // why the boundary is not convex; empty if it is convex
+  glm::vec4 ball{0.0f};    // centre, radius: contains the mesh
+  Buffer tets, vertices, hull;
+  Buffer parameters, gradients;  // rows of layout.Components()
+  Buffer moments;                // rows: all first moments of a row, then all second ones
+  Buffer position_gradients;     // vec4 per vertex: xyz | absolute sum; absent until asked for
+  Buffer tet_scores;
+  uint32_t vertex_count = 0, tet_count = 0, hull_faces = 0, hull_planes = 0;
+  FieldLayout layout;
+  uint32_t row_count = 0;    // of parameters, moments, gradients: vertex_count or tet_count
+  uint32_t first_cell = 0;   // row of tet 0 in `vertices`, behind those of the vertices
+  uint32_t tree_leaves = 0;  // of the tree of boxes; 0 if there is none
+  bool fixed_point = false;  // gradients, position_gradients, tet_scores: int64 instead of float
+  uint32_t most_tets_at_vertex = 0;
+  double diagonal = 0;  // of the mesh's bounds [world units]
+};
+
+// The most that a field takes on the device per tet, vertex and boundary face, with position
+// gradients and a tree of boxes.
+struct DeviceFieldBytes {
+  uint64_t of_tet, of_vertex, of_face;
+};
+DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point);
+
+// Gradients and scores start at zero. Density and colour in `vertices` are yet to be spread from
+// the parameters (spread.comp).
+DeviceField UploadField(const Device& device, const TetMesh& mesh, const FieldState& state,
+                        bool fixed_point);
+
+// The quanta of each component of a row of gradients (FixedPoint), by rate class.
+std::vector<double> QuantaOf(const FieldLayout& layout, const FixedPoint& fixed);
+// Sums in units of value. `quanta`: of a row's sums, in turn; floats are not counted in quanta.
+std::vector<double> DownloadSums(const DeviceField& field, const Buffer& sums,
+                                 std::span<const double> quanta);
+// Adds `values` to the sums, in the same units.
+void AddToSums(const DeviceField& field, Buffer& sums, std::span<const double> values,
+               std::span<const double> quanta);
+// Tet scores.
+std::vector<float> DownloadScores(const DeviceField& field);
+
+// Makes position_gradients, zero, if it is absent.
+void AllocatePositionGradients(const Device& device, DeviceField& field);
+
+// Parameters and moments. The device must not be using them.
+FieldState DownloadState(const DeviceField& field);
+
+}  // namespace tetrec

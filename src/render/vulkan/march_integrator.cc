@@ -1,0 +1,93 @@
+// Marches rays from tet to tet through neighbour links.
+#include "render/vulkan/march_integrator.h"
+
+#include "embedded_shaders.h"
+#include "render/vulkan/loop_bound.h"
+
+#include <algorithm>
+
+namespace tetrec {
+namespace {
+
+// A step's own loops, those of rare branches, and the sums of the vertex that leaves.
+constexpr LoopCost kStepCost{.rounds = 6, .sums = 8};
+
+}  // namespace
+
+MarchIntegrator::MarchIntegrator(const Device& device, const RendererOptions& options)
+    : device_(device),
+      integral_(options.integral),
+      fixed_point_(options.deterministic),
+      max_steps_(std::min(options.max_steps, MostItems(device, options, kStepCost))) {}
+
+void MarchIntegrator::SetField(const DeviceField& field) {
+  const bool any_boundary = field.tree_leaves > 0;
+  const std::tuple key(field.layout.storage == FieldStorage::kCell, field.layout.Components(),
+                       any_boundary);
+  if (!kernels_.contains(key)) kernels_.emplace(key, MakeKernels(field.layout, any_boundary));
+  current_ = &kernels_.at(key);
+}
+
+MarchIntegrator::Kernels MarchIntegrator::MakeKernels(const FieldLayout& layout,
+                                                      bool any_boundary) const {
+  std::vector<SpecializationConstant> constants = ConstantsOf(integral_, layout);
+  constants.push_back({kConstantAnyBoundary, any_boundary});
+  const auto make = [&](const char* name, std::span<const uint32_t> spirv) {
+    return Program(device_, name, spirv, constants);
+  };
+  const SummingKernel colors{kMarchBackward, kMarchBackwardCas, kMarchBackwardFixed};
+  const SummingKernel positions{kMarchBackwardPositions, kMarchBackwardPositionsCas,
+                                kMarchBackwardPositionsFixed};
+  const SummingKernel scores{kMarchScore, kMarchScoreCas, kMarchScoreFixed};
+  Kernels kernels;
+  kernels.forward = make("march_forward", kMarchForward);
+  kernels.forward_counting = make("march_forward (counting)", kMarchForwardCounting);
+  kernels.backward = make("march_backward", colors.For(device_, fixed_point_));
+  kernels.backward_positions =
+      make("march_backward (positions)", positions.For(device_, fixed_point_));
+  kernels.score = make("march_score", scores.For(device_, fixed_point_));
+  return kernels;
+}
+
+void MarchIntegrator::Dispatch(CommandRecorder& recorder, const Program& program,
+                               const RayPass& pass, const BoundBuffers& more) const {
+  BoundBuffers buffers = MeshAnd(pass, more);
+  buffers.insert(buffers.end(), {{kBindHull, pass.field.hull}, {kBindCounters, pass.counters}});
+  const gpu_types::MarchPush push{.rays = pass.push,
+                                  .hull_faces = pass.field.hull_faces,
+                                  .hull_planes = pass.field.hull_planes,
+                                  .tree_leaves = pass.field.tree_leaves,
+                                  .mesh_ball = pass.field.ball,
+                                  .max_steps = max_steps_,
+                                  .score = pass.score == ScoreKind::kSquaredResidual
+                                               ? uint32_t(kScoreSquaredResidual)
+                                               : uint32_t(kScoreAbsoluteResidual)};
+  recorder.Dispatch(program, buffers, push, pass.push.ray_count);
+}
+
+void MarchIntegrator::Forward(CommandRecorder& recorder, const RayPass& pass) {
+  Dispatch(recorder, pass.count_steps ? current_->forward_counting : current_->forward, pass,
+           {{kBindRayColors, pass.rays.colors}, {kBindRayEntries, pass.rays.entries}});
+}
+
+void MarchIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
+  const bool with_positions = pass.parts == GradientParts::kColorDensityPosition;
+  BoundBuffers buffers = {{kBindRayColors, pass.rays.colors},
+                          {kBindRayEntries, pass.rays.entries},
+                          {kBindRayGradients, pass.rays.gradients},
+                          {kBindVertexGradients, pass.field.gradients}};
+  if (with_positions) {
+    buffers.emplace_back(kBindPositionGradients, pass.field.position_gradients);
+  }
+  Dispatch(recorder, with_positions ? current_->backward_positions : current_->backward, pass,
+           buffers);
+}
+
+void MarchIntegrator::Score(CommandRecorder& recorder, const RayPass& pass) {
+  Dispatch(recorder, current_->score, pass,
+           {{kBindRayEntries, pass.rays.entries},
+            {kBindRayGradients, pass.rays.gradients},
+            {kBindTetScores, pass.field.tet_scores}});
+}
+
+}  // namespace tetrec

@@ -1,0 +1,40 @@
+// Marches rays from tet to tet through neighbour links (shaders/march.glsl).
+#pragma once
+
+#include "gpu/program.h"
+#include "render/vulkan/integrator.h"
+
+#include <map>
+#include <tuple>
+
+namespace tetrec {
+
+class MarchIntegrator final : public Integrator {
+ public:
+  MarchIntegrator(const Device& device, const RendererOptions& options);
+  void SetField(const DeviceField& field) override;
+  void Forward(CommandRecorder& recorder, const RayPass& pass) override;
+  void Backward(CommandRecorder& recorder, const RayPass& pass) override;
+  // Records the commands that add to field.tet_scores; follows Forward and the loss.
+  void Score(CommandRecorder& recorder, const RayPass& pass);
+
+ private:
+  struct Kernels {
+    Program forward, forward_counting, backward, backward_positions, score;
+  };
+  Kernels MakeKernels(const FieldLayout& layout, bool any_boundary) const;
+  // Binds what every march kernel reads, and `more`.
+  void Dispatch(CommandRecorder& recorder, const Program& program, const RayPass& pass,
+                const BoundBuffers& more) const;
+
+  const Device& device_;
+  IntegralOptions integral_;
+  bool fixed_point_;  // sums as in DeviceField::fixed_point
+  uint32_t max_steps_;
+  // By whether cells have the attributes, components, and whether the boundary may have any shape
+  // (or is convex, of few faces); made when first needed.
+  std::map<std::tuple<bool, int, bool>, Kernels> kernels_;
+  const Kernels* current_ = nullptr;
+};
+
+}  // namespace tetrec

@@ -1,0 +1,110 @@
+// Writes and reads views.json (schema 1).
+#include "run/rendered_views.h"
+
+#include "core/checked_json.h"
+#include "core/file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+namespace tetrec {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr int kSchema = 1;
+constexpr int kMostRaysPerPixel = 1 << 16, kMaxSide_px = 1 << 16;
+
+fs::path PathInside(const fs::path& folder, const CheckedJson& field) {
+  const std::string relative = field.Text();
+  if (!StaysInside(relative)) {
+    field.Fail(fmt::format("is \"{}\", which leaves the folder", relative));
+  }
+  return folder / relative;
+}
+
+// Null, like a missing field, means that there is no such image.
+std::optional<fs::path> OptionalPathInside(const fs::path& folder, const CheckedJson& view,
+                                           const char* name) {
+  if (!view.Has(name) || view.Field(name).IsNull()) return std::nullopt;
+  return PathInside(folder, view.Field(name));
+}
+
+RenderedView ReadView(const fs::path& folder, const CheckedJson& item) {
+  RenderedView view;
+  view.name = item.Field("name").Text();
+  if (item.Has("split")) view.split = item.Field("split").Text();
+  view.render = PathInside(folder, item.Field("render"));
+  view.truth = PathInside(folder, item.Field("ground_truth"));
+  view.mask = OptionalPathInside(folder, item, "mask");
+  view.seen = OptionalPathInside(folder, item, "seen");
+  return view;
+}
+
+}  // namespace
+
+void WriteRenderedViews(const fs::path& path, const RenderedViews& rendered) {
+  const fs::path folder = path.parent_path();
+  const auto in_folder = [&](const fs::path& file) {
+    return file.lexically_relative(folder).generic_string();
+  };
+  // A scene has masks of one kind; views without one state its kind too.
+  const bool has_seen = std::any_of(rendered.views.begin(), rendered.views.end(),
+                                    [](const RenderedView& view) { return view.seen.has_value(); });
+  json views = json::array();
+  for (const RenderedView& view : rendered.views) {
+    const std::optional<fs::path>& mask = has_seen ? view.seen : view.mask;
+    views.push_back({{"name", view.name},
+                     {"split", view.split},
+                     {"render", in_folder(view.render)},
+                     {"ground_truth", in_folder(view.truth)},
+                     {has_seen ? "seen" : "mask", mask ? json(in_folder(*mask)) : json(nullptr)}});
+  }
+  const json value = {{"schema", kSchema},
+                      {"background", rendered.background},
+                      {"rays_per_pixel", rendered.rays_per_pixel},
+                      {"split", rendered.split},
+                      {"resolution", {rendered.width, rendered.height}},
+                      {"views", std::move(views)}};
+  ParseRenderedViews(value, path);
+  WriteJson(path, value);
+}
+
+RenderedViews ParseRenderedViews(const json& value, const fs::path& path) {
+  const CheckedJson file(value, path);
+  file.Field("schema").IntegerIn(kSchema, kSchema);
+  RenderedViews rendered;
+  rendered.background = file.Field("background").Text();
+  rendered.split = file.Field("split").Text();
+  rendered.rays_per_pixel = int(file.Field("rays_per_pixel").IntegerIn(1, kMostRaysPerPixel));
+  rendered.width = int(file.Field("resolution").Item(0).IntegerIn(1, kMaxSide_px));
+  rendered.height = int(file.Field("resolution").Item(1).IntegerIn(1, kMaxSide_px));
+  const CheckedJson views = file.Field("views");
+  if (views.Size() == 0) views.Fail("is empty: there is nothing to judge");
+  std::set<std::string> names;
+  std::set<fs::path> renders;
+  for (size_t i = 0; i < views.Size(); ++i) {
+    const CheckedJson item = views.Item(i);
+    RenderedView view = ReadView(path.parent_path(), item);
+    if (!names.insert(view.name).second) {
+      item.Field("name").Fail(fmt::format("is \"{}\" for the second time", view.name));
+    }
+    // Earlier versions rendered frame.0000 and frame.0001 into one file.
+    if (!renders.insert(view.render.lexically_normal()).second) {
+      item.Field("render").Fail(
+          fmt::format("is \"{}\", the image of an earlier view; run tetrec-render again",
+                      item.Field("render").Text()));
+    }
+    rendered.views.push_back(std::move(view));
+  }
+  return rendered;
+}
+
+RenderedViews ReadRenderedViews(const fs::path& path) {
+  return ParseRenderedViews(ReadJson(path), path);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,177 @@
+// Where the subject is.
+#include "scene/subject_bounds.h"
+
+#include "core/error.h"
+#include "core/quantile.h"
+#include "geometry/rotation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tetrec {
+namespace {
+
+// A subject is in most images; what is behind it differs from side to side.
+constexpr double kCommonShare = 0.6;  // of the share of views that see the best-seen points
+// The subject does not extend to the cameras.
+constexpr double kReach = 0.75;    // of the median distance from camera to focus
+constexpr double kTrimmed = 0.01;  // of the weight, at each end of each axis
+constexpr double kMargin = 0.05;   // of the longest side, at each side
+
+glm::dvec3 CenterOf(const View& view) { return view.cam_from_world.Inverse().translation; }
+glm::dvec3 AxisInWorld(const View& view, int axis) {
+  return glm::transpose(view.cam_from_world.rotation)[axis];
+}
+
+double ShareOfViews(const Scene& scene, const glm::dvec3& point) {
+  size_t seen = 0;
+  for (const View& view : scene.views) {
+    seen += scene.cameras[size_t(view.camera)].Shows(view.cam_from_world * point);
+  }
+  return double(seen) / double(scene.views.size());
+}
+
+double MedianDepth(const Scene& scene, const View& view) {
+  std::vector<double> depths;
+  for (const ScenePoint& point : scene.points) {
+    const glm::dvec3 in_cam = view.cam_from_world * point.position;
+    if (scene.cameras[size_t(view.camera)].Shows(in_cam)) depths.push_back(in_cam.z);
+  }
+  return depths.empty() ? 0 : Quantile(std::move(depths), 0.5);
+}
+
+std::vector<const ScenePoint*> SubjectPoints(const Scene& scene, const glm::dvec3& focus) {
+  std::vector<double> distances, shares;
+  for (const View& view : scene.views) distances.push_back(glm::distance(CenterOf(view), focus));
+  const double reach = kReach * Quantile(distances, 0.5);
+  std::vector<const ScenePoint*> near;
+  for (const ScenePoint& point : scene.points) {
+    if (glm::distance(point.position, focus) <= reach) near.push_back(&point);
+  }
+  // If the cameras look from inside out, or there are hardly any points, all of them count.
+  if (near.size() < kFewPoints) {
+    near.clear();
+    for (const ScenePoint& point : scene.points) near.push_back(&point);
+  }
+  for (const ScenePoint* point : near) shares.push_back(ShareOfViews(scene, point->position));
+  const double needed = kCommonShare * Quantile(shares, 0.95);
+  std::vector<const ScenePoint*> common;
+  for (size_t i = 0; i < near.size(); ++i) {
+    if (shares[i] >= needed) common.push_back(near[i]);
+  }
+  return common.size() < kFewPoints ? near : common;
+}
+
+// Its columns are the world's x, y and z in the input's frame; x is the first camera's x axis, made
+// level.
+glm::dmat3 UprightFrame(const Scene& scene, const glm::dvec3& up) {
+  glm::dvec3 x = AxisInWorld(scene.views.front(), 0);
+  if (glm::length(glm::cross(x, up)) < 1e-3) x = AxisInWorld(scene.views.front(), 2);
+  x = glm::normalize(x - glm::dot(x, up) * up);
+  return NearestRotation(glm::dmat3(x, glm::cross(up, x), up));
+}
+
+}  // namespace
+
+glm::dvec3 FindFocus(const Scene& scene) {
+  TETREC_CHECK(!scene.views.empty(), "no views");
+  // Along its own axis a camera pulls, weakly, towards the median depth of its points.
+  constexpr double kAlongAxis = 0.05;
+  struct Look {
+    glm::dvec3 center, axis;
+    double depth;
+  };
+  std::vector<Look> looks;
+  for (const View& view : scene.views)
+    looks.push_back({CenterOf(view), AxisInWorld(view, 2), MedianDepth(scene, view)});
+
+  std::vector<double> weights(looks.size(), 1.0);
+  glm::dvec3 focus(0.0);
+  // Iteratively reweighted least squares converge to the least sum of distances.
+  constexpr int kRounds = 20;
+  for (int round = 0; round < kRounds; ++round) {
+    glm::dmat3 a(0.0);
+    glm::dvec3 b(0.0);
+    for (size_t i = 0; i < looks.size(); ++i) {
+      const glm::dmat3 along = glm::outerProduct(looks[i].axis, looks[i].axis);
+      const glm::dmat3 across = glm::dmat3(1.0) - along;
+      a += weights[i] * (across + kAlongAxis * along);
+      b += weights[i] * (across * looks[i].center +
+                         kAlongAxis * (along * looks[i].center + looks[i].depth * looks[i].axis));
+    }
+    focus = glm::inverse(a) * b;
+    std::vector<double> distances;
+    for (const Look& look : looks) {
+      distances.push_back(glm::length(glm::cross(focus - look.center, look.axis)));
+    }
+    const double typical = std::max(Quantile(distances, 0.5), 1e-12);
+    for (size_t i = 0; i < looks.size(); ++i)
+      weights[i] = typical / std::max(distances[i], typical);
+  }
+  return focus;
+}
+
+glm::dvec3 FindUp(std::span<const View> views) {
+  glm::dvec3 mean_up(0.0);
+  for (const View& view : views) mean_up -= AxisInWorld(view, 1);
+  if (glm::length(mean_up) < 1e-6 * double(views.size())) mean_up = -AxisInWorld(views.front(), 1);
+  mean_up = glm::normalize(mean_up);
+  // Two level axes are perpendicular to the upright direction; the length of their cross product,
+  // the sine of the angle between them, weights it.
+  glm::dvec3 up(0.0);
+  for (size_t i = 0; i < views.size(); ++i) {
+    for (size_t k = i + 1; k < views.size(); ++k) {
+      const glm::dvec3 normal = glm::cross(AxisInWorld(views[i], 0), AxisInWorld(views[k], 0));
+      up += glm::dot(normal, mean_up) < 0 ? -normal : normal;
+    }
+  }
+  constexpr double kTrustInMean = 0.05;
+  const auto pairs = double(views.size() * (views.size() - 1)) / 2;
+  return glm::normalize(up + kTrustInMean * std::max(pairs, 1.0) * mean_up);
+}
+
+Subject FindSubject(const Scene& scene) {
+  if (scene.points.empty() || scene.views.empty())
+    throw DataError("there are no points from which to find the subject");
+  Subject subject;
+  subject.focus_in_input = FindFocus(scene);
+  subject.up_in_input = FindUp(scene.views);
+  const glm::dmat3 input_from_upright = UprightFrame(scene, subject.up_in_input);
+  const glm::dmat3 upright_from_input = glm::transpose(input_from_upright);
+
+  const std::vector<const ScenePoint*> points = SubjectPoints(scene, subject.focus_in_input);
+  Bounds3 box;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<std::pair<double, double>> weighted;
+    for (const ScenePoint* point : points) {
+      weighted.push_back({(upright_from_input * point->position)[axis],
+                          double(std::max(1u, point->track_length))});
+    }
+    box.min[axis] = WeightedQuantile(weighted, kTrimmed);
+    box.max[axis] = WeightedQuantile(weighted, 1 - kTrimmed);
+  }
+  const auto longest_of = [](const glm::dvec3& size) { return std::max({size.x, size.y, size.z}); };
+  const double longest = longest_of(box.Size());
+  if (!(longest > 0)) throw DataError("all points of the subject are in one place");
+  // A margin for parts without points; a flat subject becomes a thin box, not an empty one.
+  const glm::dvec3 margin(kMargin * longest);
+  box = {box.min - margin, box.max + margin};
+
+  const double scale = longest_of(box.Size()) / 2;
+  subject.input_from_world = {scale, input_from_upright, input_from_upright * box.Center()};
+  subject.bounds_in_world = {-box.Size() / (2 * scale), box.Size() / (2 * scale)};
+  subject.points = points.size();
+  return subject;
+}
+
+void MoveToSubject(Scene& scene, const Subject& subject) {
+  const Similarity3 world_from_input = subject.input_from_world.Inverse();
+  for (View& view : scene.views)
+    view.cam_from_world = CamFromWorld(view.cam_from_world, subject.input_from_world);
+  for (ScenePoint& point : scene.points) point.position = world_from_input * point.position;
+  scene.input_from_world = subject.input_from_world;
+  scene.subject_bounds = subject.bounds_in_world;
+}
+
+}  // namespace tetrec

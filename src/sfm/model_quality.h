@@ -1,0 +1,24 @@
+// The quality that COLMAP's model must have.
+#pragma once
+
+#include "colmap/model.h"
+
+#include <string>
+#include <vector>
+
+namespace tetrec {
+
+struct ModelQuality {
+  size_t registered = 0, photos = 0, points = 0;
+  double mean_error_px = 0, mean_track_length = 0;
+};
+
+// Throws DataError, which names what is wrong and the unregistered photos, if the model cannot be
+// built on. Errors are judged in pixels of a photo of 1,600 px.
+ModelQuality JudgeModel(const ColmapModel& model, const std::vector<std::string>& photo_names);
+
+// The names that the model does not have, in their order.
+std::vector<std::string> UnregisteredPhotos(const ColmapModel& model,
+                                            const std::vector<std::string>& photo_names);
+
+}  // namespace tetrec

@@ -1,0 +1,45 @@
+// The options of structure from motion.
+#pragma once
+
+#include "colmap/pairs.h"
+#include "core/words.h"
+#include "scene/split.h"
+
+#include <array>
+
+namespace tetrec {
+
+// Which photos share the parameters of one lens. kAuto: those of one size.
+enum class CameraSharing { kAuto, kSingle, kPerFolder, kPerImage };
+template <>
+inline constexpr auto kWords<CameraSharing> =
+    std::to_array<Word<CameraSharing>>({{CameraSharing::kAuto, "auto"},
+                                        {CameraSharing::kSingle, "single"},
+                                        {CameraSharing::kPerFolder, "per-folder"},
+                                        {CameraSharing::kPerImage, "per-image"}});
+
+// The lens model that COLMAP fits. kAuto: OPENCV, or SIMPLE_RADIAL for few photos per camera.
+enum class SfmLens { kAuto, kOpenCv, kRadial, kSimpleRadial, kPinhole, kSimplePinhole };
+template <>
+inline constexpr auto kWords<SfmLens> =
+    std::to_array<Word<SfmLens>>({{SfmLens::kAuto, "auto"},
+                                  {SfmLens::kOpenCv, "OPENCV"},
+                                  {SfmLens::kRadial, "RADIAL"},
+                                  {SfmLens::kSimpleRadial, "SIMPLE_RADIAL"},
+                                  {SfmLens::kPinhole, "PINHOLE"},
+                                  {SfmLens::kSimplePinhole, "SIMPLE_PINHOLE"}});
+
+struct SfmOptions {
+  PairChoice matcher = PairChoice::kAuto;
+  CameraSharing camera_sharing = CameraSharing::kAuto;
+  SfmLens camera_model = SfmLens::kAuto;
+  int max_features = 3072;      // features per photo, those of the largest scales
+  int max_size = 640;           // [px] longer side of the scene's images
+  int holdout = kUsualHoldout;  // every N-th view is held out as test; 0: none
+  int seed = 0;                 // random seed of COLMAP's mapper
+
+  // Throws UsageError, which names the option and its value.
+  void Check() const;
+};
+
+}  // namespace tetrec

@@ -1,0 +1,96 @@
+// The photos of a folder.
+#include "sfm/photos.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/lower_case.h"
+#include "core/parallel.h"
+#include "core/short_list.h"
+#include "image/image.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+namespace {
+
+// Images of kinds that are not read, judged by the name; phones write HEIC.
+bool IsOtherImage(const fs::path& path) {
+  static const std::set<std::string> kExtensions = {
+      ".heic", ".heif", ".avif", ".webp", ".tif", ".tiff", ".bmp", ".gif", ".jp2", ".jxl",
+      ".exr",  ".dng",  ".cr2",  ".cr3",  ".nef", ".arw",  ".raf", ".orf", ".rw2"};
+  return kExtensions.contains(LowerExtension(path));
+}
+
+std::vector<std::string> PhotoNames(const fs::path& folder) {
+  if (!fs::is_directory(folder)) {
+    throw DataError(fmt::format("{}: is not a folder; give the folder that contains the photos",
+                                folder.string()));
+  }
+  std::vector<std::string> names;
+  std::vector<std::string> others, other_images;  // not read
+  for (auto it = fs::recursive_directory_iterator(folder); it != fs::recursive_directory_iterator();
+       ++it) {
+    const bool hidden = it->path().filename().string().starts_with('.');
+    if (hidden && it->is_directory()) it.disable_recursion_pending();
+    if (hidden || !it->is_regular_file()) continue;
+    if (HasPhotoExtension(it->path())) {
+      names.push_back(it->path().lexically_relative(folder).generic_string());
+    } else {
+      const std::string name = it->path().lexically_relative(folder).generic_string();
+      (IsOtherImage(it->path()) ? other_images : others).push_back(name);
+    }
+  }
+  if (!others.empty()) {
+    LogInfo("{}: files that are not photos are ignored: {}: {}", folder.string(), others.size(),
+            ShortList(others));
+  }
+  if (!other_images.empty()) {
+    LogWarning("{}: images that are neither JPEG nor PNG are left out: {}: {}; convert them",
+               folder.string(), other_images.size(), ShortList(other_images));
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace
+
+std::vector<Photo> FindPhotos(const fs::path& folder) {
+  const std::vector<std::string> names = PhotoNames(folder);
+  if (names.empty()) {
+    throw DataError(fmt::format(
+        "{}: contains no photos (.jpg, .jpeg or .png); convert other images to one of these",
+        folder.string()));
+  }
+  if (names.size() == 1) {
+    throw DataError(fmt::format(
+        "{}: contains only one photo ({}); take at least 3 of the same scene, better 20 or more",
+        folder.string(), names[0]));
+  }
+  std::vector<Photo> photos(names.size());
+  std::vector<std::string> errors(names.size());
+  ParallelForEach(names.size(), "checking: photo", "nothing was done yet", [&](size_t i) {
+    try {
+      const Image image = ReadImage(folder / names[i]);
+      photos[i] = {names[i], image.width, image.height, Sha256OfFile(folder / names[i])};
+    } catch (const DataError& error) {
+      errors[i] = error.what();
+    }
+  });
+  std::vector<std::string> unreadable;
+  for (const std::string& error : errors) {
+    if (!error.empty()) unreadable.push_back(error);
+  }
+  if (!unreadable.empty()) {
+    throw DataError(fmt::format("{} of {} photos cannot be read; replace or remove: {}",
+                                unreadable.size(), names.size(), fmt::join(unreadable, "; ")));
+  }
+  return photos;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,329 @@
+// Structure from motion: from photos by COLMAP to undistorted views, cameras and sparse points.
+#include "sfm/sfm.h"
+
+#include "colmap/database.h"
+#include "colmap/run.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+#include "core/timer.h"
+#include "geometry/undistorted_camera.h"
+#include "image/image.h"
+#include "image/undistort.h"
+#include "scene/image_files.h"
+#include "scene/split.h"
+#include "scene/subject_bounds.h"
+#include "sfm/model_quality.h"
+#include "sfm/photos.h"
+#include "sfm/work_key.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+namespace {
+
+// Photos per camera; fewer do not determine the four OPENCV distortion parameters well.
+constexpr size_t kPhotosForOpenCvModel = 8;
+constexpr const char* kLensAdvice = "try camera model SIMPLE_RADIAL or PINHOLE";
+
+// COLMAP's view of the photos: links with plain names, in one folder per camera. The user's names
+// may contain spaces and line breaks, which COLMAP's lists cannot.
+struct LinkedPhotos {
+  fs::path folder;
+  std::vector<std::string> names;  // in the order of the photos
+  std::map<std::string, size_t> photo_of_name;
+  size_t cameras = 0;
+};
+
+std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
+  const std::string size = fmt::format("{}x{}", photo.width, photo.height);
+  if (sharing == CameraSharing::kPerFolder)
+    return size + fs::path(photo.name).parent_path().string();
+  if (sharing == CameraSharing::kPerImage) return photo.name;
+  return size;
+}
+
+LinkedPhotos LinkPhotos(const fs::path& photos_folder, const std::vector<Photo>& photos,
+                        CameraSharing sharing, const fs::path& folder) {
+  LinkedPhotos linked{folder, {}, {}, 0};
+  fs::remove_all(folder);
+  std::map<std::string, size_t> groups;
+  for (const Photo& photo : photos) groups.emplace(CameraGroup(photo, sharing), groups.size());
+  if (sharing == CameraSharing::kSingle && groups.size() > 1) {
+    throw DataError(
+        fmt::format("the photos have {} different sizes, which one camera cannot have; use camera "
+                    "sharing {}",
+                    groups.size(), Name(CameraSharing::kAuto)));
+  }
+  const size_t digits = std::to_string(photos.size()).size();
+  for (size_t i = 0; i < photos.size(); ++i) {
+    const std::string group = sharing == CameraSharing::kPerImage
+                                  ? "0"
+                                  : std::to_string(groups.at(CameraGroup(photos[i], sharing)));
+    std::string extension = fs::path(photos[i].name).extension().string();
+    const std::string name = fmt::format("{}/{:0{}}{}", group, i, digits, extension);
+    fs::create_directories(folder / group);
+    fs::create_symlink(fs::absolute(photos_folder / photos[i].name), folder / name);
+    linked.names.push_back(name);
+    linked.photo_of_name[name] = i;
+  }
+  linked.cameras = groups.size();
+  return linked;
+}
+
+std::string CameraModelFor(const SfmOptions& options, size_t photos, size_t cameras) {
+  if (options.camera_model != SfmLens::kAuto) return Name(options.camera_model);
+  const bool many = photos >= kPhotosForOpenCvModel * cameras;
+  return Name(many ? SfmLens::kOpenCv : SfmLens::kSimpleRadial);
+}
+
+std::string FeaturesKey(const std::vector<Photo>& photos, const LinkedPhotos& linked,
+                        const ExtractOptions& extract, const std::string& colmap_version) {
+  nlohmann::json key = {{"colmap", colmap_version},
+                        {"model", extract.camera_model},
+                        {"per_image", extract.camera_per_image},
+                        {"features", extract.max_features},
+                        {"format", 2}};  // 1: COLMAP's own number of features
+  for (size_t i = 0; i < photos.size(); ++i)
+    key["photos"].push_back({linked.names[i], photos[i].sha256});
+  return WorkKey(key);
+}
+
+void CopyDatabase(const fs::path& from, const fs::path& to) {
+  const fs::path half = to.string() + ".tmp";
+  std::error_code error;
+  fs::copy_file(from, half, fs::copy_options::overwrite_existing, error);
+  if (error)
+    throw EnvironmentError(
+        fmt::format("{}: cannot be written ({})", half.string(), error.message()));
+  fs::rename(half, to);
+}
+
+fs::path ModelWithMostImages(const std::vector<fs::path>& folders, ColmapModel& best) {
+  fs::path chosen;
+  for (const fs::path& folder : folders) {
+    ColmapModel model = ReadColmapModel(folder);
+    LogInfo("model {}: {} photos, {} points", folder.filename().string(), model.images.size(),
+            model.points.size());
+    const auto rank = [](const ColmapModel& m) {
+      return std::pair(m.images.size(), m.points.size());
+    };
+    if (chosen.empty() || rank(model) > rank(best)) {
+      chosen = folder;
+      best = std::move(model);
+    }
+  }
+  return chosen;
+}
+
+// Gives the model's images the photos' own names.
+void Rename(ColmapModel& model, const LinkedPhotos& linked, const std::vector<Photo>& photos) {
+  for (auto& [id, image] : model.images) {
+    const auto found = linked.photo_of_name.find(image.name);
+    if (found == linked.photo_of_name.end()) {
+      throw DataError(fmt::format("COLMAP's model contains the image {}, which is not one of ours",
+                                  image.name));
+    }
+    image.name = photos[found->second].name;
+  }
+}
+
+// Features, matches and model, from the cache as far as it has them.
+ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage) {
+  const ColmapProgram colmap = FindColmap(stage.folder() / "log.txt");
+  LogInfo("COLMAP {}: {} photos", colmap.version, photos.size());
+  stage.Note("colmap", colmap.version);
+  const fs::path scratch = stage.Scratch("work");
+  const LinkedPhotos linked =
+      LinkPhotos(stage.Input("PHOTOS"), photos, options.camera_sharing, scratch / "photos");
+  const ExtractOptions extract{CameraModelFor(options, photos.size(), linked.cameras),
+                               options.camera_sharing == CameraSharing::kPerImage,
+                               options.max_features};
+  const fs::path cache =
+      stage.Cache("colmap") / FeaturesKey(photos, linked, extract, colmap.version);
+  fs::create_directories(cache);
+  const fs::path features = cache / "features.db",
+                 database = cache / fmt::format("{}.db", Name(options.matcher));
+
+  Timer timer;
+  if (!fs::exists(features)) {
+    ExtractFeatures(colmap, linked.folder, linked.names, extract, cache / "parts", features);
+    fs::remove_all(cache / "parts");
+  }
+  if (!fs::exists(database)) CopyDatabase(features, database);
+  stage.Seconds("features", timer.seconds());
+
+  timer = {};
+  const MatchCounts matches = MatchFeatures(colmap, database, options.matcher, scratch);
+  LogInfo("{} matches in {} pairs", WithThousands(matches.matches), WithThousands(matches.pairs));
+  stage.Count("pairs", matches.pairs);
+  stage.Count("matches", matches.matches);
+  stage.Seconds("matching", timer.seconds());
+
+  timer = {};
+  const fs::path finished =
+      cache / fmt::format("mapped-{}-{}", Name(options.matcher), options.seed);
+  if (!fs::exists(finished)) {
+    const fs::path models = scratch / "models";
+    fs::remove_all(models);
+    fs::create_directories(models);
+    const std::vector<fs::path> folders =
+        MapScene(colmap, linked.folder, database, photos.size(), options.seed, models);
+    if (folders.empty()) {
+      throw DataError(
+          fmt::format("COLMAP found no model: the {} photos do not overlap enough, or were taken "
+                      "from almost one "
+                      "place; take photos of one scene from many places, each sharing most of what "
+                      "it shows with "
+                      "the next",
+                      photos.size()));
+    }
+    ColmapModel best;
+    const fs::path chosen = ModelWithMostImages(folders, best);
+    stage.Count("models", folders.size());
+    fs::rename(chosen, finished);
+  }
+  stage.Seconds("mapping", timer.seconds());
+  ColmapModel model = ReadColmapModel(finished);
+  Rename(model, linked, photos);
+  return model;
+}
+
+// A photo that the camera took; the folder of the photos if it took none.
+fs::path PhotoOfCamera(const ColmapModel& model, uint32_t camera, const fs::path& photos) {
+  for (const auto& [id, image] : model.images) {
+    if (image.camera == camera) return photos / image.name;
+  }
+  return photos;
+}
+
+Scene SceneFromModel(const ColmapModel& model, const fs::path& photos, const SfmOptions& options) {
+  Scene scene;
+  std::map<uint32_t, int> camera_index;
+  for (const auto& [id, camera] : model.cameras) {
+    camera_index[id] = int(scene.cameras.size());
+    const Lens& lens = camera;
+    NamingLens(
+        PhotoOfCamera(model, id, photos), lens,
+        [&] { scene.cameras.push_back(UndistortedCamera(lens, options.max_size)); }, kLensAdvice);
+  }
+  std::vector<std::string> names;
+  for (const auto& [id, image] : model.images) names.push_back(image.name);
+  const std::vector<std::string> files = ImageFiles(names);
+  for (const auto& [id, image] : model.images) {
+    View view;
+    view.name = image.name;
+    view.image = files[scene.views.size()];
+    view.camera = camera_index.at(image.camera);
+    view.cam_from_world = image.cam_from_world;
+    scene.views.push_back(std::move(view));
+  }
+  HoldOut(scene.views, options.holdout);
+  for (const auto& [id, point] : model.points) {
+    scene.points.push_back(
+        {point.position, point.color_srgb, float(point.error_px), uint32_t(point.track.size())});
+  }
+  return scene;
+}
+
+Image WithoutAlpha(const Image& rgba) {
+  Image rgb{rgba.width, rgba.height, 3, {}};
+  rgb.pixels.reserve(size_t(rgba.width) * rgba.height * 3);
+  for (size_t i = 0; i < rgba.pixels.size(); ++i) {
+    if (i % 4 != 3) rgb.pixels.push_back(rgba.pixels[i]);
+  }
+  return rgb;
+}
+
+void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& photos,
+                const fs::path& folder) {
+  std::map<std::string, const Lens*> camera_of;
+  for (const auto& [id, image] : model.images)
+    camera_of[image.name] = &model.cameras.at(image.camera);
+  for (const View& view : scene.views) fs::create_directories((folder / view.image).parent_path());
+  std::atomic<size_t> with_alpha = 0;
+  const auto write = [&](size_t i) {
+    const View& view = scene.views[i];
+    Image photo = ReadImage(photos / view.name);
+    if (photo.channels == 4) {
+      photo = WithoutAlpha(photo);
+      ++with_alpha;
+    }
+    const Lens& lens = *camera_of.at(view.name);
+    NamingLens(
+        photos / view.name, lens,
+        [&] { photo = Undistort(photo, lens, scene.cameras[size_t(view.camera)]); }, kLensAdvice);
+    WriteImage(folder / view.image, photo);
+  };
+  ParallelForEach(scene.views.size(), "undistorting: photo", "COLMAP's results are kept", write);
+  if (with_alpha > 0) {
+    LogWarning(
+        "{} photos have transparency, which is not used: it was dropped, the colours beneath were "
+        "kept",
+        with_alpha.load());
+  }
+}
+
+void Report(const ModelQuality& quality, const Scene& scene,
+            const std::vector<std::string>& unregistered, const Subject& subject, Stage& stage) {
+  LogInfo(
+      "{} of {} photos registered, {} points, mean reprojection error {:.3f} px, mean track "
+      "length {:.2f}",
+      quality.registered, quality.photos, WithThousands(quality.points), quality.mean_error_px,
+      quality.mean_track_length);
+  if (!unregistered.empty()) {
+    LogWarning("{} photos are not registered and left out: {}", unregistered.size(),
+               fmt::join(unregistered, ", "));
+  }
+  const glm::dvec3 size = subject.bounds_in_world.Size();
+  LogInfo(
+      "subject: {:.2f} x {:.2f} x {:.2f} units, from {} points; {} views to train on, {} held out",
+      size.x, size.y, size.z, WithThousands(subject.points), scene.ViewsOf(Split::kTrain).size(),
+      scene.ViewsOf(Split::kTest).size());
+  stage.Count("photos", quality.photos);
+  stage.Count("registered", quality.registered);
+  stage.Count("points", quality.points);
+  stage.Count("subject_points", subject.points);
+  stage.Count("train_views", scene.ViewsOf(Split::kTrain).size());
+  stage.Count("test_views", scene.ViewsOf(Split::kTest).size());
+  stage.Count("mean_reprojection_error_px", quality.mean_error_px);
+  stage.Count("mean_track_length", quality.mean_track_length);
+  stage.Note("unregistered", unregistered);
+  stage.Note("resolution", {scene.cameras.front().width, scene.cameras.front().height});
+}
+
+}  // namespace
+
+void RunSfm(const SfmOptions& options, Stage& stage) {
+  options.Check();
+  const fs::path folder = stage.Input("PHOTOS");
+  Timer timer;
+  const std::vector<Photo> photos = FindPhotos(folder);
+  stage.Seconds("check", timer.seconds());
+  const ColmapModel model = RunColmap(options, photos, stage);
+  std::vector<std::string> names;
+  for (const Photo& photo : photos) names.push_back(photo.name);
+  const ModelQuality quality = JudgeModel(model, names);
+
+  timer = {};
+  Scene scene = SceneFromModel(model, folder, options);
+  const Subject subject = FindSubject(scene);
+  MoveToSubject(scene, subject);
+  stage.Output("images");
+  WriteViews(scene, model, folder, stage.folder());
+  WriteScene(stage.folder(), scene);
+  stage.Output("scene.json");
+  stage.Output("points.ply");
+  stage.Seconds("undistort", timer.seconds());
+  Report(quality, scene, UnregisteredPhotos(model, names), subject, stage);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,198 @@
+// From a scene to its first mesh and field.
+#include "start/tetrahedralize.h"
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/option_range.h"
+#include "core/progress.h"
+#include "core/timer.h"
+#include "mesh/delaunay.h"
+#include "scene/carve.h"
+#include "scene/scene.h"
+#include "start/tetgen.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+StartKind ChooseStart(std::optional<StartKind> wanted, const Scene& scene) {
+  if (wanted == StartKind::kPoints && scene.points.empty()) {
+    throw UsageError("start points: the scene has no sparse points; choose carve or grid");
+  }
+  if (wanted == StartKind::kCarve && !scene.has_alpha) {
+    throw UsageError("start carve: the scene's images have no alpha; choose points or grid");
+  }
+  if (wanted) return *wanted;
+  if (!scene.points.empty()) return StartKind::kPoints;
+  return scene.has_alpha ? StartKind::kCarve : StartKind::kGrid;
+}
+
+int ResolutionOr(const TetrahedralizeOptions& options, int otherwise) {
+  return options.resolution > 0 ? options.resolution : otherwise;
+}
+
+// The subject's box with some room, so that its surface is not cut.
+Bounds3 BoxOf(const Scene& scene) { return scene.subject_bounds.Scaled(1.1); }
+
+RadianceField FieldOfSubject(const StartPoints& start, const InitialFieldOptions& options) {
+  DelaunayResult delaunay = BuildDelaunay(start.positions);
+  std::vector<VertexKind> kinds;
+  for (const uint32_t p : delaunay.point_of_vertex) kinds.push_back(start.kinds[p]);
+  return MakeSubjectField(std::move(delaunay.mesh), kinds, options);
+}
+
+RadianceField StartCarved(const Scene& scene, const TetrahedralizeOptions& options, Stage& stage) {
+  const std::vector<AlphaMask> masks = ReadTrainingMasks(stage.Input("scene"), scene);
+  const Bounds3 bounds = scene.subject_bounds.Scaled(1.05);
+  const int cells = ResolutionOr(options, 64);
+  const OccupancyGrid grid = CarveMasks(masks, bounds, CubicCells(bounds, cells));
+  LogInfo("carved {}x{}x{} cells by {} masks: {} inside", grid.size.x, grid.size.y, grid.size.z,
+          masks.size(), WithThousands(grid.InsideCount()));
+  stage.Count("carved_cells", grid.InsideCount());
+  return FieldOfSubject(StartFromCarve(grid, options.carve, options.seed), options.field);
+}
+
+RadianceField StartGrid(const Scene& scene, const TetrahedralizeOptions& options) {
+  const int cells = ResolutionOr(options, 32);
+  return FieldOfSubject(StartFromGrid(BoxOf(scene), cells, options.seed), options.field);
+}
+
+RadianceField StartTetgen(const Scene& scene, const TetrahedralizeOptions& options, Stage& stage) {
+  const Bounds3 box = BoxOf(scene);
+  const glm::dvec3 size = box.Size();
+  const double edge = std::max({size.x, size.y, size.z}) / ResolutionOr(options, 24);
+  // The bound is the volume of a regular tet.
+  TetMesh mesh = TetrahedralizeBox(box, edge * edge * edge / (6 * std::sqrt(2.0)), options.seed,
+                                   stage.Scratch("tetgen"));
+  const std::vector<VertexKind> kinds(mesh.positions.size(), VertexKind::kInner);
+  return MakeSubjectField(std::move(mesh), kinds, options.field);
+}
+
+std::vector<SparsePoint> SparsePointsOf(const Scene& scene) {
+  std::vector<SparsePoint> sparse;
+  for (const ScenePoint& p : scene.points) {
+    sparse.push_back({p.position, p.reprojection_error_px, p.track_length});
+  }
+  return sparse;
+}
+
+void ReportPoints(const FilteredPoints& filtered, size_t read, const PointStart& start,
+                  Stage& stage) {
+  const size_t used = filtered.kept.size() - start.dropped_far;
+  LogInfo(
+      "points: {} of {} used; dropped: {} not finite, {} by reprojection error, {} by track "
+      "length, {} too close to another, {} beyond the far shell of radius {:.3g}; {} vertices of "
+      "fill",
+      WithThousands(used), WithThousands(read), filtered.not_finite, filtered.high_error,
+      filtered.short_track, filtered.too_close, start.dropped_far, start.far_radius,
+      WithThousands(start.fill));
+  if (used < 100) {
+    LogWarning(
+        "only {} sparse points are left: loosen the bounds on reprojection error or track length",
+        used);
+  }
+  stage.Count("points", {{"read", read},
+                         {"used", used},
+                         {"not_finite", filtered.not_finite},
+                         {"high_reprojection_error", filtered.high_error},
+                         {"short_track", filtered.short_track},
+                         {"too_close", filtered.too_close},
+                         {"beyond_far_shell", start.dropped_far}});
+  stage.Count("fill_vertices", start.fill);
+  stage.Note("far_radius", start.far_radius);
+}
+
+RadianceField StartPhotos(const Scene& scene, const TetrahedralizeOptions& options, Stage& stage) {
+  const std::vector<SparsePoint> sparse = SparsePointsOf(scene);
+  const FilteredPoints filtered = FilterPoints(sparse, options.filter);
+  std::vector<glm::dvec3> positions, cameras_in_world;
+  for (const uint32_t i : filtered.kept) positions.push_back(sparse[i].position);
+  for (const View& view : scene.views) {
+    cameras_in_world.push_back(view.cam_from_world.Inverse().translation);
+  }
+  const PointStart start = StartFromPoints(positions, cameras_in_world, scene.subject_bounds,
+                                           options.shell, options.seed);
+  ReportPoints(filtered, sparse.size(), start, stage);
+
+  DelaunayResult delaunay = BuildDelaunay(start.points.positions);
+  std::vector<VertexKind> kinds;
+  std::vector<std::optional<glm::vec3>> colors_srgb;
+  for (const uint32_t p : delaunay.point_of_vertex) {
+    kinds.push_back(start.points.kinds[p]);
+    colors_srgb.emplace_back();
+    if (start.points.point[p] == kNoPoint) continue;
+    const auto& rgb = scene.points[filtered.kept[start.points.point[p]]].color_srgb;
+    colors_srgb.back() = glm::vec3(rgb[0], rgb[1], rgb[2]) / 255.0f;
+  }
+  return MakePhotoField(std::move(delaunay.mesh), kinds, colors_srgb, options.field);
+}
+
+RadianceField MakeStart(StartKind start, const Scene& scene, const TetrahedralizeOptions& options,
+                        Stage& stage) {
+  switch (start) {
+    case StartKind::kPoints:
+      return StartPhotos(scene, options, stage);
+    case StartKind::kCarve:
+      return StartCarved(scene, options, stage);
+    case StartKind::kGrid:
+      return StartGrid(scene, options);
+    case StartKind::kTetgen:
+      return StartTetgen(scene, options, stage);
+  }
+  TETREC_CHECK(false, "a start of unknown kind");
+}
+
+void Report(const TetMesh& mesh, Stage& stage) {
+  const TetMeshQuality quality = MeasureQuality(mesh);
+  TETREC_CHECK(quality.boundary_faces == 12,
+               fmt::format("the hull has {} triangles, a box has 12", quality.boundary_faces));
+  LogInfo(
+      "mesh: {} vertices, {} tets; radius ratio {:.2g} min, {:.3f} mean; volume {:.3g} min, "
+      "{:.3g} mean, {:.6g} in all",
+      WithThousands(mesh.positions.size()), WithThousands(mesh.tets.size()),
+      quality.min_radius_ratio, quality.mean_radius_ratio, quality.min_volume, quality.mean_volume,
+      quality.total_volume);
+  stage.Count("vertices", mesh.positions.size());
+  stage.Count("tets", mesh.tets.size());
+  stage.Count("quality", {{"min_radius_ratio", quality.min_radius_ratio},
+                          {"mean_radius_ratio", quality.mean_radius_ratio},
+                          {"min_volume", quality.min_volume},
+                          {"mean_volume", quality.mean_volume},
+                          {"total_volume", quality.total_volume},
+                          {"boundary_faces", quality.boundary_faces}});
+}
+
+}  // namespace
+
+void TetrahedralizeOptions::Check() const {
+  CheckRange("resolution", resolution, 0, 512);
+  CheckAboveZero("max_reprojection_error", filter.max_reprojection_error_px);
+  CheckRange("min_track_length", filter.min_track_length, 1u, 1'000'000u);
+  CheckAtLeast("min_spacing", filter.min_spacing, 0.0);
+  CheckRange("sphere_points", shell.sphere_points, 20, 100'000);
+  CheckRange("far_share", shell.far_share, 0.0, 1.0);
+  CheckRange("outer_points", carve.outer_points, 0, 1'000'000);
+  CheckAboveZero("start_density", field.density);
+}
+
+void RunTetrahedralize(const TetrahedralizeOptions& options, Stage& stage) {
+  const Scene scene = ReadScene(stage.Input("scene"));
+  const StartKind start = ChooseStart(options.start, scene);
+  LogInfo("start: {}", Name(start));
+  stage.Note("start", Name(start));
+  const Timer timer;
+  const RadianceField field = MakeStart(start, scene, options, stage);
+  CheckTetMesh(field.mesh);
+  CheckConvexDomain(field.mesh);
+  CheckField(field);
+  stage.Seconds("mesh", timer.seconds());
+  Report(field.mesh, stage);
+  WriteTetMesh(stage.Output("mesh.tet"), field.mesh);
+  WriteField(stage.Output("field.tetf"), field);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,106 @@
+// From a field to its surface.
+#include "surface/surface.h"
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/option_range.h"
+#include "core/progress.h"
+#include "core/timer.h"
+#include "field/change_storage.h"
+#include "field/radiance_field.h"
+#include "mesh/mesh_facts.h"
+#include "run/field_world.h"
+#include "surface/level.h"
+#include "surface/marching_tetrahedra.h"
+
+#include <fmt/format.h>
+
+namespace tetrec {
+namespace {
+
+// Rays lose half of their light inside a wall. The wall begins where density has risen to this
+// share of its value there; free space has far less.
+constexpr double kWallBegins = 0.1;
+
+float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
+                     const SurfaceOptions& options, Stage& stage) {
+  if (options.isovalue > 0) return float(options.isovalue);
+  if (world.cameras_in_world.empty()) {
+    LogInfo("isovalue: world.json has no camera centres, rays come from all around the subject");
+  }
+  const HalfTransmittanceLevel level = FindHalfTransmittanceLevel(
+      field, world.subject_bounds, world.cameras_in_world, options.rays, options.seed);
+  const double isovalue = kWallBegins * level.isovalue;
+  LogInfo(
+      "isovalue: {:.4g} per world unit, a tenth of the density where {} of {} rays have lost half "
+      "of "
+      "their light ({} lost)",
+      isovalue, WithThousands(level.opaque_rays), WithThousands(level.rays), level.lost_rays);
+  stage.Count("isovalue_rays",
+              {{"cast", level.rays}, {"opaque", level.opaque_rays}, {"lost", level.lost_rays}});
+  return float(isovalue);
+}
+
+TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, Stage& stage) {
+  CleanResult kept = KeepLargePieces(SeparateFans(raw), options.clean);
+  LogInfo("pieces: {} in all, {} dropped as small, {} as cavities ({} triangles)",
+          WithThousands(kept.components), WithThousands(kept.dropped_small),
+          WithThousands(kept.dropped_cavities), WithThousands(kept.dropped_triangles));
+  stage.Count("pieces", {{"all", kept.components},
+                         {"dropped_small", kept.dropped_small},
+                         {"dropped_cavities", kept.dropped_cavities},
+                         {"dropped_triangles", kept.dropped_triangles}});
+  if (options.max_faces == 0) return std::move(kept.mesh);
+  return Decimate(kept.mesh, options.max_faces);
+}
+
+void Report(const TriangleMesh& mesh, Stage& stage) {
+  const MeshFacts facts = MeasureMesh(mesh);
+  LogInfo("surface: {} vertices, {} triangles, {} border edges, {} non-manifold edges",
+          WithThousands(mesh.positions.size()), WithThousands(mesh.triangles.size()),
+          WithThousands(facts.boundary_edges), WithThousands(facts.non_manifold_edges));
+  stage.Count("vertices", mesh.positions.size());
+  stage.Count("triangles", mesh.triangles.size());
+  stage.Count("border_edges", facts.boundary_edges);
+  stage.Count("non_manifold_edges", facts.non_manifold_edges);
+  stage.Count("non_manifold_vertices", facts.non_manifold_vertices);
+  stage.Count("euler_characteristic", facts.euler_characteristic);
+  stage.Count("area", facts.area);
+}
+
+}  // namespace
+
+void SurfaceOptions::Check() const {
+  CheckAtLeast("isovalue", isovalue, 0.0);
+  CheckRange("margin", margin, 0.0, 10.0);
+  CheckRange("min_component_share", clean.min_component_share, 0.0, 1.0);
+  CheckRange("rays", rays, 100, 100'000'000);
+}
+
+void RunSurface(const SurfaceOptions& options, Stage& stage) {
+  // The level function is linear in each tet: densities of cells become means at their vertices.
+  const RadianceField field =
+      WithStorage(ReadField(stage.Input("field") / "field.tetf"), FieldStorage::kVertex);
+  const FieldWorld world = ReadFieldWorld(stage.Input("field") / kFieldWorldFile);
+  const Timer timer;
+  const float isovalue = ChooseIsovalue(field, world, options, stage);
+  stage.Note("isovalue", isovalue);
+  LevelSet set = MarchTetrahedra(field.mesh, field.density, isovalue);
+  LogInfo("level set: {} triangles", WithThousands(set.triangles.size()));
+  if (options.bounds == SurfaceBounds::kSubject) {
+    set = CropTo(set, world.subject_bounds.Scaled(1 + 2 * options.margin));
+  }
+  if (set.triangles.empty()) {
+    throw DataError(fmt::format(
+        "no surface at isovalue {:.4g}; choose another isovalue, or all as bounds", isovalue));
+  }
+  const TriangleMesh mesh =
+      Transformed(Cleaned(ColoredSurface(set, field), options, stage), world.input_from_world);
+  stage.Seconds("surface", timer.seconds());
+  Report(mesh, stage);
+  stage.Note("coordinates", "the input's own");
+  WriteTriangleMeshPly(stage.Output("surface.ply"), mesh);
+  WriteTriangleMeshObj(stage.Output("surface.obj"), mesh);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,38 @@
+// The surface of a field: a level set of its density as a coloured triangle mesh.
+#pragma once
+
+#include "core/stage.h"
+#include "core/words.h"
+#include "surface/clean.h"
+
+#include <cstdint>
+
+namespace tetrec {
+
+enum class SurfaceBounds {
+  kSubject,  // the subject's bounds, with a margin
+  kAll,      // the whole mesh
+};
+template <>
+inline constexpr auto kWords<SurfaceBounds> = std::to_array<Word<SurfaceBounds>>(
+    {{SurfaceBounds::kSubject, "subject"}, {SurfaceBounds::kAll, "all"}});
+
+struct SurfaceOptions {
+  // Density of the surface [1 / world unit]; 0: a tenth of the typical density where a ray from a
+  // camera has lost half of its light (FindHalfTransmittanceLevel).
+  double isovalue = 0;
+  SurfaceBounds bounds = SurfaceBounds::kSubject;
+  double margin = 0.05;  // around the subject's bounds, in shares of their sides
+  CleanOptions clean;
+  uint64_t max_faces = 0;  // simplify to this many triangles; 0: keep all
+  int rays = 10000;        // that find the isovalue
+  uint64_t seed = 1;       // of those rays
+
+  void Check() const;  // throws UsageError naming the option and its value
+};
+
+// Reads the field in the stage's input "field"; writes surface.ply and surface.obj in the input's
+// own coordinates.
+void RunSurface(const SurfaceOptions& options, Stage& stage);
+
+}  // namespace tetrec

@@ -1,0 +1,412 @@
+// Stages: command line, key, up to date, resume, foreign folders, failures, signals.
+#include "command/stage_command.h"
+
+#include "command/option_checks.h"
+#include "core/child_process.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/stage.h"
+#include "core/stop_request.h"
+#include "core/timer.h"
+#include "scratch_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <thread>
+
+namespace tetrec {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int exit_code = 0;
+  bool ran = false;
+  bool resumed = false;
+  std::string out, err;
+};
+
+// Runs a small stage "first" in this process: it copies INPUT to out/copy.txt.
+class StageTest : public ::testing::Test {
+ protected:
+  using Body = std::function<void(Stage&)>;
+
+  static void CopyInput(Stage& stage) {
+    WriteText(stage.Output("out/copy.txt"), ReadText(stage.Input("INPUT")));
+    WriteText(stage.Scratch("scratch.txt"), "x");
+    WriteText(stage.Cache("cached.txt"), "kept");
+    stage.Count("files", 1);
+  }
+
+  static Outcome RunCommand(StageCommand& command, std::vector<std::string> words,
+                            const Body& body) {
+    std::vector<char*> argv;
+    words.insert(words.begin(), "tetrec");
+    for (std::string& word : words) argv.push_back(word.data());
+    Outcome outcome;
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
+    outcome.exit_code = command.Run(int(argv.size()), argv.data(), [&](Stage& stage) {
+      outcome.ran = true;
+      outcome.resumed = stage.resume();
+      body(stage);
+    });
+    outcome.out = ::testing::internal::GetCapturedStdout();
+    outcome.err = ::testing::internal::GetCapturedStderr();
+    SetLogFile("");
+    TakeWarnings();
+    return outcome;
+  }
+
+  Outcome First(std::vector<std::string> words, const Body& body = CopyInput, int version = 1) {
+    double rate = 0.1;
+    std::string device;
+    bool fast = false;
+    StageCommand command("first", version, "Copies.");
+    command.InputPath("INPUT", "A file");
+    command.app().add_option("--rate", rate, "Rate [1/s]");
+    command.app().add_flag("--fast", fast, "Fast");
+    command.DoesNotChangeResults(command.app().add_option("--device", device, "Device"));
+    return RunCommand(command, std::move(words), body);
+  }
+
+  Outcome Second(const std::string& input, const std::string& output) {
+    StageCommand command("second", 1, "Reads.");
+    command.InputStage("FIRST", "Folder of first", {"first"});
+    return RunCommand(command, {input, "-o", output}, [](Stage& stage) {
+      WriteText(stage.Output("n.txt"), stage.InputManifest("FIRST")["counts"].dump());
+    });
+  }
+
+  void SetUp() override { WriteText(input_, "hello"); }
+
+  nlohmann::json Manifest() const { return ReadJson(fs::path(output_) / "manifest.json"); }
+  nlohmann::json Status() const { return ReadJson(fs::path(output_) / "status.json"); }
+
+  ScratchFolder folder_;
+  const std::string input_ = folder_ / "input.txt", output_ = folder_ / "run/1_first";
+};
+
+TEST_F(StageTest, WritesManifestStatusAndLog) {
+  const Outcome outcome = First({input_, "-o", output_, "--fast"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const nlohmann::json manifest = Manifest();
+  EXPECT_EQ(manifest["schema"], 1);
+  EXPECT_EQ(manifest["stage"], "first");
+  EXPECT_EQ(manifest["options"]["rate"], 0.1);
+  EXPECT_EQ(manifest["options"]["fast"], true);
+  EXPECT_EQ(manifest["counts"]["files"], 1);
+  ASSERT_EQ(manifest["outputs"].size(), 1u);
+  EXPECT_EQ(manifest["outputs"][0]["path"], "out/copy.txt");
+  EXPECT_EQ(manifest["outputs"][0]["sha256"], Sha256OfFile(input_));
+  EXPECT_EQ(manifest["inputs"][0]["path"], "../../input.txt");
+  EXPECT_GT(manifest["peak_rss_bytes"].get<uint64_t>(), 0u);
+  EXPECT_EQ(Status()["status"], "done");
+  EXPECT_FALSE(fs::exists(fs::path(output_) / "scratch.txt"));
+  EXPECT_TRUE(fs::exists(fs::path(output_) / "cached.txt"));
+  EXPECT_THAT(ReadText(fs::path(output_) / "log.txt"), HasSubstr("\"fast\":true"));
+}
+
+TEST_F(StageTest, HelpExitsWithZeroAndWrongCommandLinesWithTwo) {
+  EXPECT_EQ(First({"--help"}).exit_code, 0);
+  EXPECT_THAT(First({"--help"}).out, HasSubstr("Rate [1/s]"));
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{},
+                                             {input_},
+                                             {input_, "-o", output_, "--none"},
+                                             {input_, "-o", output_, "--rate", "x"},
+                                             {input_, "-o", output_, "--force", "--resume"}}) {
+    const Outcome outcome = First(words);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  EXPECT_FALSE(fs::exists(output_));
+}
+
+TEST_F(StageTest, InvalidAndOutOfRangeNumbersTouchNothing) {
+  double rate = 1, share = 1;
+  uint64_t steps = 1;
+  const auto run = [&](const std::string& name, const std::string& value) {
+    StageCommand command("first", 1, "Copies.");
+    command.InputPath("INPUT", "A file");
+    command.app().add_option("--rate", rate, "Rate [1/s]");
+    command.app().add_option("--share", share, "Share")->check(AboveZero());
+    command.app().add_option("--room", share, "Room")->check(AtLeastZero());
+    command.app().add_option("--steps", steps, "Steps");
+    const Outcome outcome = RunCommand(command, {input_, "-o", output_, name, value}, CopyInput);
+    EXPECT_EQ(outcome.exit_code == 0, fs::exists(output_)) << name << " " << value;
+    fs::remove_all(output_);
+    return outcome;
+  };
+  for (const auto& [name, value] :
+       std::vector<std::pair<std::string, std::string>>{{"--rate", "nan"},
+                                                        {"--rate", "inf"},
+                                                        {"--steps", "-3"},
+                                                        {"--share", "0"},
+                                                        {"--share", "nan"},
+                                                        {"--room", "-1"},
+                                                        {"--room", "nan"},
+                                                        {"--share", "x"},
+                                                        {"--steps", "1e99"},
+                                                        {"--rate", "-inf"}}) {
+    const Outcome outcome = run(name, value);
+    EXPECT_EQ(outcome.exit_code, 2) << name << " " << value;
+    EXPECT_THAT(outcome.err, HasSubstr(name));
+    EXPECT_THAT(outcome.err, HasSubstr(value));
+    EXPECT_LT(outcome.err.size(), 120u) << outcome.err;
+  }
+  EXPECT_EQ(run("--rate", "-2.5").exit_code, 0);
+  EXPECT_EQ(run("--room", "0").exit_code, 0);
+  EXPECT_EQ(run("--share", "1e-9").exit_code, 0);
+  EXPECT_EQ(run("--steps", "7").exit_code, 0);
+}
+
+TEST_F(StageTest, TheSameCommandAgainIsUpToDate) {
+  First({input_, "-o", output_});
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{input_, "-o", output_},
+                                             {input_, "-o", output_ + "/"},
+                                             {input_, "-o", output_, "--rate", "1e-1"},
+                                             {input_, "-o", output_, "--device", "other"},
+                                             {input_, "-o", output_, "--resume"}}) {
+    const Outcome outcome = First(words);
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_FALSE(outcome.ran);
+    EXPECT_THAT(outcome.out, HasSubstr("up to date"));
+  }
+}
+
+TEST_F(StageTest, ChangedOptionsInputsVersionsAndSpoiledOutputsRunAgain) {
+  First({input_, "-o", output_});
+  EXPECT_TRUE(First({input_, "-o", output_, "--rate", "0.2"}).ran);
+  EXPECT_TRUE(First({input_, "-o", output_, "--rate", "0.2", "--fast"}).ran);
+  EXPECT_TRUE(First({input_, "-o", output_}).ran);
+  EXPECT_TRUE(First({input_, "-o", output_, "--force"}).ran);
+  EXPECT_TRUE(First({input_, "-o", output_}, CopyInput, 2).ran);
+  WriteText(input_, "other");
+  EXPECT_TRUE(First({input_, "-o", output_}).ran);
+  EXPECT_FALSE(First({input_, "-o", output_}).ran);
+  WriteText(fs::path(output_) / "out/copy.txt", "spoiled by hand");
+  EXPECT_TRUE(First({input_, "-o", output_}).ran);
+  EXPECT_EQ(ReadText(fs::path(output_) / "out/copy.txt"), "other");
+}
+
+TEST_F(StageTest, AnotherRunRemovesTheFilesOfTheFirstButNotTheCacheNorForeignFiles) {
+  First({input_, "-o", output_}, [](Stage& stage) {
+    WriteText(stage.Output("old/a.txt"), "a");
+    WriteText(stage.Cache("cache/b.txt"), "b");
+  });
+  WriteText(fs::path(output_) / "mine.txt", "the user's own");
+  const Outcome outcome = First({input_, "-o", output_, "--fast"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_FALSE(fs::exists(fs::path(output_) / "old"));
+  EXPECT_TRUE(fs::exists(fs::path(output_) / "cache/b.txt"));
+  EXPECT_TRUE(fs::exists(fs::path(output_) / "mine.txt"));
+  First({input_, "-o", output_, "--force"});
+  EXPECT_FALSE(fs::exists(fs::path(output_) / "cache/b.txt"));
+  EXPECT_TRUE(fs::exists(fs::path(output_) / "mine.txt"));
+}
+
+TEST_F(StageTest, ForeignFoldersAndOtherStagesFoldersAreLeftAlone) {
+  fs::create_directories(folder_ / "foreign");
+  WriteText(folder_ / "foreign/manifest.json", "{\"name\": \"a web page\"}");
+  const Outcome foreign = First({input_, "-o", folder_ / "foreign"});
+  EXPECT_EQ(foreign.exit_code, 2);
+  EXPECT_THAT(foreign.err, HasSubstr("not empty and not a stage folder"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "foreign"), fs::directory_iterator()),
+            1);
+
+  First({input_, "-o", output_});
+  ASSERT_EQ(Second(output_, folder_ / "run/2_second").exit_code, 0);
+  const Outcome wrong = First({input_, "-o", folder_ / "run/2_second"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("tetrec-second"));
+  EXPECT_EQ(Second(output_, output_).exit_code, 2);
+  EXPECT_EQ(Second(output_, output_ + "/inside").exit_code, 2);
+  EXPECT_TRUE(fs::exists(folder_ / "run/2_second/manifest.json"));
+}
+
+TEST_F(StageTest, WrongMissingAndUnfinishedPreviousStagesAreNamed) {
+  const std::string second = folder_ / "run/2_second";
+  Outcome outcome = Second(folder_ / "none", second);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("run tetrec-first"));
+  outcome = Second(folder_.path(), second);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("not a stage folder"));
+
+  First({input_, "-o", output_}, [](Stage&) { throw DataError("the picture a.jpg is empty"); });
+  outcome = Second(output_, second);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("the picture a.jpg is empty"));
+
+  First({input_, "-o", output_});
+  ASSERT_EQ(Second(output_, second).exit_code, 0);
+  outcome = Second(second, folder_ / "run/3_second");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("expected the folder that tetrec-first wrote"));
+  fs::remove(fs::path(output_) / "out/copy.txt");
+  outcome = Second(output_, folder_ / "run/4_second");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("out/copy.txt"));
+}
+
+TEST_F(StageTest, TheKeyOfALaterStageFollowsTheContentOfTheEarlierOne) {
+  const std::string second = folder_ / "run/2_second";
+  First({input_, "-o", output_});
+  Second(output_, second);
+  EXPECT_FALSE(Second(output_, second).ran);
+  First({input_, "-o", output_, "--force"});  // the same files again
+  EXPECT_FALSE(Second(output_, second).ran);
+  WriteText(input_, "changed");
+  First({input_, "-o", output_});
+  EXPECT_TRUE(Second(output_, second).ran);
+  EXPECT_EQ(ReadJson(fs::path(second) / "manifest.json")["previous"], "../1_first");
+}
+
+TEST_F(StageTest, FailuresGiveTheirExitCodesAndOneLine) {
+  const auto run = [&](const Body& body) { return First({input_, "-o", output_}, body); };
+  EXPECT_EQ(run([](Stage&) { throw UsageError("u"); }).exit_code, 2);
+  EXPECT_EQ(run([](Stage&) { throw DataError("d"); }).exit_code, 3);
+  EXPECT_EQ(run([](Stage&) { throw EnvironmentError("e"); }).exit_code, 4);
+  EXPECT_EQ(run([](Stage&) { throw std::bad_alloc(); }).exit_code, 4);
+  EXPECT_EQ(run([](Stage&) { TETREC_CHECK(1 > 2, "sums"); }).exit_code, 1);
+  const Outcome bug = run([](Stage&) { throw std::logic_error("two\nlines"); });
+  EXPECT_EQ(bug.exit_code, 1);
+  EXPECT_THAT(bug.err, HasSubstr("bug: two lines"));
+  EXPECT_EQ(Status()["status"], "failed");
+  EXPECT_FALSE(fs::exists(fs::path(output_) / "manifest.json"));
+  // An output that was announced but not written is a bug too.
+  EXPECT_EQ(run([](Stage& stage) { stage.Output("never"); }).exit_code, 1);
+}
+
+// If both were followed, 40 levels of these links would give 2^40 names.
+TEST_F(StageTest, LinksThatLeadBackAreNotFollowed) {
+  folder_.Write("photos/a.jpg", "x");
+  fs::create_directory_symlink(".", folder_ / "photos/self");
+  fs::create_directory_symlink("../photos", folder_ / "photos/again");
+  EXPECT_EQ(First({folder_ / "photos", "-o", output_}, [](Stage&) {}).exit_code, 0);
+}
+
+TEST_F(StageTest, AMissingInputOrAnUnwritableOutputTouchesNothing) {
+  EXPECT_EQ(First({folder_ / "none", "-o", output_}).exit_code, 3);
+  EXPECT_FALSE(fs::exists(output_));
+  EXPECT_EQ(First({input_, "-o", input_ + "/sub"}).exit_code, 4);
+}
+
+TEST_F(StageTest, AnInterruptedRunContinuesWithTheSameCommandAndStartsOverWithAnother) {
+  const Body interrupted = [](Stage& stage) {
+    WriteText(stage.Scratch("half"), "half");
+    throw Interrupted("stopped; a checkpoint is kept");
+  };
+  EXPECT_EQ(First({input_, "-o", output_}, interrupted).exit_code, 130);
+  EXPECT_EQ(Status()["status"], "interrupted");
+
+  const Outcome other = First({input_, "-o", output_, "--rate", "3", "--resume"});
+  EXPECT_EQ(other.exit_code, 3);
+  EXPECT_FALSE(other.ran);
+  EXPECT_THAT(other.err, HasSubstr("rate (was 0.1, now 3"));
+  EXPECT_TRUE(fs::exists(fs::path(output_) / "half"));
+
+  const Outcome resumed = First({input_, "-o", output_});
+  EXPECT_EQ(resumed.exit_code, 0);
+  EXPECT_TRUE(resumed.resumed);
+  EXPECT_FALSE(fs::exists(fs::path(output_) / "half"));
+
+  First({input_, "-o", output_, "--force"}, interrupted);
+  const Outcome fresh = First({input_, "-o", output_, "--rate", "3"}, [&](Stage& stage) {
+    EXPECT_FALSE(fs::exists(fs::path(output_) / "half"));
+    CopyInput(stage);
+  });
+  EXPECT_EQ(fresh.exit_code, 0);
+  EXPECT_FALSE(fresh.resumed);
+}
+
+// Signals end a process, so these runs happen in a child process of the test.
+class StageSignalTest : public StageTest {
+ protected:
+  // Starts the stage with a body that waits until it is asked to stop, and returns once it runs.
+  pid_t StartWaitingRun(bool ignores_stop = false) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+      const Outcome outcome = First({input_, "-o", output_}, [&](Stage& stage) {
+        WriteText(stage.Scratch("running"), "");
+        for (int i = 0; i < 1000; ++i) {
+          if (!ignores_stop) ThrowIfStopRequested("nothing lost");
+          std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+      });
+      _exit(outcome.exit_code);
+    }
+    for (int i = 0; i < 1000 && !fs::exists(fs::path(output_) / "running"); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return pid;
+  }
+  static int WaitFor(pid_t pid) {
+    int status = 0;
+    waitpid(pid, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+};
+
+TEST_F(StageSignalTest, SigtermAndSigintEndWith130AndTheRunCanBeContinued) {
+  for (const int number : {SIGTERM, SIGINT}) {
+    const pid_t pid = StartWaitingRun();
+    kill(pid, number);
+    EXPECT_EQ(WaitFor(pid), 130);
+    EXPECT_EQ(Status()["status"], "interrupted");
+    EXPECT_TRUE(First({input_, "-o", output_}).resumed);
+    First({input_, "-o", output_, "--force"}, [](Stage&) { throw DataError("clear"); });
+  }
+}
+
+TEST_F(StageSignalTest, ASecondSignalEndsAtOnce) {
+  const pid_t pid = StartWaitingRun(true);
+  kill(pid, SIGTERM);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  kill(pid, SIGTERM);
+  EXPECT_EQ(WaitFor(pid), 130);
+}
+
+TEST_F(StageSignalTest, AKilledRunIsReportedAndCanBeContinued) {
+  const pid_t pid = StartWaitingRun();
+  const Outcome busy = First({input_, "-o", output_});
+  EXPECT_EQ(busy.exit_code, 4);
+  EXPECT_THAT(busy.err, HasSubstr(std::to_string(pid)));
+  EXPECT_FALSE(busy.ran);
+  kill(pid, SIGKILL);
+  EXPECT_EQ(WaitFor(pid), 137);
+  EXPECT_EQ(Status()["status"], "running");
+  EXPECT_THAT(Second(output_, folder_ / "run/2_second").err, HasSubstr("killed"));
+  const Outcome resumed = First({input_, "-o", output_});
+  EXPECT_EQ(resumed.exit_code, 0);
+  EXPECT_TRUE(resumed.resumed);
+}
+
+TEST_F(StageSignalTest, AChildProcessStopsWithItsStage) {
+  const pid_t pid = fork();
+  if (pid == 0) {
+    const Outcome outcome = First({input_, "-o", output_}, [&](Stage& stage) {
+      WriteText(stage.Scratch("running"), "");
+      RunChild(FindProgram("sleep"), {"60"}, {});
+    });
+    _exit(outcome.exit_code);
+  }
+  for (int i = 0; i < 1000 && !fs::exists(fs::path(output_) / "running"); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const Timer timer;
+  kill(pid, SIGTERM);
+  EXPECT_EQ(WaitFor(pid), 130);
+  EXPECT_LT(timer.seconds(), 30);
+}
+
+}  // namespace
+}  // namespace tetrec

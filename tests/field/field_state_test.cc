@@ -1,0 +1,73 @@
+// Fields as an optimiser sees them, and their prolongation.
+#include "field/field_state.h"
+
+#include "field/extra_attribute.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+RadianceField OneTet() {
+  RadianceField field;
+  field.mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  field.mesh.tets = {{0, 1, 2, 3}};
+  field.mesh.neighbors = {glm::uvec4(kNoTet)};
+  field.density = {0, 1, 2, 3.5f};
+  field.color_srgb = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.1f, 0.5f, 0.9f}};
+  field.others = {{kExtraAttribute, {}}};
+  for (int i = 0; i < 20; ++i) field.others[0].values.push_back(float(i) - 7.5f);
+  return field;
+}
+
+TEST(FieldState, HasTheParametersOfAFieldRowByRow) {
+  const RadianceField field = OneTet();
+  const FieldState state = StateOf(field);
+  ASSERT_EQ(state.layout, WithExtra({}));
+  ASSERT_EQ(state.rows(), 4u);
+  EXPECT_EQ(state.parameters[3 * 9 + kColorOffset + 1], 0.5f);
+  EXPECT_EQ(state.parameters[3 * 9 + kDensityOffset], std::log(3.5f));
+  EXPECT_EQ(state.parameters[kDensityOffset], kLeastLogDensity) << "density 0 has no logarithm";
+  EXPECT_EQ(state.parameters[9 + kStandardComponents + 2], field.others[0].values[5 + 2]);
+  EXPECT_EQ(state.first_moment, std::vector<float>(36, 0.0f));
+  EXPECT_EQ(state.second_moment, std::vector<float>(36, 0.0f));
+}
+
+TEST(FieldState, BecomesTheFieldAgain) {
+  const RadianceField field = OneTet();
+  const RadianceField back = FieldOf(field.mesh, StateOf(field));
+  EXPECT_EQ(back.storage, field.storage);
+  EXPECT_EQ(back.color_srgb, field.color_srgb);
+  for (int v = 0; v < 4; ++v) EXPECT_NEAR(back.density[v], field.density[v], 1e-6);
+  ASSERT_EQ(back.others.size(), 1u);
+  EXPECT_EQ(back.others[0].attribute, kExtraAttribute);
+  EXPECT_EQ(back.others[0].values, field.others[0].values);
+}
+
+TEST(Prolong, InterpolatesValuesNotParameters) {
+  FieldState state = StateOf(OneTet());
+  for (size_t i = 0; i < state.parameters.size(); ++i) {
+    state.first_moment[i] = float(i);
+    state.second_moment[i] = 100.0f + float(i);
+  }
+  const RowSource sources[] = {{2, 2, 0.0f}, {1, 3, 0.25f}};
+  const FieldState result = Prolong(state, sources);
+  ASSERT_EQ(result.layout, state.layout);
+  ASSERT_EQ(result.rows(), 2u);
+  for (size_t c = 0; c < 9; ++c) {
+    EXPECT_EQ(result.parameters[c], state.parameters[2 * 9 + c]) << "copied";
+    EXPECT_EQ(result.first_moment[c], state.first_moment[2 * 9 + c]);
+    EXPECT_EQ(result.first_moment[9 + c], float(9 + c) + 0.25f * 18.0f);
+    EXPECT_EQ(result.second_moment[9 + c], 100.0f + float(9 + c) + 0.25f * 18.0f);
+    if (c == kDensityOffset) continue;
+    const float a = state.parameters[9 + c], b = state.parameters[3 * 9 + c];
+    EXPECT_FLOAT_EQ(result.parameters[9 + c], 0.75f * a + 0.25f * b);
+  }
+  // 0.75 x 1 + 0.25 x 3.5; two roundings of exp and log.
+  EXPECT_NEAR(std::exp(result.parameters[9 + kDensityOffset]), 1.625f, 1e-6f);
+}
+
+}  // namespace
+}  // namespace tetrec

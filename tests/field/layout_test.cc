@@ -1,0 +1,107 @@
+// The description of what a row of a field carries.
+#include "field/layout.h"
+
+#include "core/error.h"
+#include "expect_error.h"
+#include "field/extra_attribute.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+namespace tetrec {
+namespace {
+
+TEST(FieldLayout, OfTheStandardIsColourAndTheLogarithmOfDensity) {
+  const FieldLayout layout;
+  EXPECT_TRUE(layout.IsStandard());
+  EXPECT_EQ(layout.Components(), kStandardComponents);
+  EXPECT_EQ(layout.OffsetOf("color"), kColorOffset);
+  EXPECT_EQ(layout.OffsetOf("density"), kDensityOffset);
+  EXPECT_EQ(layout.ParameterNames(),
+            (std::vector<std::string>{"color[0]", "color[1]", "color[2]", "log density"}));
+  EXPECT_THROW(layout.OffsetOf("extra"), BugError);
+}
+
+TEST(FieldLayout, CountsWhatComesBehindDensity) {
+  const FieldLayout layout = WithExtra({});
+  EXPECT_FALSE(layout.IsStandard());
+  EXPECT_EQ(layout.Components(), 9);
+  EXPECT_EQ(layout.OffsetOf("extra"), 4);
+  EXPECT_EQ(layout.ParameterNames().back(), "extra[4]");
+  EXPECT_EQ(layout.ByComponent()[3]->name, "density");
+  EXPECT_EQ(layout.ByComponent()[8]->name, "extra");
+}
+
+void ExpectRefused(const std::string& message, const std::vector<Attribute>& attributes) {
+  FieldLayout layout;
+  layout.attributes = attributes;
+  ExpectError<DataError>([&] { CheckLayout(layout); }, {message});
+}
+
+TEST(FieldLayout, RefusesWhatNoKernelOrFileCouldMean) {
+  EXPECT_NO_THROW(CheckLayout(WithExtra(kCellLayout)));
+  ExpectRefused("start with colour", {kDensityAttribute, kExtraAttribute});
+  ExpectRefused("start with colour", {kDensityAttribute, kColorAttribute});
+  ExpectRefused("start with colour", {kColorAttribute});
+  ExpectRefused("8 attributes at most", std::vector<Attribute>(9, kColorAttribute));
+  const auto third = [](const Attribute& attribute) {
+    return std::vector<Attribute>{kColorAttribute, kDensityAttribute, attribute};
+  };
+  ExpectRefused("name of attribute 2", third({"", 1}));
+  ExpectRefused("name of attribute 2", third({"a b", 1}));
+  ExpectRefused("name of attribute 2", third({std::string(33, 'a'), 1}));
+  ExpectRefused("'extra' has 0 components", third({"extra", 0}));
+  ExpectRefused("'extra' has 65 components", third({"extra", 65}));
+  ExpectRefused("activation 3", third({"extra", 5, Activation(3), RateClass::kColor}));
+  ExpectRefused("rate class 2", third({"extra", 5, Activation::kExp, RateClass(2)}));
+  ExpectRefused("two attributes 'density'", third({"density", 2}));
+}
+
+TEST(FieldLayout, ReadsBackAsItWasWritten) {
+  for (const FieldLayout& layout : {FieldLayout{}, kCellLayout, WithExtra(kCellLayout)}) {
+    ByteWriter writer;
+    AppendLayout(writer, layout);
+    ByteReader reader(writer.bytes(), "file");
+    EXPECT_EQ(TakeLayout(reader), layout);
+    EXPECT_NO_THROW(reader.ExpectEnd());
+  }
+}
+
+TEST(FieldLayout, RefusesHugeCountsAndPrefixes) {
+  ByteWriter writer;
+  AppendLayout(writer, WithExtra({}));
+  const std::vector<uint8_t> good = writer.bytes();
+  const auto read = [](std::span<const uint8_t> bytes) {
+    ByteReader reader(bytes, "file");
+    return TakeLayout(reader);
+  };
+  for (size_t size = 0; size < good.size(); ++size) {
+    EXPECT_THROW(read(std::span(good).first(size)), DataError) << size;
+  }
+  // Storage, attributes, letters of the first name, its components, activation and rate class.
+  for (const size_t at : {0, 4, 8, 17, 21, 25}) {
+    for (const uint32_t value : {100u, 1u << 31, ~0u}) {
+      std::vector<uint8_t> bytes = good;
+      std::memcpy(bytes.data() + at, &value, sizeof(value));
+      EXPECT_THROW(read(bytes), DataError) << at << ": " << value;
+    }
+  }
+}
+
+TEST(Activation, GoesThereAndBack) {
+  for (const float value : {1e-30f, 0.25f, 1.0f, 1e5f}) {
+    for (const auto activation : {Activation::kIdentity, Activation::kColor, Activation::kExp}) {
+      const float back = ValueOf(activation, ParameterOf(activation, value));
+      // The logarithm, below 70, is rounded to 4e-6.
+      EXPECT_NEAR(back, value, 4e-6f * value);
+    }
+  }
+  EXPECT_EQ(ParameterOf(Activation::kExp, 0.0f), kLeastLogDensity);
+  EXPECT_EQ(ActivationSlope(Activation::kExp, 3.0), 3.0);
+  EXPECT_EQ(ActivationSlope(Activation::kIdentity, 3.0), 1.0);
+}
+
+}  // namespace
+}  // namespace tetrec

@@ -1,0 +1,116 @@
+// The subject's bounds from a scene's points and cameras.
+#include "scene/subject_bounds.h"
+
+#include "scene/synthetic.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+// A ball in the middle of a room with walls at 4, seen from all around.
+Scene RoomScene() {
+  SyntheticOptions options;
+  options.kind = SyntheticKind::kRoom;
+  options.width = options.height = 16;
+  options.points = 3000;
+  return MakeSyntheticScene(options).scene;
+}
+
+// The same scene in another frame, as COLMAP would give it.
+Scene InOtherFrame(Scene scene, const Similarity3& other_from_scene) {
+  const Similarity3 scene_from_other = other_from_scene.Inverse();
+  for (View& view : scene.views) {
+    const glm::dvec3 center = other_from_scene * view.cam_from_world.Inverse().translation;
+    view.cam_from_world.rotation = view.cam_from_world.rotation * scene_from_other.rotation;
+    view.cam_from_world.translation = -(view.cam_from_world.rotation * center);
+  }
+  for (ScenePoint& point : scene.points) point.position = other_from_scene * point.position;
+  return scene;
+}
+
+TEST(Subject, TheBallIsSeparatedFromTheWallsBehindIt) {
+  const Scene room = RoomScene();
+  const Subject subject = FindSubject(room);
+  const Similarity3 room_from_world = subject.input_from_world;
+  size_t inside = 0, ball = 0, walls = 0, walls_inside = 0;
+  for (const ScenePoint& point : room.points) {
+    const bool in_box =
+        subject.bounds_in_world.Contains(room_from_world.Inverse() * point.position);
+    const bool on_wall = std::max({std::abs(point.position.x), std::abs(point.position.y),
+                                   std::abs(point.position.z)}) > 3.9;
+    (on_wall ? walls : ball) += 1;
+    (on_wall ? walls_inside : inside) += in_box;
+  }
+  ASSERT_GT(ball, 100u);
+  ASSERT_GT(walls, 100u);
+  // Trimming removes 1 % at each end, and the margin restores most of it.
+  EXPECT_GT(double(inside), 0.97 * double(ball));
+  EXPECT_EQ(walls_inside, 0u);
+  const glm::dvec3 size = subject.bounds_in_world.Size();
+  EXPECT_NEAR(std::max({size.x, size.y, size.z}), 2, 1e-12);
+  EXPECT_NEAR(glm::length(subject.bounds_in_world.Center()), 0, 1e-12);
+}
+
+TEST(Subject, DoesNotDependOnTheInputsFrame) {
+  const Scene room = RoomScene();
+  const Similarity3 other_from_room{
+      0.037,
+      glm::mat3_cast(glm::angleAxis(1.1, glm::normalize(glm::dvec3(1, -2, 0.5)))),
+      {5, -7, 2}};
+  Scene moved = InOtherFrame(room, other_from_room), still = room;
+  MoveToSubject(moved, FindSubject(moved));
+  MoveToSubject(still, FindSubject(still));
+  for (size_t i = 0; i < room.views.size(); ++i) {
+    const glm::dvec3 a = still.views[i].cam_from_world.Inverse().translation;
+    const glm::dvec3 b = moved.views[i].cam_from_world.Inverse().translation;
+    // The least squares' rounding, scaled up by 1 / 0.037.
+    EXPECT_NEAR(glm::distance(a, b), 0, 1e-6);
+  }
+  for (size_t i = 0; i < room.points.size(); i += 100) {
+    EXPECT_NEAR(glm::distance(still.points[i].position, moved.points[i].position), 0, 1e-6);
+  }
+  // Transforming back gives the original frame.
+  EXPECT_NEAR(glm::distance(moved.input_from_world * moved.points[0].position,
+                            other_from_room * room.points[0].position),
+              0, 1e-9);
+}
+
+// The images must not change: every point stays on its pixel, in front of the camera.
+TEST(Subject, MovingTheWorldKeepsEveryPointOnItsPixel) {
+  const Scene before = RoomScene();
+  Scene after = before;
+  MoveToSubject(after, FindSubject(before));
+  for (size_t v = 0; v < before.views.size(); v += 5) {
+    const Camera& camera = before.cameras[size_t(before.views[v].camera)];
+    for (size_t i = 0; i < before.points.size(); i += 97) {
+      const glm::dvec3 a = before.views[v].cam_from_world * before.points[i].position;
+      const glm::dvec3 b = after.views[v].cam_from_world * after.points[i].position;
+      if (a.z < 0.1) continue;
+      EXPECT_NEAR(glm::distance(camera.ImageFromCam(a), camera.ImageFromCam(b)), 0, 1e-8);
+    }
+  }
+}
+
+TEST(Subject, UpIsUprightForCamerasThatLookDownFromOneSide) {
+  // A quarter turn of level cameras that all look 40 degrees down: the mean of their own ups is
+  // tilted.
+  std::vector<View> views;
+  for (int i = 0; i <= 10; ++i) {
+    const double angle = 0.5 * M_PI * i / 10, down = 40.0 / 180 * M_PI;
+    const glm::dvec3 z(-std::cos(angle) * std::cos(down), -std::sin(angle) * std::cos(down),
+                       -std::sin(down));
+    const glm::dvec3 x = glm::normalize(glm::cross(z, glm::dvec3(0, 0, 1)));
+    View view;
+    view.cam_from_world.rotation = glm::transpose(glm::dmat3(x, glm::cross(z, x), z));
+    views.push_back(view);
+  }
+  // The weight of the mean direction costs some degrees.
+  EXPECT_GT(FindUp(views).z, std::cos(5.0 / 180 * M_PI));
+}
+
+}  // namespace
+}  // namespace tetrec

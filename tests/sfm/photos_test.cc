@@ -1,0 +1,75 @@
+// The photos of a folder: which are found, and which cannot be used.
+#include "sfm/photos.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "expect_error.h"
+#include "scratch_folder.h"
+#include "sfm/write_photo.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <span>
+
+namespace tetrec {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PhotosTest : public ::testing::Test {
+ protected:
+  void WritePhotos(int count) { WriteNumberedPhotos(photos_, count); }
+
+  ScratchFolder folder_;
+  const std::string photos_ = folder_ / "photos";
+};
+
+TEST_F(PhotosTest, FoldersWithoutPhotosOrWithOneAreRefused) {
+  ExpectError<DataError>([&] { FindPhotos(photos_); }, {"is not a folder"});
+  fs::create_directories(photos_);
+  folder_.Write("photos/readme.txt", "no photo");
+  folder_.Write("photos/.hidden.jpg", "no photo");
+  ExpectError<DataError>([&] { FindPhotos(photos_); }, {"contains no photos"});
+  WritePhotos(1);
+  ExpectError<DataError>([&] { FindPhotos(photos_); }, {"only one photo", "photo 00.png"});
+}
+
+TEST_F(PhotosTest, ImagesOfOtherKindsAreNamed) {
+  WritePhotos(1);
+  folder_.Write("photos/b.HEIC", "of a phone");
+  folder_.Write("photos/notes.txt", "no photo");
+  TakeWarnings();
+  ExpectError<DataError>([&] { FindPhotos(photos_); }, {"only one photo"});
+  EXPECT_THAT(TakeWarnings(),
+              ::testing::ElementsAre(::testing::AllOf(
+                  ::testing::HasSubstr("neither JPEG nor PNG are left out: 1: b.HEIC; convert"),
+                  ::testing::Not(::testing::HasSubstr("notes")))));
+}
+
+TEST_F(PhotosTest, AllPhotosThatCannotBeReadAreNamedAtOnce) {
+  WritePhotos(3);
+  folder_.Write("photos/letter.jpg", "this is a text");
+  folder_.Write("photos/empty.png", "");
+  const std::vector<uint8_t> whole = ReadBytes(fs::path(photos_) / "photo 00.png");
+  folder_.Write("photos/cut.png", std::span(whole).first(whole.size() / 2));
+  ExpectError<DataError>([&] { FindPhotos(photos_); },
+                         {"3 of 6", "letter.jpg", "empty.png", "cut.png"});
+}
+
+TEST_F(PhotosTest, PhotosAreFoundInFoldersAndSortedByName) {
+  WritePhoto(fs::path(photos_) / "b/2.png", 10);
+  WritePhoto(fs::path(photos_) / "b/1.PNG", 20);
+  WritePhoto(fs::path(photos_) / "a.jpg", 30, 32);
+  const std::vector<Photo> photos = FindPhotos(photos_);
+  ASSERT_EQ(photos.size(), 3u);
+  EXPECT_EQ(photos[0].name, "a.jpg");
+  EXPECT_EQ(photos[0].width, 32);
+  EXPECT_EQ(photos[1].name, "b/1.PNG");
+  EXPECT_EQ(photos[2].name, "b/2.png");
+}
+
+}  // namespace
+}  // namespace tetrec

@@ -1,0 +1,224 @@
+// Structure from motion: what COLMAP may do, and the scene made from its model. Instead of COLMAP a
+// stand-in runs that writes the same files.
+#include "sfm/sfm.h"
+
+#include "command/stage_command.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/stage.h"
+#include "image/image.h"
+#include "paths.h"
+#include "scene/scene.h"
+#include "scratch_folder.h"
+#include "sfm/write_photo.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cstdlib>
+#include <optional>
+
+namespace tetrec {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// An environment variable for the length of a test.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    setenv(name, value.c_str(), 1);
+  }
+  ~Variable() { before_ ? setenv(name_, before_->c_str(), 1) : unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+class SfmTest : public ::testing::Test {
+ protected:
+  struct Outcome {
+    int exit_code = 0;
+    std::string err;
+  };
+
+  // Runs tetrec-sfm as its main function does, with the stand-in for COLMAP first in PATH.
+  Outcome Run(const std::string& mode, const SfmOptions& options = {},
+              std::vector<std::string> words = {}) {
+    const Variable fake("FAKE_COLMAP", mode), calls("FAKE_COLMAP_CALLS", folder_ / "calls.txt");
+    const fs::path program = folder_.Write(
+        "bin/colmap", fmt::format("#!/bin/sh\nexec python3 '{}/tests/sfm/fake_colmap.py' \"$@\"\n",
+                                  test::SourceFolder().string()));
+    fs::permissions(program, fs::perms::owner_all);
+    const Variable path("PATH", mode == "missing"
+                                    ? (folder_ / "empty").string()
+                                    : (folder_ / "bin").string() + ":" + std::getenv("PATH"));
+    StageCommand command("sfm", 1, "Test.");
+    command.InputPath("PHOTOS", "Photos");
+    SfmOptions copy = options;
+    command.app().add_option("--max-size", copy.max_size, "");
+    command.app().add_option("--holdout", copy.holdout, "");
+    words.insert(words.begin(), {"tetrec-sfm", photos_, "-o", scene_});
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    Outcome outcome;
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
+    outcome.exit_code =
+        command.Run(int(argv.size()), argv.data(), [&](Stage& stage) { RunSfm(copy, stage); });
+    ::testing::internal::GetCapturedStdout();
+    outcome.err = ::testing::internal::GetCapturedStderr();
+    SetLogFile("");
+    TakeWarnings();
+    return outcome;
+  }
+
+  void WritePhotos(int count) { WriteNumberedPhotos(photos_, count); }
+
+  size_t Calls(const std::string& command) const {
+    const std::string text = ReadText(folder_ / "calls.txt");
+    size_t count = 0;
+    for (size_t at = text.find(command); at != std::string::npos; at = text.find(command, at + 1))
+      ++count;
+    return count;
+  }
+
+  ScratchFolder folder_;
+  const std::string photos_ = folder_ / "photos", scene_ = folder_ / "run/1_scene";
+};
+
+TEST_F(SfmTest, AGoodModelBecomesAScene) {
+  WritePhotos(12);
+  SfmOptions options;
+  options.max_size = 32;
+  const Outcome outcome = Run("good", options);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Scene scene = ReadScene(scene_);
+  ASSERT_EQ(scene.views.size(), 12u);
+  EXPECT_EQ(scene.views[3].name, "photo 03.png");
+  EXPECT_EQ(scene.ViewsOf(Split::kTest), (std::vector<int>{0, 8}));
+  EXPECT_EQ(scene.cameras[0].width, 32);
+  EXPECT_EQ(scene.cameras[0].height, 24);
+  EXPECT_NEAR(scene.cameras[0].fx, 40, 1e-6);
+  const Image picture = ReadImage(fs::path(scene_) / scene.views[3].image);
+  EXPECT_EQ(picture.width, 32);
+  EXPECT_EQ(picture.At(5, 5)[0], 70);  // each photo has one shade
+  EXPECT_EQ(scene.points.size(), 300u);
+  // The subject is a unit ball: centre and radius come back within the trimming of 1 % of the
+  // points (0.02 of the radius) and the margin of 5 %.
+  EXPECT_NEAR(scene.input_from_world.scale, 1.1 * 0.98, 0.03);
+  EXPECT_NEAR(glm::length(scene.input_from_world.translation), 0, 0.03);
+  for (const View& view : scene.views) {
+    const glm::dvec3 center = view.cam_from_world.Inverse().translation;
+    EXPECT_NEAR(glm::length(scene.input_from_world * center), 4, 1e-9);
+  }
+}
+
+TEST_F(SfmTest, OtherSizesAndSplitsReuseFeaturesMatchesAndModel) {
+  WritePhotos(12);
+  ASSERT_EQ(Run("good").exit_code, 0);
+  const size_t extractions = Calls("feature_extractor");
+  const Outcome again = Run("good", {}, {"--max-size", "16", "--holdout", "0"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(Calls("feature_extractor"), extractions);
+  EXPECT_EQ(Calls("mapper"), 1u);
+  EXPECT_EQ(ReadScene(scene_).cameras[0].width, 16);
+  EXPECT_TRUE(ReadScene(scene_).ViewsOf(Split::kTest).empty());
+  WritePhoto(fs::path(photos_) / "photo 05.png", 5);  // another photo: everything is made again
+  ASSERT_EQ(Run("good").exit_code, 0);
+  EXPECT_EQ(Calls("feature_extractor"), 2 * extractions);
+  EXPECT_EQ(Calls("mapper"), 2u);
+}
+
+TEST_F(SfmTest, WhatColmapCallsSuccessIsJudged) {
+  WritePhotos(12);
+  Outcome outcome = Run("none");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("do not overlap"));
+  outcome = Run("junk", {}, {"--force"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("only 2 of 12 photos"));
+  EXPECT_THAT(outcome.err, HasSubstr("photo 02.png"));
+  outcome = Run("half", {}, {"--force"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("only 6 of 12 photos"));
+  EXPECT_FALSE(fs::exists(fs::path(scene_) / "manifest.json"));
+  EXPECT_FALSE(fs::exists(fs::path(scene_) / "scene.json"));
+}
+
+TEST_F(SfmTest, ALensThatFoldsOverIsNamedWithAPhotoAndAdvice) {
+  WritePhotos(12);
+  const Outcome outcome = Run("folded");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("photo 00.png (lens SIMPLE_RADIAL): the lens distortion"));
+  EXPECT_THAT(outcome.err, HasSubstr("; try camera model SIMPLE_RADIAL or PINHOLE"));
+}
+
+TEST_F(SfmTest, AMissingColmapAFullDiskAndAKilledColmapAreEnvironmentErrors) {
+  WritePhotos(3);
+  Outcome outcome = Run("missing");
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("apt-get install colmap"));
+  outcome = Run("full");
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("the disk is full"));
+  outcome = Run("killed", {}, {"--force"});
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("signal 9"));
+}
+
+TEST_F(SfmTest, AnotherVersionOfColmapIsUsedWithOneWarning) {
+  WritePhotos(12);
+  const auto warnings = [&] {
+    const nlohmann::json manifest =
+        nlohmann::json::parse(ReadText(fs::path(scene_) / "manifest.json"));
+    size_t count = 0;
+    for (const std::string warning : manifest["warnings"])
+      count += warning.find("COLMAP 3.11.1 was not tested with Tetrec; 3.8 was") == 0;
+    return count;
+  };
+  Outcome outcome = Run("newer");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(warnings(), 1u);
+  EXPECT_EQ(ReadScene(scene_).views.size(), 12u);
+  outcome = Run("good", {}, {"--force"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(warnings(), 0u);
+  EXPECT_THAT(outcome.err, Not(HasSubstr("not tested")));
+}
+
+TEST_F(SfmTest, WhatAnotherVersionOfColmapDoesNotAcceptNamesBothVersions) {
+  WritePhotos(3);
+  const auto expect = [&](const std::string& mode, const std::string& version,
+                          const std::string& what) {
+    const Outcome outcome = Run(mode, {}, {"--force"});
+    EXPECT_EQ(outcome.exit_code, 4) << mode;
+    EXPECT_THAT(outcome.err, HasSubstr(what)) << mode;
+    EXPECT_THAT(outcome.err, HasSubstr("COLMAP " + version +
+                                       " was found, 3.8 is the tested version: install that one"))
+        << mode;
+    EXPECT_THAT(outcome.err, Not(HasSubstr("force a fresh run"))) << mode;
+  };
+  for (const std::string command : {"feature_extractor", "matches_importer", "mapper"}) {
+    expect("renamed " + command, "4.0.1",
+           "colmap " + command +
+               ": it does not accept our options (E0101 option_manager.cc:9] "
+               "Failed to parse options - unrecognised option '--");
+    expect("unknown " + command, "4.0.1", "colmap " + command + ": it does not know this command");
+  }
+  expect("idle feature_extractor", "4.0.1", "feature_extractor wrote no database");
+  expect("idle matches_importer", "4.0.1", "matches_importer did not verify all pairs");
+  expect("rigs", "3.12.0", "frames, which Tetrec cannot renumber");
+}
+
+}  // namespace
+}  // namespace tetrec
