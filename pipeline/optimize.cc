@@ -53,6 +53,12 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                  "Background of images with alpha: random (another colour in each step, which "
                  "distinguishes empty from background-coloured) or scene (as imported)")
       ->check(CLI::IsMember({"random", "scene"}));
+  tetrec::AddWordOption(
+      app, "--camera-space", options.camera_space,
+      "Where the cameras of photos stand and move: empty (no density) or learned");
+  tetrec::AddWordOption(app, "--judging-pictures", options.judging_pictures,
+                        "Parts of the training pictures: kept back in the first part of a run, to "
+                        "judge refinements, or learned throughout, while nothing judges");
   app.add_option("--rounds", options.schedule.rounds, "Refinements of the mesh")
       ->check(CLI::Range(0, 100));
   app.add_option("--last-round", options.schedule.last_round,

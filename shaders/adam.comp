@@ -22,6 +22,7 @@ layout(std430, binding = kBindVertexGradients) buffer VertexGradients { float ve
 layout(std430, binding = kBindParameters) buffer Parameters { float parameters[]; };
 layout(std430, binding = kBindMoments) buffer Moments { float moments[]; };  // a row's first, its second
 layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
+layout(std430, binding = kBindRateShares) readonly buffer RateShares { float rate_shares[]; };
 layout(push_constant) uniform Push { AdamPush push; };
 
 #include "storage.glsl"
@@ -66,7 +67,7 @@ void Update(uint row, int component, int activation, int rate_class) {
   AdamState state =
       AdamStep(AdamState(parameter, moments[moment], moments[moment + uint(kRowComponents)]),
                AdamRates(push.beta1, push.beta2, push.epsilon, push.second_moment_correction),
-               push.rates[rate_class], gradient);
+               rate_shares[row] * push.rates[rate_class], gradient);
   moments[moment] = state.first;
   moments[moment + uint(kRowComponents)] = state.second;
   if (component == kDensityComponent) {
@@ -107,7 +108,7 @@ void main() {
     Update(row, kDensityComponent, kActivationExp, kRateDensity);
     if (kAttributeCount > 2) UpdateOthers(row);
     // Seen rows tend to empty: what the pictures do not ask for again and again goes.
-    if (seen) log_density -= push.density_decay;
+    if (seen) log_density -= rate_shares[row] * push.density_decay;
     log_density = ClampLog(log_density, push.least_log, push.largest_log);
     parameters[row * uint(kRowComponents) + kDensityComponent] = log_density;
     vertices[DensityRow(row, push.first_cell)].w = exp(log_density);

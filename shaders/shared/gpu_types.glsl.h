@@ -240,6 +240,7 @@ struct SpreadPush {
 #define kBindPartialSsims 38  // float per workgroup
 #define kBindFaceChunks 39    // uint per chunk of faces that a tile may see
 #define kBindAppended 40      // uvec4: fragment, ray, place in the ray's list
+#define kBindRateShares 41    // float per row: share of the learning rates
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);

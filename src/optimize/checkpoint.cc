@@ -13,7 +13,7 @@
 namespace tetrec {
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '3'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '4'};
 
 void CheckFinite(const std::vector<float>& values, const FieldLayout& layout,
                  const std::string& name, const char* what) {
@@ -46,6 +46,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   writer.Write(checkpoint.rays);
   writer.Write(checkpoint.rounds);
   writer.Write(checkpoint.metrics_bytes);
+  writer.Write(checkpoint.best_psnr);
   writer.Write(uint64_t(checkpoint.mesh.positions.size()));
   writer.Write(uint64_t(checkpoint.mesh.tets.size()));
   AppendLayout(writer, checkpoint.state.layout);
@@ -69,6 +70,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.rays = reader.Read<uint64_t>("rays");
   result.rounds = reader.Read<uint32_t>("rounds");
   result.metrics_bytes = reader.Read<uint64_t>("metrics bytes");
+  result.best_psnr = reader.Read<double>("best PSNR");
   const uint64_t vertices = reader.Read<uint64_t>("vertex count");
   const uint64_t tets = reader.Read<uint64_t>("tet count");
   FieldState& state = result.state;
@@ -84,6 +86,9 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   reader.ExpectEnd();
   if (!std::isfinite(result.seconds) || result.seconds < 0) {
     throw DataError(fmt::format("{}: seconds {} is not a time", name, result.seconds));
+  }
+  if (!std::isfinite(result.best_psnr)) {
+    throw DataError(fmt::format("{}: best PSNR {} is not finite", name, result.best_psnr));
   }
   CheckFinite(state.parameters, layout, name, "a parameter");
   CheckFinite(state.first_moment, layout, name, "a first moment");

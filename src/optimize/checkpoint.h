@@ -15,14 +15,15 @@ struct Checkpoint {
   uint64_t rays = 0;
   uint32_t rounds = 0;         // refinements done
   uint64_t metrics_bytes = 0;  // length of metrics.csv at that time
+  double best_psnr = 0;        // of the judging pictures, before a refinement
   TetMesh mesh;
   FieldState state;
 };
 
-// Own format, little endian: "TETRECK3", u64 iteration, f64 seconds, u64 rays, u32 rounds,
-// u64 metrics bytes, u64 V, u64 T, the layout (AppendLayout), positions f32 x 3 V, tets and
-// neighbours u32 x 4 T each, then parameters, first moments and second moments, each f32 x rows x
-// components. Written by rename.
+// Own format, little endian: "TETRECK4", u64 iteration, f64 seconds, u64 rays, u32 rounds,
+// u64 metrics bytes, f64 best PSNR, u64 V, u64 T, the layout (AppendLayout), positions f32 x 3 V,
+// tets and neighbours u32 x 4 T each, then parameters, first moments and second moments, each f32 x
+// rows x components. Written by rename.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 // Throws DataError if the file is truncated or inconsistent.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);

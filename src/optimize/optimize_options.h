@@ -10,6 +10,24 @@
 
 namespace tetrec {
 
+// What is in the space in which the cameras stand and move (camera_space.h).
+enum class CameraSpace {
+  kEmpty,    // no density
+  kLearned,  // what the photos ask for
+};
+template <>
+inline constexpr auto kWords<CameraSpace> = std::to_array<Word<CameraSpace>>(
+    {{CameraSpace::kEmpty, "empty"}, {CameraSpace::kLearned, "learned"}});
+
+// What becomes of parts of the training pictures (judging.h).
+enum class JudgingPictures {
+  kKept,     // for a while from learning; they judge refinements
+  kLearned,  // like all others; nothing judges
+};
+template <>
+inline constexpr auto kWords<JudgingPictures> = std::to_array<Word<JudgingPictures>>(
+    {{JudgingPictures::kKept, "kept"}, {JudgingPictures::kLearned, "learned"}});
+
 struct OptimizeOptions {
   double time_limit_s = 300;  // of optimisation, with refinement and watching; 0: none
   uint64_t iterations = 0;    // 0: by time
@@ -29,6 +47,8 @@ struct OptimizeOptions {
   double score_rays_per_tet = 1;  // by which a refinement judges the tets
   int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv
   double checkpoint_interval_s = 30;
+  CameraSpace camera_space = CameraSpace::kEmpty;
+  JudgingPictures judging_pictures = JudgingPictures::kKept;
   FieldStorage storage = FieldStorage::kVertex;  // of the fitted field
   ScheduleOptions schedule;
   RendererOptions renderer;

@@ -9,6 +9,10 @@ struct ScheduleOptions {
   int rounds = 5;                  // refinements
   double last_round = 0.55;        // progress at the last refinement; the rest settles
   double final_rate_share = 0.05;  // learning rates fall exponentially to this share
+  // Until this progress the judging pictures are kept from learning.
+  double last_judging = 0.7;
+  // A refinement that loses more than this on the judging pictures is taken back [dB].
+  double judged_loss = 0.1;
   // Steps before each refinement of a run by time: on a slow machine a round may be due before the
   // mesh is fitted, and a mesh that is not fitted cannot be judged.
   uint64_t min_round_steps = 150;

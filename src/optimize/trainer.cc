@@ -10,8 +10,10 @@
 #include "core/timer.h"
 #include "field/change_storage.h"
 #include "optimize/batches.h"
+#include "optimize/camera_space.h"
 #include "optimize/checkpoint.h"
 #include "optimize/error_look.h"
+#include "optimize/judging.h"
 #include "optimize/refine.h"
 #include "optimize/training_set.h"
 #include "optimize/watch.h"
@@ -60,8 +62,10 @@ class Trainer {
         renderer_(CreateRenderer(options.renderer)),
         batches_(options, set_, renderer_->NeedsTiles(), BackgroundColor(scene.background),
                  scene_folder),
-        checkpoint_path_(stage.Scratch("checkpoint.bin")) {
-    renderer_->SetTargets(set_.views, set_.targets);
+        checkpoint_path_(stage.Scratch("checkpoint.bin")),
+        best_path_(stage.Scratch("best.bin")) {
+    if (options.camera_space == CameraSpace::kEmpty) camera_space_ = FindCameraSpace(scene);
+    judging_ = ChooseJudgingSet(set_, options.seed);
     max_vertices_ = options.max_vertices > 0 ? options.max_vertices
                                              : AffordableVertices(ExpectedSeconds(), set_.pixels);
     stage.Device(renderer_->DescribeDevice());
@@ -89,6 +93,7 @@ class Trainer {
         RefineOnce();
         continue;
       }
+      if (!learns_all_ && !KeepsJudgingPictures(done)) UseTargets(done);
       const TrainingBatch batch = batches_.Draw(state_.iteration);
       state_.rays += batch.rays();
       averages.Add(renderer_->Step(batch, NextUpdate(done)));
@@ -164,7 +169,46 @@ class Trainer {
       mesh_ = start.mesh;
       state = StateOf(WithStorage(start, options_.storage));
     }
+    UseTargets(Done());
+    PutState(std::move(state));
+  }
+
+  // Gives the renderer a state of mesh_, with no density in the space of the cameras.
+  void PutState(FieldState state) {
+    std::vector<float> rate_shares(state.rows(), 1.0f);
+    if (!camera_space_.empty()) {
+      const std::vector<uint8_t> is_empty =
+          InsideCapsules(RowPositions(mesh_, state.layout.storage), camera_space_);
+      for (size_t row = 0; row < is_empty.size(); ++row) {
+        if (!is_empty[row]) continue;
+        rate_shares[row] = 0.0f;
+        state.parameters[row * size_t(state.layout.Components()) + kDensityOffset] =
+            kLeastLogDensity;
+      }
+      emptied_rows_ = uint64_t(std::count(is_empty.begin(), is_empty.end(), uint8_t{1}));
+    }
     renderer_->SetState(mesh_, state);
+    renderer_->SetRateShares(rate_shares);
+  }
+
+  bool KeepsJudgingPictures(double done) const {
+    return options_.judging_pictures == JudgingPictures::kKept &&
+           done < options_.schedule.last_judging;
+  }
+
+  // Chooses which pixels are learned. The judging pictures are learned in the last part of a run.
+  void UseTargets(double done) {
+    learns_all_ = !KeepsJudgingPictures(done);
+    ListBlocks(set_, learns_all_ ? std::vector<uint8_t>() : judging_.is_whole);
+    renderer_->SetTargets(set_.views, learns_all_ ? set_.targets : TargetsToLearn(set_, judging_));
+  }
+
+  // Leaves the renderer with the targets to learn.
+  Judgement JudgeField() {
+    renderer_->SetTargets(set_.views, TargetsToJudge(set_, judging_));
+    const Judgement judgement = Judge(*renderer_, judging_, BackgroundColor(scene_.background));
+    UseTargets(Done());
+    return judgement;
   }
 
   double Done() const {
@@ -191,7 +235,39 @@ class Trainer {
             .density_decay = options_.density_decay};
   }
 
+  // Judges the field that the last refinement led to. If that is worse than before, the run returns
+  // to the field before it, and the mesh stays as it was then.
+  bool IsWorthRefining() {
+    const Judgement now = JudgeField();
+    LogInfo(
+        "judging pictures before round {}: {:.2f} dB, standard error {:.2f} (views {:.2f}, tiles "
+        "{:.2f})",
+        state_.rounds + 1, now.psnr, now.standard_error, now.views_psnr, now.tiles_psnr);
+    if (state_.rounds == 0 || now.psnr > state_.best_psnr - options_.schedule.judged_loss) {
+      if (state_.rounds == 0 || now.psnr > state_.best_psnr) SaveBest(now.psnr);
+      return true;
+    }
+    Checkpoint best = ReadCheckpoint(best_path_);
+    LogInfo(
+        "round {} lost {:.2f} dB on the judging pictures: returns to {} vertices and refines no "
+        "more",
+        state_.rounds, state_.best_psnr - now.psnr, WithThousands(best.mesh.positions.size()));
+    mesh_ = std::move(best.mesh);
+    PutState(std::move(best.state));
+    state_.rounds = uint32_t(options_.schedule.rounds);
+    return false;
+  }
+
+  void SaveBest(double psnr) {
+    state_.best_psnr = psnr;
+    Checkpoint best = state_;
+    best.mesh = mesh_;
+    best.state = renderer_->ReadState();
+    WriteCheckpoint(best_path_, best);
+  }
+
   void RefineOnce() {
+    if (!learns_all_ && !IsWorthRefining()) return;
     const Timer timer;
     const std::vector<float> error =
         LookAtErrors(*renderer_, set_, batches_, options_, mesh_.tets.size(), state_.iteration);
@@ -204,7 +280,7 @@ class Trainer {
     const size_t vertices_before = mesh_.positions.size();
     RefineResult result = Refine(mesh_, renderer_->ReadState(), error, refine);
     mesh_ = std::move(result.mesh);
-    renderer_->SetState(mesh_, result.state);
+    PutState(std::move(result.state));
     ++state_.rounds;
     round_iteration_ = state_.iteration;
     LogInfo(
@@ -247,6 +323,7 @@ class Trainer {
     stage_.Count("tets", mesh_.tets.size());
     stage_.Count("vertices", mesh_.positions.size());
     stage_.Count("rounds", state_.rounds);
+    stage_.Count("emptied_rows", emptied_rows_);
     stage_.Count("rays", counts.rays);
     if (ChecksRays(options_.renderer)) stage_.Count("lost_rays", counts.lost_rays);
     if (options_.renderer.deterministic) stage_.Count("clamped_addends", counts.clamped_addends);
@@ -277,7 +354,11 @@ class Trainer {
   std::vector<int> watched_;
   std::unique_ptr<TrainingRenderer> renderer_;
   BatchDrawer batches_;
-  fs::path checkpoint_path_;
+  std::vector<Capsule> camera_space_;
+  uint64_t emptied_rows_ = 0;  // in the camera space
+  JudgingSet judging_;
+  bool learns_all_ = true;  // the judging pictures, too
+  fs::path checkpoint_path_, best_path_;
   uint64_t max_vertices_ = 0;
   uint64_t round_iteration_ = 0;  // at the last refinement
   Checkpoint state_;              // counters; its mesh and field state are used on disk only

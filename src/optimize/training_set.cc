@@ -88,11 +88,23 @@ TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Sce
           scene.has_masks && image.channels == 4 ? LeaveOutUnseen(image) : Premultiply(image);
     }
   });
+  for (const TargetImage& target : set.targets) set.pixels += target.rgba8.size();
+  ListBlocks(set, {});
+  if (scene.has_masks && set.subject_blocks.empty()) {
+    throw DataError(fmt::format("{}: the masks leave no pixel of any training view to train on",
+                                scene_folder.string()));
+  }
+  return set;
+}
+
+void ListBlocks(TrainingSet& set, std::span<const uint8_t> left_out) {
   // Includes a margin around the subject, where floaters would hide.
   constexpr int kMarginPx = 4;
+  set.blocks.clear();
+  set.subject_blocks.clear();
   for (uint32_t v = 0; v < set.views.size(); ++v) {
+    if (!left_out.empty() && left_out[v]) continue;
     const TargetImage& target = set.targets[v];
-    set.pixels += target.rgba8.size();
     for (int y = 0; y < target.height; y += kRayBlockHeight) {
       for (int x = 0; x < target.width; x += kRayBlockWidth) {
         if (ShowsSomething(target, x, y, kMarginPx)) {
@@ -102,11 +114,6 @@ TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Sce
       }
     }
   }
-  if (scene.has_masks && set.subject_blocks.empty()) {
-    throw DataError(fmt::format("{}: the masks leave no pixel of any training view to train on",
-                                scene_folder.string()));
-  }
-  return set;
 }
 
 std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double subject_share,

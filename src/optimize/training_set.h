@@ -5,6 +5,7 @@
 #include "scene/scene.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace tetrec {
@@ -12,7 +13,7 @@ namespace tetrec {
 struct TrainingSet {
   std::vector<RenderView> views;
   std::vector<TargetImage> targets;
-  std::vector<RayBlock> blocks;          // every aligned 4 x 2 block of every view
+  std::vector<RayBlock> blocks;          // every aligned 4 x 2 block of every listed view
   std::vector<uint32_t> subject_blocks;  // those that show something, or are next to one
   uint64_t pixels = 0;
 };
@@ -22,6 +23,9 @@ struct TrainingSet {
 // below that of a block, masks that exclude everything).
 TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Scene& scene,
                             const std::vector<int>& views);
+
+// Lists the blocks of all views but those whose flag is set; of all views if there are no flags.
+void ListBlocks(TrainingSet& set, std::span<const uint8_t> left_out);
 
 RenderView MakeRenderView(const Scene& scene, int view);
 

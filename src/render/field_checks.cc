@@ -35,6 +35,16 @@ void CheckRenderable(const TetMesh& mesh, const FieldState& state) {
   CheckRows(state.second_moment, state.layout, rows, "second moments");
 }
 
+void CheckRateShares(std::span<const float> shares, size_t rows) {
+  if (shares.size() != rows) {
+    throw DataError(fmt::format("{} rate shares for {} rows", shares.size(), rows));
+  }
+  for (size_t row = 0; row < rows; ++row) {
+    if (shares[row] >= 0.0f && shares[row] <= 1.0f) continue;
+    throw DataError(fmt::format("rate share {} is {}, not in [0, 1]", row, shares[row]));
+  }
+}
+
 void CheckMemory(const TetMesh& mesh, uint64_t needed, const FreeMemory& free) {
   if (needed <= free.bytes) return;
   throw EnvironmentError(

@@ -17,6 +17,9 @@ void CheckRenderable(const TetMesh& mesh, const FieldState& state);
 void CheckRows(std::span<const float> values, const FieldLayout& layout, size_t rows,
                const char* what);
 
+// One share in [0, 1] per row. Throws DataError.
+void CheckRateShares(std::span<const float> shares, size_t rows);
+
 // Throws EnvironmentError if less is free than `needed`.
 void CheckMemory(const TetMesh& mesh, uint64_t needed, const FreeMemory& free);
 

@@ -124,6 +124,10 @@ class TrainingRenderer : public Renderer {
   // Replaces all parameters by what another optimiser made of the gradients; moments stay.
   virtual void WriteParameters(std::span<const float> parameters) = 0;
 
+  // The share of the learning rates, in [0, 1], by which each row moves; a row of 0 stays. All are
+  // 1 after SetState.
+  virtual void SetRateShares(std::span<const float> shares) = 0;
+
   // Adds the blocks' errors to the scores of ReadScores; ClearScores first. The batch's loss does
   // not matter; its result comes as that of Step does.
   virtual void ClearScores() = 0;

@@ -14,10 +14,10 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECK3", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
-// bytes, u64 V, u64 T, then the layout: u32 storage, u32 attributes, and of "color" and "density"
-// the length of the name, the name, and 3 u32 each. Positions follow.
-constexpr size_t kSecondsAt = 16, kVertexCountAt = 44, kTetCountAt = 52, kStorageAt = 60,
+// Where the fields start: "TETRECK4", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
+// bytes, f64 best PSNR, u64 V, u64 T, then the layout: u32 storage, u32 attributes, and of "color"
+// and "density" the length of the name, the name, and 3 u32 each. Positions follow.
+constexpr size_t kSecondsAt = 16, kVertexCountAt = 52, kTetCountAt = 60, kStorageAt = 68,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
@@ -34,6 +34,7 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   checkpoint.rays = 987654321012345;
   checkpoint.rounds = 4;
   checkpoint.metrics_bytes = 777;
+  checkpoint.best_psnr = 23.5;
   checkpoint.mesh = BuildDelaunay(points).mesh;
   FieldState& state = checkpoint.state;
   state.layout = layout;

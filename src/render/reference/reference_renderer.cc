@@ -51,6 +51,7 @@ class ReferenceRenderer final : public ProbedRenderer {
     state_ = state;
     field_ = MakeField(mesh, state.layout, std::vector<float>(rows * components));
     for (size_t row = 0; row < rows; ++row) Spread(row);
+    rate_shares_.assign(rows, 1.0f);
     boxes_ = MakeTetBoxes(mesh);
     scores_.assign(mesh.tets.size(), 0.0);
     ClearSums();
@@ -155,10 +156,11 @@ class ReferenceRenderer final : public ProbedRenderer {
         const size_t at = row * components + c;
         float &parameter = state_.parameters[at], &first = state_.first_moment[at],
               &second = state_.second_moment[at];
-        AdamState<Real> next =
-            AdamStep(AdamState<Real>{Real(parameter), Real(first), Real(second)}, rates,
-                     Real(push.rates[int(attributes[c]->rate)]), by_parameter[c]);
-        if (c == kDensityOffset && is_seen) next.parameter -= Real(push.density_decay);
+        AdamState<Real> next = AdamStep(
+            AdamState<Real>{Real(parameter), Real(first), Real(second)}, rates,
+            Real(rate_shares_[row] * push.rates[int(attributes[c]->rate)]), by_parameter[c]);
+        if (c == kDensityOffset && is_seen)
+          next.parameter -= Real(rate_shares_[row] * push.density_decay);
         parameter = float(ClampParameter(int(attributes[c]->activation), next.parameter,
                                          Real(push.least_log), Real(push.largest_log)));
         first = float(next.first);
@@ -167,6 +169,11 @@ class ReferenceRenderer final : public ProbedRenderer {
       Spread(row);
     }
     ClearSums();
+  }
+
+  void SetRateShares(std::span<const float> shares) override {
+    CheckRateShares(shares, state_.rows());
+    rate_shares_.assign(shares.begin(), shares.end());
   }
 
   void WriteParameters(std::span<const float> parameters) override {
@@ -488,6 +495,7 @@ class ReferenceRenderer final : public ProbedRenderer {
   RadianceField field_;  // the values of the parameters in state_
   TetBoxes boxes_;
   FieldState state_;
+  std::vector<float> rate_shares_;  // of the rows
   ReferenceGradient sums_{0, 0};    // since the last update
   std::vector<double> other_sums_;  // of attributes beside colour and density, row by row
   bool has_position_sums_ = false;

@@ -136,7 +136,7 @@ DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point) {
   // Rows of 16 bytes: 2 per tet; 2 per vertex and 4 sums; for what has attributes a parameter, two
   // moments and a sum per component, and one row more if that is a tet; 2 per face, and twice as
   // many nodes of 2 as there are faces, at most.
-  const uint64_t attributes = uint64_t(layout.Components()) * (3 * 4 + sum);
+  const uint64_t attributes = uint64_t(layout.Components()) * (3 * 4 + sum) + 4;
   return {.of_tet = 2 * 16 + sum + (cells ? 16 + attributes : 0),
           .of_vertex = 2 * 16 + 4 * sum + (cells ? 0 : attributes),
           .of_face = 2 * 16 + 2 * 2 * 16};
@@ -165,6 +165,7 @@ DeviceField UploadField(const Device& device, const TetMesh& mesh, const FieldSt
   UploadBoundary(device, field);
   field.parameters = MakeBuffer(device, "parameters", state.parameters);
   field.moments = MakeBuffer(device, "moments", MomentRows(state));
+  field.rate_shares = MakeBuffer(device, "rate shares", std::vector<float>(field.row_count, 1.0f));
   field.gradients = Buffer(device, "field gradients", state.parameters.size() * SumBytes(field));
   field.gradients.FillZero();
   field.tet_scores = Buffer(device, "tet scores", field.tet_count * SumBytes(field));

@@ -20,6 +20,7 @@ struct DeviceField {
   Buffer tets, vertices, hull;
   Buffer parameters, gradients;  // rows of layout.Components()
   Buffer moments;                // rows: all first moments of a row, then all second ones
+  Buffer rate_shares;            // float per row
   Buffer position_gradients;     // vec4 per vertex: xyz | absolute sum; absent until asked for
   Buffer tet_scores;
   uint32_t vertex_count = 0, tet_count = 0, hull_faces = 0, hull_planes = 0;

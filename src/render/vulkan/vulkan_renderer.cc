@@ -254,6 +254,12 @@ class VulkanRenderer final : public ProbedRenderer {
     SpreadParameters();
   }
 
+  void SetRateShares(std::span<const float> shares) override {
+    CheckRateShares(shares, field_.row_count);
+    WaitAll();
+    field_.rate_shares.Upload(shares.data(), shares.size_bytes());
+  }
+
   bool NeedsTiles() const override { return integrator_ != &march_; }
 
   void ClearScores() override {
@@ -638,6 +644,7 @@ class VulkanRenderer final : public ProbedRenderer {
                           {{kBindVertexGradients, field_.gradients},
                            {kBindParameters, field_.parameters},
                            {kBindMoments, field_.moments},
+                           {kBindRateShares, field_.rate_shares},
                            {kBindVertices, field_.vertices}},
                           push, field_.row_count);
   }

@@ -104,6 +104,38 @@ TEST_P(TrainingPartsTest, GradientsOfHalvesSumToThoseOfTheWhole) {
   }
 }
 
+TEST_P(TrainingPartsTest, RowsMoveByTheirShareOfTheRates) {
+  const FieldState start = StateOf(field_);
+  std::vector<float> shares;
+  for (size_t row = 0; row < start.rows(); ++row) shares.push_back(0.5f * float(row % 3));
+  const AdamUpdate update{.density_decay = 0.05};
+  ProbedRenderer& whole = MakeLearner(true);
+  whole.Step(Whole(), update);
+  ProbedRenderer& shared = MakeLearner(true);
+  shared.SetRateShares(shares);
+  shared.Step(Whole(), update);
+  const FieldState all = whole.ReadState(), some = shared.ReadState();
+  size_t moved = 0;
+  for (size_t i = 0; i < all.parameters.size(); ++i) {
+    const float share = shares[i / kStandardComponents], before = start.parameters[i];
+    if (share == 0.0f) {
+      EXPECT_EQ(some.parameters[i], before);
+    }
+    // A colour that reaches 0 or 1 is cut off there.
+    const bool is_cut =
+        i % kStandardComponents < 3 && (all.parameters[i] <= 0.0f || all.parameters[i] >= 1.0f);
+    if (is_cut) continue;
+    const float full = all.parameters[i] - before;
+    EXPECT_NEAR(some.parameters[i] - before, share * full, 1e-5);
+    moved += full != 0.0f;
+  }
+  EXPECT_GT(moved, 100u);
+  // A new state has whole rates again.
+  shared.SetState(field_.mesh, start);
+  shared.Step(Whole(), update);
+  EXPECT_EQ(shared.ReadState().parameters, all.parameters);
+}
+
 TEST_P(TrainingPartsTest, HalvesAndOneUpdateMakeTheBitsOfOneDeterministicStep) {
   ProbedRenderer& whole = MakeLearner(true);
   ProbedRenderer& halves = MakeLearner(true);

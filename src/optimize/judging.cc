@@ -1,0 +1,124 @@
+// The judging pictures: parts of the training pictures that are kept from gradients and refinement.
+#include "optimize/judging.h"
+
+#include "core/random.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+constexpr uint32_t kTile = 16;  // [px] a side; whole blocks
+
+// Whether the tile that contains a pixel judges.
+bool IsJudgingTile(uint64_t seed, uint32_t view, uint32_t x, uint32_t y) {
+  const uint64_t tile = (uint64_t{view} << 40) ^ (uint64_t{y / kTile} << 20) ^ (x / kTile);
+  return Random(seed ^ 0x7D6Eull, tile).Below(kTilesPerJudge) == 0;
+}
+
+class JudgingMap {
+ public:
+  JudgingMap(const TrainingSet& set, const JudgingSet& judging) {
+    for (const TargetImage& target : set.targets) {
+      pixels_.emplace_back(size_t(target.width) * target.height, uint8_t{0});
+    }
+    for (const RayBlock& block : judging.blocks) Mark(set.targets[block.view], block);
+  }
+  bool Contains(size_t view, size_t pixel) const { return pixels_[view][pixel] != 0; }
+
+ private:
+  void Mark(const TargetImage& target, const RayBlock& block) {
+    const int x_end = std::min(target.width, int(block.x) + kRayBlockWidth);
+    const int y_end = std::min(target.height, int(block.y) + kRayBlockHeight);
+    for (int y = int(block.y); y < y_end; ++y) {
+      for (int x = int(block.x); x < x_end; ++x) {
+        pixels_[block.view][size_t(y) * target.width + x] = 1;
+      }
+    }
+  }
+
+  std::vector<std::vector<uint8_t>> pixels_;
+};
+
+// The targets where JudgingMap::Contains is `judges`, kNotJudgedTarget elsewhere.
+std::vector<TargetImage> TargetsWhere(const TrainingSet& set, const JudgingSet& judging,
+                                      bool judges) {
+  const JudgingMap map(set, judging);
+  std::vector<TargetImage> targets = set.targets;
+  for (size_t view = 0; view < targets.size(); ++view) {
+    for (size_t i = 0; i < targets[view].rgba8.size(); ++i) {
+      if (map.Contains(view, i) != judges) targets[view].rgba8[i] = kNotJudgedTarget;
+    }
+  }
+  return targets;
+}
+
+// Of one view, or of several together.
+struct ErrorSum {
+  double squares = 0, rays = 0;
+
+  void Add(const ErrorSum& other) { squares += other.squares, rays += other.rays; }
+  double Psnr() const { return rays > 0 ? -10 * std::log10(std::max(squares / rays, 1e-12)) : 0; }
+};
+
+// The standard error of the ratio of sums, over the views, to first order; in decibels.
+double StandardError(std::span<const ErrorSum> views, const ErrorSum& all) {
+  if (views.size() < 2 || all.squares <= 0) return 0;
+  const double mean = all.squares / all.rays;
+  double squares = 0;
+  for (const ErrorSum& view : views) {
+    const double deviation = view.squares - mean * view.rays;
+    squares += deviation * deviation;
+  }
+  const double count = double(views.size());
+  const double error = std::sqrt(squares * count / (count - 1)) / all.rays;
+  return 10 / std::log(10.0) * error / mean;
+}
+
+}  // namespace
+
+JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed) {
+  JudgingSet judging;
+  judging.is_whole.assign(set.views.size(), 0);
+  if (set.views.size() >= kLeastViewsToJudge) {
+    for (size_t view = kViewsPerJudge / 2; view < set.views.size(); view += kViewsPerJudge) {
+      judging.is_whole[view] = 1;
+    }
+  }
+  for (const RayBlock& block : set.blocks) {
+    if (judging.is_whole[block.view] || IsJudgingTile(seed, block.view, block.x, block.y)) {
+      judging.blocks.push_back(block);
+    }
+  }
+  return judging;
+}
+
+std::vector<TargetImage> TargetsToLearn(const TrainingSet& set, const JudgingSet& judging) {
+  return TargetsWhere(set, judging, false);
+}
+
+std::vector<TargetImage> TargetsToJudge(const TrainingSet& set, const JudgingSet& judging) {
+  return TargetsWhere(set, judging, true);
+}
+
+Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
+                const glm::vec3& background_srgb) {
+  std::vector<ErrorSum> views;
+  ErrorSum all, whole, tiles;
+  const std::span<const RayBlock> blocks = judging.blocks;
+  for (size_t begin = 0, end = 0; begin < blocks.size(); begin = end) {
+    while (end < blocks.size() && blocks[end].view == blocks[begin].view) ++end;
+    TrainingBatch batch;
+    batch.blocks = blocks.subspan(begin, end - begin);
+    batch.background_srgb = background_srgb;
+    const double rays = double(batch.rays());
+    const ErrorSum sum{renderer.Forward(batch).squared_error * rays, rays};
+    views.push_back(sum);
+    all.Add(sum);
+    (judging.is_whole[blocks[begin].view] ? whole : tiles).Add(sum);
+  }
+  return {all.Psnr(), StandardError(views, all), whole.Psnr(), tiles.Psnr()};
+}
+
+}  // namespace tetrec

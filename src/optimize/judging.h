@@ -1,0 +1,42 @@
+// The judging pictures: parts of the training pictures that are kept from gradients and from
+// refinement for most of a run, so that its decisions need no held-out view.
+#pragma once
+
+#include "optimize/training_set.h"
+#include "render/training_renderer.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+struct JudgingSet {
+  std::vector<uint8_t> is_whole;  // per view: all of it judges
+  std::vector<RayBlock> blocks;   // aligned blocks that judge, view by view
+};
+
+// If there are kLeastViewsToJudge training views, one in kViewsPerJudge is kept whole. Of the
+// others one tile of 16 x 16 pixels in kTilesPerJudge is kept, chosen by the seed.
+inline constexpr size_t kLeastViewsToJudge = 24, kViewsPerJudge = 16;
+inline constexpr uint32_t kTilesPerJudge = 32;
+JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed);
+
+// The targets with kNotJudgedTarget where pixels judge, and where they do not.
+std::vector<TargetImage> TargetsToLearn(const TrainingSet& set, const JudgingSet& judging);
+std::vector<TargetImage> TargetsToJudge(const TrainingSet& set, const JudgingSet& judging);
+
+// The PSNR of the mean squared error [dB] of whole views and of tiles, one ray per pixel, and of
+// all judging pixels with its standard error over the views.
+struct Judgement {
+  double psnr = 0, standard_error = 0;
+  double views_psnr = 0, tiles_psnr = 0;  // 0 if there are none
+};
+
+// The renderer's targets are TargetsToJudge. `background_srgb`: behind field and targets.
+Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
+                const glm::vec3& background_srgb);
+
+}  // namespace tetrec

@@ -1,0 +1,98 @@
+#include "optimize/camera_space.h"
+
+#include "geometry/look_at.h"
+#include "mesh/delaunay.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace tetrec {
+namespace {
+
+constexpr double kRing = 3.0;  // radius of the circle on which cameras stand; points: unit sphere
+
+glm::dvec3 OnRing(double turns) {
+  const double angle = 2 * std::numbers::pi * turns;
+  return kRing * glm::dvec3(std::cos(angle), std::sin(angle), 0.0);
+}
+
+Scene RingOfCameras(int cameras, int points) {
+  Scene scene;
+  scene.cameras = {{64, 64, 64, 64, 32, 32}};
+  for (int i = 0; i < cameras; ++i) {
+    View view;
+    view.cam_from_world.translation = -OnRing(double(i) / cameras);
+    scene.views.push_back(view);
+  }
+  for (int i = 0; i < points; ++i) {
+    const double z = 1 - (2 * i + 1.0) / points, angle = 2.4 * i;
+    ScenePoint point;
+    point.position = {std::sqrt(1 - z * z) * std::cos(angle),
+                      std::sqrt(1 - z * z) * std::sin(angle), z};
+    scene.points.push_back(point);
+  }
+  return scene;
+}
+
+bool IsInside(const Scene& scene, const glm::dvec3& point) {
+  const std::vector<glm::vec3> points = {glm::vec3(point)};
+  return InsideCapsules(points, FindCameraSpace(scene))[0] != 0;
+}
+
+TEST(CameraSpace, ContainsTheCamerasAndWhatIsBetweenNeighbours) {
+  const Scene scene = RingOfCameras(12, 500);
+  for (int i = 0; i < 24; ++i) EXPECT_TRUE(IsInside(scene, OnRing(i / 24.0))) << i;
+  // The nearest points are 2 away from the cameras; half of that is empty, and a little more
+  // between the cameras beside this one.
+  EXPECT_TRUE(IsInside(scene, 2.1 / kRing * OnRing(0.0)));
+  EXPECT_FALSE(IsInside(scene, 1.6 / kRing * OnRing(0.0)));
+}
+
+TEST(CameraSpace, ContainsNoPointOfTheSceneWhereverTheCamerasAre) {
+  for (const int cameras : {1, 2, 3, 5, 40}) {
+    const Scene scene = RingOfCameras(cameras, 500);
+    std::vector<glm::vec3> points;
+    for (const ScenePoint& point : scene.points) points.emplace_back(point.position);
+    for (const uint8_t inside : InsideCapsules(points, FindCameraSpace(scene))) {
+      EXPECT_EQ(inside, 0) << cameras << " cameras";
+    }
+  }
+}
+
+TEST(CameraSpace, IsNotSpoiltByAStrayPointInFrontOfACamera) {
+  Scene scene = RingOfCameras(12, 1000);
+  const glm::dvec3 near = 2.5 / kRing * OnRing(0.0);
+  ASSERT_TRUE(IsInside(scene, near));
+  ScenePoint stray;
+  stray.position = OnRing(0.0) + glm::dvec3(0.01, 0.0, 0.0);
+  scene.points.push_back(stray);
+  EXPECT_TRUE(IsInside(scene, near));
+}
+
+TEST(CameraSpace, OfTestViewsIsNotKnown) {
+  Scene scene = RingOfCameras(2, 500);
+  const glm::dvec3 far_away(0.0, 0.0, 50.0);
+  View test;
+  test.split = Split::kTest;
+  test.cam_from_world.translation = -far_away;
+  scene.views.push_back(test);
+  EXPECT_FALSE(IsInside(scene, far_away));
+}
+
+TEST(CameraSpace, IsEmptyWhereFewPointsSayHowFarTheSceneIs) {
+  EXPECT_TRUE(FindCameraSpace(RingOfCameras(12, 49)).empty());
+  EXPECT_TRUE(FindCameraSpace(RingOfCameras(12, 0)).empty());
+  EXPECT_FALSE(FindCameraSpace(RingOfCameras(12, 50)).empty());
+}
+
+TEST(RowPositions, AreVerticesOrCentroids) {
+  const TetMesh mesh =
+      BuildDelaunay(std::vector<glm::vec3>{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}}).mesh;
+  EXPECT_EQ(RowPositions(mesh, FieldStorage::kVertex), mesh.positions);
+  EXPECT_EQ(RowPositions(mesh, FieldStorage::kCell), std::vector<glm::vec3>{glm::vec3(1.0f)});
+}
+
+}  // namespace
+}  // namespace tetrec

@@ -1,0 +1,121 @@
+#include "optimize/judging.h"
+
+#include "mesh/delaunay.h"
+#include "render/create_renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <tuple>
+
+namespace tetrec {
+namespace {
+
+constexpr uint32_t kGrey = 0xFF808080u;
+
+// Views whose targets are grey, whose cameras look away from any field.
+TrainingSet GreySet(size_t views, int width, int height) {
+  TrainingSet set;
+  for (size_t v = 0; v < views; ++v) {
+    RenderView view;
+    view.camera = {width, height, double(width), double(width), 0.5 * width, 0.5 * height};
+    view.cam_from_world.translation = {0, 0, 100};
+    set.views.push_back(view);
+    set.targets.push_back({width, height, std::vector<uint32_t>(size_t(width) * height, kGrey)});
+    set.pixels += size_t(width) * height;
+  }
+  ListBlocks(set, {});
+  return set;
+}
+
+TEST(JudgingSet, KeepsOneTileInThirtyTwoAndWholeViewsOnlyOfManyPhotos) {
+  const TrainingSet few = GreySet(10, 256, 192);
+  const JudgingSet of_few = ChooseJudgingSet(few, 1);
+  EXPECT_EQ(of_few.is_whole, std::vector<uint8_t>(10, 0));
+  // 1,920 tiles: binomial, so five standard deviations are 0.4 of the mean.
+  EXPECT_NEAR(double(of_few.blocks.size()) / double(few.blocks.size()), 1.0 / 32, 0.4 / 32);
+
+  const JudgingSet of_many = ChooseJudgingSet(GreySet(40, 64, 48), 1);
+  EXPECT_EQ(std::count(of_many.is_whole.begin(), of_many.is_whole.end(), uint8_t{1}), 2);
+}
+
+TEST(JudgingSet, DependsOnTheSeedOnly) {
+  const TrainingSet set = GreySet(10, 256, 192);
+  const auto keys = [&](uint64_t seed) {
+    std::vector<std::tuple<uint32_t, uint32_t, uint32_t>> result;
+    for (const RayBlock& b : ChooseJudgingSet(set, seed).blocks) {
+      result.emplace_back(b.view, b.x, b.y);
+    }
+    return result;
+  };
+  EXPECT_EQ(keys(1), keys(1));
+  EXPECT_NE(keys(1), keys(2));
+}
+
+TEST(JudgingSet, PartsEveryPixelBetweenLearningAndJudging) {
+  const TrainingSet set = GreySet(24, 70, 50);  // not a multiple of tiles or blocks
+  const JudgingSet judging = ChooseJudgingSet(set, 3);
+  const std::vector<TargetImage> learn = TargetsToLearn(set, judging);
+  const std::vector<TargetImage> judge = TargetsToJudge(set, judging);
+  size_t judged = 0;
+  for (size_t v = 0; v < set.targets.size(); ++v) {
+    for (size_t i = 0; i < set.targets[v].rgba8.size(); ++i) {
+      const bool learns = learn[v].rgba8[i] == kGrey, judges = judge[v].rgba8[i] == kGrey;
+      EXPECT_NE(learns, judges);
+      EXPECT_EQ(learns ? judge[v].rgba8[i] : learn[v].rgba8[i], kNotJudgedTarget);
+      if (judging.is_whole[v]) {
+        EXPECT_TRUE(judges);
+      }
+      judged += judges;
+    }
+  }
+  EXPECT_GT(judged, 0u);
+}
+
+TEST(JudgingSet, LeavesTheBlocksOfWholeViewsOutOfTheDraw) {
+  TrainingSet set = GreySet(24, 64, 48);
+  const JudgingSet judging = ChooseJudgingSet(set, 1);
+  const size_t all = set.blocks.size();
+  ListBlocks(set, judging.is_whole);
+  EXPECT_EQ(set.blocks.size(), all - all / 24);
+  for (const RayBlock& block : set.blocks) EXPECT_EQ(judging.is_whole[block.view], 0);
+  ListBlocks(set, {});
+  EXPECT_EQ(set.blocks.size(), all);
+}
+
+// The pictures show the background alone, so every residual is known.
+TEST(Judge, GivesThePsnrOfTheJudgingPixelsAndItsStandardError) {
+  TrainingSet set = GreySet(24, 64, 48);
+  const JudgingSet judging = ChooseJudgingSet(set, 1);
+  ASSERT_EQ(std::count(judging.is_whole.begin(), judging.is_whole.end(), uint8_t{1}), 1);
+  const auto renderer = CreateRenderer({.kind = RendererKind::kReference});
+  RadianceField field;
+  field.mesh =
+      BuildDelaunay(std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}).mesh;
+  field.density.assign(4, 0.0f);
+  field.color_srgb.assign(4, glm::vec3(0.0f));
+  renderer->SetState(field.mesh, StateOf(field));
+  renderer->SetTargets(set.views, TargetsToJudge(set, judging));
+
+  const double residual = 128.0 / 255.0 - 0.25;
+  const Judgement judgement = Judge(*renderer, judging, glm::vec3(0.25f));
+  EXPECT_NEAR(judgement.psnr, -20 * std::log10(residual), 1e-4);
+  EXPECT_NEAR(judgement.views_psnr, judgement.psnr, 1e-9);
+  EXPECT_NEAR(judgement.tiles_psnr, judgement.psnr, 1e-9);
+  EXPECT_NEAR(judgement.standard_error, 0.0, 1e-6);
+
+  // The whole view becomes black: it alone gets better, and the views no longer agree.
+  for (size_t v = 0; v < set.targets.size(); ++v) {
+    if (judging.is_whole[v]) {
+      set.targets[v].rgba8.assign(set.targets[v].rgba8.size(), 0xFF000000u);
+    }
+  }
+  renderer->SetTargets(set.views, TargetsToJudge(set, judging));
+  const Judgement mixed = Judge(*renderer, judging, glm::vec3(0.25f));
+  EXPECT_NEAR(mixed.views_psnr, -20 * std::log10(0.25), 1e-4);
+  EXPECT_NEAR(mixed.tiles_psnr, judgement.psnr, 1e-9);
+  EXPECT_GT(mixed.standard_error, 0.001);
+}
+
+}  // namespace
+}  // namespace tetrec
