@@ -1,9 +1,12 @@
 // D-SSIM, last pass: spreads the derivatives of windows along columns, and adds dL/dcolour and
 // dL/dtransmittance to the rays' gradients:
-//   dL/dx of a pixel = scale sum_windows w (by_x + 2 x by_xx + y by_xy).
+//   dL/dx of a pixel = scale sum_windows w (by_x + 2 x by_xx + y by_xy),
+// with x the pixel as its view exposes it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "dssim.glsl"
+#include "exposure.glsl"
+#include "views.glsl"
 
 layout(std430, binding = kBindPictures) readonly buffer Pictures { vec2 pictures[]; };
 layout(std430, binding = kBindWindowRows) readonly buffer WindowRows { float window_rows[]; };
@@ -32,6 +35,7 @@ void main() {
         gradient[channel] = push.gradient_scale * (sum.x + 2.0 * xy.x * sum.y + xy.y * sum.z);
       }
     }
-    ray_gradients[ray] += vec4(gradient, dot(gradient, push.background.rgb));
+    Exposure exposure = FetchExposure(FetchBlock(ray / kBlockRays).view);
+    ray_gradients[ray] += GradientOfRay(gradient, exposure, push.background.rgb);
   }
 }

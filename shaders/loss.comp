@@ -1,13 +1,15 @@
 // Compares every ray with its target pixel: writes dL/dcolour and dL/dtransmittance, and for each
 // workgroup a partial sum of the loss and of the squared error.
 //
-// The loss is a mean over rays and channels (shared/loss.glsl.h).
+// The loss is a mean over rays and channels (shared/loss.glsl.h). What is compared is the ray as its
+// view exposes it (shared/exposure.glsl.h).
 // TETREC_PICTURES also writes the compared values, for the kernels of D-SSIM.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"
 #include "shared/loss.glsl.h"
 #include "shared/ssim.glsl.h"
+#include "exposure.glsl"
 #include "views.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
@@ -35,22 +37,27 @@ void main() {
       vec4 target = texelFetch(targets, int(size_pixel.z + y * size_pixel.x + x));
       vec4 color = ray_colors[index];
       float transmittance = exp(-color.a);
+      Exposure exposure = FetchExposure(block.view);
+      vec3 exposed = Exposed(color.rgb, transmittance, exposure);
 #ifdef TETREC_PICTURES
-      vec3 shown = color.rgb + transmittance * push.background.rgb;
+      vec3 shown = exposed + transmittance * push.background.rgb;
       vec3 wanted = target.rgb + (1.0 - target.a) * push.background.rgb;
       if (!IsJudged(target.r, target.a)) shown = wanted = vec3(kNotJudged);
       pictures[index] = vec2(shown.r, wanted.r);
       pictures[push.ray_count + index] = vec2(shown.g, wanted.g);
       pictures[2u * push.ray_count + index] = vec2(shown.b, wanted.b);
 #endif
+      vec3 by_shown;
       uint c = 0u;
       while (c < 3u) {
-        float residual = ResidualOf(color[c], transmittance, target[c], target.a, push.background[c]);
-        gradient[c] = push.gradient_scale * LossSlope(int(push.loss), residual);
+        float residual = ResidualOf(exposed[c], transmittance, target[c], target.a, push.background[c]);
+        by_shown[c] = push.gradient_scale * LossSlope(int(push.loss), residual);
         sum += vec2(LossOf(int(push.loss), residual), residual * residual);
         c += 1u;
       }
-      gradient.a = dot(gradient.rgb, push.background.rgb);
+      gradient = push.writes_residuals != 0u
+                     ? vec4(by_shown, 0.0)
+                     : GradientOfRay(by_shown, exposure, push.background.rgb);
     }
     ray_gradients[index] = gradient;
   }

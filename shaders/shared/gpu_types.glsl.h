@@ -100,10 +100,10 @@ struct PpllPush {
 
 struct LossPush {
   uint ray_count;
-  uint loss;             // kLossL2 or kLossL1
-  float gradient_scale;  // 1 / (3 x rays)
-  uint padding;
-  vec4 background;  // rgb [display sRGB] behind field and target
+  uint loss;              // kLossL2 or kLossL1
+  float gradient_scale;   // 1 / (3 x rays)
+  uint writes_residuals;  // not 0: gradients are dL/dshown, for scores, which are of what is shown
+  vec4 background;        // rgb [display sRGB] behind field and target
 };
 
 // D-SSIM of a batch of tiles of equal shape.
@@ -241,6 +241,8 @@ struct SpreadPush {
 #define kBindFaceChunks 39    // uint per chunk of faces that a tile may see
 #define kBindAppended 40      // uvec4: fragment, ray, place in the ray's list
 #define kBindRateShares 41    // float per row: share of the learning rates
+#define kBindExposures 42     // texels vec4, two per view: gain, offset
+#define kBindExposureSums 43  // vec4, four per block (exposure_sums.comp)
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);

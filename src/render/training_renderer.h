@@ -2,6 +2,7 @@
 #pragma once
 
 #include "field/field_state.h"
+#include "render/exposure.h"
 #include "render/loss.h"
 #include "render/renderer.h"
 
@@ -47,6 +48,8 @@ struct TrainingBatch {
   // The loss is a mean over this many rays: those of all batches whose gradients are summed for
   // one update. 0: those of this batch.
   uint64_t update_rays = 0;
+  // Also sums what the views' exposures are fitted from, for AddExposureSums.
+  bool sums_exposures = false;
 
   uint64_t rays() const { return blocks.size() * kRaysPerBlock; }
   uint64_t rays_of_mean() const { return update_rays > 0 ? update_rays : rays(); }
@@ -87,7 +90,7 @@ struct GradientSums {
 
 // What AddScores adds to each tet that a ray passes, times the tet's share of the ray's opacity.
 enum class ScoreKind {
-  kSquaredResidual,   // squares of the residual, over the channels
+  kSquaredResidual,   // squares of the residual (of what the view shows), over the channels
   kAbsoluteResidual,  // absolute values
 };
 
@@ -97,6 +100,13 @@ class TrainingRenderer : public Renderer {
   // Views and what they should show; sizes must agree.
   virtual void SetTargets(std::span<const RenderView> views,
                           std::span<const TargetImage> targets) = 0;
+  // How the training views show the field, one per view; neutral after SetTargets. Pictures of
+  // Render are of the field itself.
+  virtual void SetExposures(std::span<const ViewExposure> exposures) = 0;
+  // Adds to `sums`, one per view, those of the batches with sums_exposures since the last call,
+  // block by block in the order in which they were given: the result is the same, bit by bit,
+  // however often this is called in between. Waits for the steps in flight.
+  virtual void AddExposureSums(std::span<ExposureSums> sums) = 0;
   // Takes longer if the layout is not that of the field before: kernels are made for one.
   virtual void SetState(const TetMesh& mesh, const FieldState& state) = 0;
   virtual FieldState ReadState() = 0;

@@ -9,6 +9,7 @@
 #include "render/reference/batch.h"
 #include "render/reference/dssim.h"
 #include "shared/adam.glsl.h"
+#include "shared/exposure.glsl.h"
 #include "shared/loss.glsl.h"
 #include "shared/random.glsl.h"
 #include "shared/ssim.glsl.h"
@@ -70,6 +71,18 @@ class ReferenceRenderer final : public ProbedRenderer {
     }
     views_.assign(views.begin(), views.end());
     targets_.assign(targets.begin(), targets.end());
+    exposures_.assign(views.size(), {});
+    block_sums_.clear();
+  }
+
+  void SetExposures(std::span<const ViewExposure> exposures) override {
+    TETREC_CHECK(exposures.size() == views_.size(), "one exposure per view");
+    exposures_.assign(exposures.begin(), exposures.end());
+  }
+
+  void AddExposureSums(std::span<ExposureSums> sums) override {
+    AddBlockSums(block_sums_, sums);
+    block_sums_.clear();
   }
 
   bool NeedsTiles() const override { return false; }
@@ -92,6 +105,8 @@ class ReferenceRenderer final : public ProbedRenderer {
     const std::vector<Vec4<Real>> colors = March(rays);
     const Real scale = Real(1) / Real(3 * batch.rays_of_mean());
     StepResult result = CompareWithTargets(rays, colors, batch, scale, gradients);
+    ChainToRays(rays, batch, gradients);
+    if (batch.sums_exposures) SumExposures(rays, colors, batch);
     if (batch.dssim_weight > 0) MixDssim(rays, colors, batch, gradients, result);
     return result;
   }
@@ -363,8 +378,8 @@ class ReferenceRenderer final : public ProbedRenderer {
     return colors;
   }
 
-  // As loss.comp: the means of the loss and of the squared error, and dL/d(rgb, transmittance) of
-  // every ray, 0 outside the image.
+  // As loss.comp: the means of the loss and of the squared error, and dL/dshown of every ray, 0
+  // outside the image.
   StepResult CompareWithTargets(const Batch& batch, std::span<const Vec4<Real>> colors,
                                 const TrainingBatch& training, Real gradient_scale,
                                 std::span<Vec4<Real>> gradients) const {
@@ -377,17 +392,66 @@ class ReferenceRenderer final : public ProbedRenderer {
       const Vec4<Real> target = TargetOf(batch, i);
       const Real transmittance = std::exp(-colors[i].a);
       for (int c = 0; c < 3; ++c) {
-        const Real residual =
-            ResidualOf(colors[i][c], transmittance, target[c], target.a, background[c]);
+        const Real residual = ResidualOf(Exposed(batch, i, colors[i])[c], transmittance, target[c],
+                                         target.a, background[c]);
         gradients[i][c] = gradient_scale * LossSlope(loss, residual);
         result.loss += double(LossOf(loss, residual));
         result.squared_error += double(residual) * double(residual);
       }
-      gradients[i].a = glm::dot(Vec3<Real>(gradients[i]), background);
     }
     result.loss /= 3.0 * double(batch.rays());
     result.squared_error /= 3.0 * double(batch.rays());
     return result;
+  }
+
+  const ViewExposure& ExposureOf(const Batch& batch, size_t ray) const {
+    return exposures_[batch.blocks[ray / kRaysPerBlock].view];
+  }
+
+  // The colour of a ray as its view exposes it.
+  Vec3<Real> Exposed(const Batch& batch, size_t ray, const Vec4<Real>& color) const {
+    const ViewExposure& exposure = ExposureOf(batch, ray);
+    const Real transmittance = std::exp(-color.a);
+    Vec3<Real> exposed;
+    for (int c = 0; c < 3; ++c) {
+      exposed[c] =
+          ExposedColor(color[c], transmittance, Real(exposure.gain[c]), Real(exposure.offset[c]));
+    }
+    return exposed;
+  }
+
+  // dL/d(color, transmittance) of a ray for dL/dshown.
+  Vec4<Real> GradientOfRay(const Batch& batch, size_t ray, const Vec3<Real>& by_shown,
+                           const Vec3<Real>& background) const {
+    const ViewExposure& exposure = ExposureOf(batch, ray);
+    return {by_shown * Vec3<Real>(exposure.gain),
+            glm::dot(by_shown, background - Vec3<Real>(exposure.offset))};
+  }
+
+  void ChainToRays(const Batch& batch, const TrainingBatch& training,
+                   std::span<Vec4<Real>> gradients) const {
+    const Vec3<Real> background(training.background_srgb);
+    for (size_t i = 0; i < gradients.size(); ++i) {
+      gradients[i] = GradientOfRay(batch, i, Vec3<Real>(gradients[i]), background);
+    }
+  }
+
+  // As exposure_sums.comp.
+  void SumExposures(const Batch& batch, std::span<const Vec4<Real>> colors,
+                    const TrainingBatch& training) {
+    for (size_t i = 0; i < batch.rays(); ++i) {
+      if (i % kRaysPerBlock == 0) block_sums_.push_back({batch.blocks[i / kRaysPerBlock].view, {}});
+      if (!batch.InPicture(i)) continue;
+      const Vec4<Real> target = TargetOf(batch, i);
+      if (!IsJudged(target.r, target.a)) continue;
+      const Real transmittance = std::exp(-colors[i].a);
+      for (int c = 0; c < 3; ++c) {
+        const Real wanted =
+            WantedColor(transmittance, target[c], target.a, Real(training.background_srgb[c]));
+        block_sums_.back().sums[size_t(c)].Add(double(colors[i][c]), 1.0 - double(transmittance),
+                                               double(wanted));
+      }
+    }
   }
 
   Vec4<Real> TargetOf(const Batch& batch, size_t ray) const {
@@ -423,7 +487,8 @@ class ReferenceRenderer final : public ProbedRenderer {
       for (size_t ray = first; ray < first + pixels; ++ray) {
         TETREC_CHECK(batch.InPicture(ray), "a tile of D-SSIM leaves its picture");
         const glm::dvec4 color(colors[ray]), target(TargetOf(batch, ray));
-        shown[place(ray)] = glm::dvec3(color) + std::exp(-color.a) * background;
+        shown[place(ray)] =
+            glm::dvec3(Exposed(batch, ray, colors[ray])) + std::exp(-color.a) * background;
         wanted[place(ray)] = glm::dvec3(target) + (1.0 - target.a) * background;
         if (!IsJudged(target.r, target.a)) {
           shown[place(ray)] = wanted[place(ray)] = glm::dvec3(kNotJudged);
@@ -433,7 +498,7 @@ class ReferenceRenderer final : public ProbedRenderer {
       result.loss += share * dssim.value;
       for (size_t ray = first; ray < first + pixels; ++ray) {
         const glm::dvec3 g = share_of_mean * dssim.gradient[place(ray)];
-        gradients[ray] += Vec4<Real>(glm::dvec4(g, glm::dot(g, background)));
+        gradients[ray] += GradientOfRay(batch, ray, Vec3<Real>(g), Vec3<Real>(background));
       }
     }
   }
@@ -502,6 +567,8 @@ class ReferenceRenderer final : public ProbedRenderer {
   std::optional<ForwardedBatch> forward_;
   std::vector<RenderView> views_;
   std::vector<TargetImage> targets_;
+  std::vector<ViewExposure> exposures_;        // one per view
+  std::vector<BlockExposureSums> block_sums_;  // since AddExposureSums
   std::vector<double> scores_;
   std::array<StepResult, 2> results_;
   int current_ = 0;

@@ -41,7 +41,7 @@ DssimLoss::DssimLoss(const Device& device)
 
 void DssimLoss::Record(CommandRecorder& recorder, DssimBatch& batch, const RayBatch& rays,
                        const TrainingBatch& step, LossPush pixel_loss, const Buffer& views,
-                       const Buffer& targets) const {
+                       const Buffer& exposures, const Buffer& targets) const {
   const uint64_t values = 3 * uint64_t(rays.count);  // one value per channel and ray
   batch.weight = step.dssim_weight;
   batch.windows = CountWindows(step);
@@ -59,6 +59,7 @@ void DssimLoss::Record(CommandRecorder& recorder, DssimBatch& batch, const RayBa
                      {kBindRayGradients, rays.gradients},
                      {kBindPartialLosses, rays.partial_losses},
                      {kBindTargets, targets},
+                     {kBindExposures, exposures},
                      {kBindPictures, batch.pictures}},
                     pixel_loss, rays.count);
   const DssimPush push{.ray_count = rays.count,
@@ -79,6 +80,8 @@ void DssimLoss::Record(CommandRecorder& recorder, DssimBatch& batch, const RayBa
   recorder.Dispatch(gradients_,
                     {{kBindPictures, batch.pictures},
                      {kBindWindowRows, batch.window_rows},
+                     {kBindBlocks, rays.blocks},
+                     {kBindExposures, exposures},
                      {kBindRayGradients, rays.gradients}},
                     push, rays.count);
 }

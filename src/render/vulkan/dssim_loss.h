@@ -27,7 +27,7 @@ class DssimLoss {
   // as for the pixel loss alone. The device must be done with `batch`.
   void Record(CommandRecorder& recorder, DssimBatch& batch, const RayBatch& rays,
               const TrainingBatch& step, gpu_types::LossPush pixel_loss, const Buffer& views,
-              const Buffer& targets) const;
+              const Buffer& exposures, const Buffer& targets) const;
 
  private:
   const Device& device_;

@@ -14,6 +14,7 @@ struct RayBatch {
   Buffer entries;         // uvec2 per ray: the integrator's own
   Buffer gradients;       // vec4 per ray: dL/dcolour | dL/dtransmittance
   Buffer partial_losses;  // vec2 per workgroup: loss, squared error
+  Buffer exposure_sums;   // vec4 x 4 per block; empty until a batch asks for them
   uint32_t capacity = 0;  // rays
   uint32_t count = 0;     // rays
   uint32_t columns = 0;   // TileColumns

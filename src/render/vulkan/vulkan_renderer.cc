@@ -98,6 +98,14 @@ struct BatchSlot {
   RayBatch rays;
   DssimBatch dssim;
   uint32_t uncollected_rays = 0;  // whose losses are yet to be read
+  // The views of the blocks whose exposure sums are yet to be read.
+  std::vector<uint32_t> uncollected_views;
+};
+
+// What the loss leaves in RayBatch::gradients.
+struct RayGradients {
+  float scale = 1;             // of the loss
+  bool are_residuals = false;  // by what is shown, for scores
 };
 
 class VulkanRenderer final : public ProbedRenderer {
@@ -106,6 +114,7 @@ class VulkanRenderer final : public ProbedRenderer {
       : options_(options),
         device_(CreateDevice(DeviceOptionsOf(options))),
         loss_(*device_, "loss", kLoss),
+        exposure_sums_(*device_, "exposure_sums", kExposureSums),
         adam_(AdamProgram(*device_, layout_, options.deterministic)),
         spread_(SpreadProgram(*device_, layout_)),
         march_(*device_, options),
@@ -166,14 +175,37 @@ class VulkanRenderer final : public ProbedRenderer {
       pixels.insert(pixels.end(), targets[i].rgba8.begin(), targets[i].rgba8.end());
     }
     targets_ = MakeBuffer(*device_, "target pictures", pixels, VK_FORMAT_R8G8B8A8_UNORM);
+    for (BatchSlot* slot : {&in_flight_[0], &in_flight_[1], &part_})
+      slot->uncollected_views.clear();
+    block_sums_.clear();
+    SetExposures(std::vector<ViewExposure>(views.size()));
     if (field_.tet_count > 0) UploadViews();
+  }
+
+  void SetExposures(std::span<const ViewExposure> exposures) override {
+    TETREC_CHECK(exposures.size() == views_.size(), "one exposure per view");
+    WaitAll();
+    std::vector<glm::vec4> texels;
+    for (const ViewExposure& exposure : exposures) {
+      texels.emplace_back(glm::vec3(exposure.gain), 0.0f);
+      texels.emplace_back(glm::vec3(exposure.offset), 0.0f);
+    }
+    exposures_ = MakeBuffer(*device_, "exposures", texels, VK_FORMAT_R32G32B32A32_SFLOAT);
+  }
+
+  void AddExposureSums(std::span<ExposureSums> sums) override {
+    WaitAll();
+    CollectExposureSums(in_flight_[current_ ^ 1]);  // the older one
+    CollectExposureSums(in_flight_[current_]);
+    AddBlockSums(block_sums_, sums);
+    block_sums_.clear();
   }
 
   // Two steps are in flight: while the device works on one, the host prepares the next.
   StepResult Step(const TrainingBatch& batch, const AdamUpdate& update) override {
     const FixedPoint fixed = FixedPointOf(batch);
     ExpectSums(fixed);
-    const StepResult before = InFlightBatch(*integrator_, batch, ScaleOf(batch), fixed,
+    const StepResult before = InFlightBatch(*integrator_, batch, {ScaleOf(batch)}, fixed,
                                             [&](CommandRecorder& recorder, const RayPass& pass) {
                                               integrator_->Backward(recorder, pass);
                                               RecordUpdate(recorder, update, fixed);
@@ -189,7 +221,7 @@ class VulkanRenderer final : public ProbedRenderer {
     forward_batch_.blocks = forward_blocks_;
     PutBlocks(part_.rays, batch.blocks);
     render_recorder_.Begin();
-    RecordForward(render_recorder_, *integrator_, part_, ForwardPass(), batch, ScaleOf(batch));
+    RecordForward(render_recorder_, *integrator_, part_, ForwardPass(), batch, {ScaleOf(batch)});
     render_recorder_.EndAndSubmit();
     render_recorder_.Wait();
     has_forward_ = true;
@@ -277,9 +309,10 @@ class VulkanRenderer final : public ProbedRenderer {
     TrainingBatch by_square = batch;
     by_square.loss = LossKind::kL2;
     by_square.dssim_weight = 0;
+    by_square.sums_exposures = false;
     FixedPoint fixed;
     fixed.largest_quanta = float(kLargestScore * kScoreQuanta);
-    return InFlightBatch(march_, by_square, 0.5f, fixed,
+    return InFlightBatch(march_, by_square, {0.5f, true}, fixed,
                          [&](CommandRecorder& recorder, const RayPass& pass) {
                            RayPass scored = pass;
                            scored.score = kind;
@@ -467,8 +500,9 @@ class VulkanRenderer final : public ProbedRenderer {
   // Records forward and loss of a batch and whatever `then` records, and submits it. Returns the
   // losses of the batch before last.
   template <class Then>
-  StepResult InFlightBatch(Integrator& integrator, const TrainingBatch& batch, float gradient_scale,
-                           const FixedPoint& fixed, const Then& then) {
+  StepResult InFlightBatch(Integrator& integrator, const TrainingBatch& batch,
+                           const RayGradients& gradients, const FixedPoint& fixed,
+                           const Then& then) {
     current_ ^= 1;
     CommandRecorder& recorder = *recorders_[current_];
     BatchSlot& slot = in_flight_[current_];
@@ -478,7 +512,7 @@ class VulkanRenderer final : public ProbedRenderer {
     const RayPass pass = PassOver(slot.rays, training_views_, batch.blocks,
                                   gpu_views_[batch.blocks[0].view], batch, fixed);
     recorder.Begin();
-    RecordForward(recorder, integrator, slot, pass, batch, gradient_scale);
+    RecordForward(recorder, integrator, slot, pass, batch, gradients);
     then(recorder, pass);
     recorder.EndAndSubmit();
     has_forward_ = false;
@@ -493,14 +527,30 @@ class VulkanRenderer final : public ProbedRenderer {
   }
 
   void RecordForward(CommandRecorder& recorder, Integrator& integrator, BatchSlot& slot,
-                     const RayPass& pass, const TrainingBatch& batch, float gradient_scale) {
+                     const RayPass& pass, const TrainingBatch& batch,
+                     const RayGradients& gradients) {
     integrator.Forward(recorder, pass);
-    RecordLoss(recorder, slot, batch, gradient_scale);
+    RecordLoss(recorder, slot, batch, gradients);
     slot.uncollected_rays = slot.rays.count;
   }
 
-  // Sums the losses of a batch that the device is done with.
-  static StepResult Collect(BatchSlot& slot) {
+  // Keeps the exposure sums of a batch that the device is done with.
+  void CollectExposureSums(BatchSlot& slot) {
+    const std::vector<uint32_t> views = std::exchange(slot.uncollected_views, {});
+    const auto rows = slot.rays.exposure_sums.DownloadAs<glm::vec4>(views.size() * 4);
+    for (size_t block = 0; block < views.size(); ++block) {
+      BlockExposureSums sums{views[block], {}};
+      for (size_t c = 0; c < 3; ++c) {
+        const glm::dvec4 row(rows[4 * block + c]);
+        sums.sums[c] = {double(rows[4 * block + 3].x), row[0], row[1], row[2], row[3]};
+      }
+      block_sums_.push_back(sums);
+    }
+  }
+
+  // Sums the losses of a batch that the device is done with, and keeps its exposure sums.
+  StepResult Collect(BatchSlot& slot) {
+    CollectExposureSums(slot);
     const uint32_t rays = std::exchange(slot.uncollected_rays, 0);
     StepResult result;
     if (rays == 0) return result;
@@ -602,17 +652,20 @@ class VulkanRenderer final : public ProbedRenderer {
   }
 
   void RecordLoss(CommandRecorder& recorder, BatchSlot& slot, const TrainingBatch& batch,
-                  float gradient_scale) {
+                  const RayGradients& gradients) {
     const RayBatch& rays = slot.rays;
     const LossPush push{.ray_count = rays.count,
                         .loss = batch.loss == LossKind::kL2 ? uint32_t(kLossL2) : uint32_t(kLossL1),
-                        .gradient_scale = gradient_scale,
+                        .gradient_scale = gradients.scale,
+                        .writes_residuals = gradients.are_residuals,
                         .background = glm::vec4(batch.background_srgb, 0.0f)};
+    if (batch.sums_exposures) RecordExposureSums(recorder, slot, batch, push);
     slot.dssim.weight = batch.dssim_weight;
     if (batch.dssim_weight > 0) {
       CheckTiles(batch);
       if (!dssim_) dssim_ = std::make_unique<DssimLoss>(*device_);
-      dssim_->Record(recorder, slot.dssim, rays, batch, push, training_views_, targets_);
+      dssim_->Record(recorder, slot.dssim, rays, batch, push, training_views_, exposures_,
+                     targets_);
       return;
     }
     recorder.Dispatch(loss_,
@@ -621,8 +674,24 @@ class VulkanRenderer final : public ProbedRenderer {
                        {kBindRayColors, rays.colors},
                        {kBindRayGradients, rays.gradients},
                        {kBindPartialLosses, rays.partial_losses},
-                       {kBindTargets, targets_}},
+                       {kBindTargets, targets_},
+                       {kBindExposures, exposures_}},
                       push, rays.count);
+  }
+
+  void RecordExposureSums(CommandRecorder& recorder, BatchSlot& slot, const TrainingBatch& batch,
+                          const LossPush& push) {
+    RayBatch& rays = slot.rays;
+    Grow(*device_, rays.exposure_sums, "exposure sums",
+         batch.blocks.size() * 4 * sizeof(glm::vec4));
+    recorder.Dispatch(exposure_sums_,
+                      {{kBindViews, training_views_},
+                       {kBindBlocks, rays.blocks},
+                       {kBindRayColors, rays.colors},
+                       {kBindTargets, targets_},
+                       {kBindExposureSums, rays.exposure_sums}},
+                      push, batch.blocks.size());
+    for (const RayBlock& block : batch.blocks) slot.uncollected_views.push_back(block.view);
   }
 
   // Windows must not reach beyond an image, where rays have no target.
@@ -652,7 +721,7 @@ class VulkanRenderer final : public ProbedRenderer {
   RendererOptions options_;
   std::unique_ptr<Device> device_;
   FieldLayout layout_;  // which the kernels below are made for
-  Program loss_, adam_, spread_;
+  Program loss_, exposure_sums_, adam_, spread_;
   MarchIntegrator march_;              // for scores, whichever integrator renders
   std::unique_ptr<Integrator> other_;  // unless the march renders
   Integrator* integrator_;
@@ -661,6 +730,8 @@ class VulkanRenderer final : public ProbedRenderer {
   Buffer counters_, render_view_;
   DeviceField field_;
   Buffer targets_, training_views_;
+  Buffer exposures_;                           // of the training views
+  std::vector<BlockExposureSums> block_sums_;  // since AddExposureSums
   std::vector<RenderView> views_;
   std::vector<GpuView> gpu_views_;  // as in training_views_
   GpuView gpu_render_view_;         // as in render_view_
