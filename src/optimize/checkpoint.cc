@@ -36,6 +36,34 @@ void CheckNotNegative(const std::vector<float>& second_moment, const FieldLayout
   }
 }
 
+// As they are in the file.
+static_assert(sizeof(ViewExposure) == 6 * sizeof(double));
+static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
+
+ExposureState ReadExposure(ByteReader& reader) {
+  const uint64_t views = reader.Read<uint64_t>("exposure count");
+  return {reader.ReadArray<ViewExposure>(views, "exposures"),
+          reader.ReadArray<ExposureSums>(views, "exposure sums")};
+}
+
+void CheckExposure(const ExposureState& exposure, const std::string& name) {
+  const auto fail = [&](size_t view, const char* what) {
+    throw DataError(fmt::format("{}: {} of exposure {} is not possible", name, what, view));
+  };
+  for (size_t view = 0; view < exposure.exposures.size(); ++view) {
+    for (int c = 0; c < 3; ++c) {
+      const double gain = exposure.exposures[view].gain[c];
+      if (!std::isfinite(gain) || gain <= 0) fail(view, "a gain");
+      if (!std::isfinite(exposure.exposures[view].offset[c])) fail(view, "an offset");
+      const GainOffsetSums& sums = exposure.sums[view][size_t(c)];
+      const bool finite = std::isfinite(sums.xw) && std::isfinite(sums.yw) &&
+                          std::isfinite(sums.yx) && std::isfinite(sums.ww) &&
+                          std::isfinite(sums.xx);
+      if (!finite || sums.ww < 0 || sums.xx < 0) fail(view, "a sum");
+    }
+  }
+}
+
 }  // namespace
 
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
@@ -56,6 +84,9 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   writer.WriteArray(std::span<const float>(checkpoint.state.parameters));
   writer.WriteArray(std::span<const float>(checkpoint.state.first_moment));
   writer.WriteArray(std::span<const float>(checkpoint.state.second_moment));
+  writer.Write(uint64_t(checkpoint.exposure.exposures.size()));
+  writer.WriteArray(std::span<const ViewExposure>(checkpoint.exposure.exposures));
+  writer.WriteArray(std::span<const ExposureSums>(checkpoint.exposure.sums));
   WriteBytes(path, writer.bytes());
 }
 
@@ -83,6 +114,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   state.parameters = reader.ReadArray<float>(values, "parameters");
   state.first_moment = reader.ReadArray<float>(values, "first moments");
   state.second_moment = reader.ReadArray<float>(values, "second moments");
+  result.exposure = ReadExposure(reader);
   reader.ExpectEnd();
   if (!std::isfinite(result.seconds) || result.seconds < 0) {
     throw DataError(fmt::format("{}: seconds {} is not a time", name, result.seconds));
@@ -94,6 +126,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   CheckFinite(state.first_moment, layout, name, "a first moment");
   CheckFinite(state.second_moment, layout, name, "a second moment");
   CheckNotNegative(state.second_moment, layout, name);
+  CheckExposure(result.exposure, name);
   CheckTetMesh(result.mesh);
   CheckConvexDomain(result.mesh);
   return result;

@@ -3,6 +3,7 @@
 
 #include "field/field_state.h"
 #include "mesh/tet_mesh.h"
+#include "optimize/exposure.h"
 
 #include <filesystem>
 #include <span>
@@ -18,12 +19,14 @@ struct Checkpoint {
   double best_psnr = 0;        // of the judging pictures, before a refinement
   TetMesh mesh;
   FieldState state;
+  ExposureState exposure;
 };
 
 // Own format, little endian: "TETRECK4", u64 iteration, f64 seconds, u64 rays, u32 rounds,
 // u64 metrics bytes, f64 best PSNR, u64 V, u64 T, the layout (AppendLayout), positions f32 x 3 V,
 // tets and neighbours u32 x 4 T each, then parameters, first moments and second moments, each f32 x
-// rows x components. Written by rename.
+// rows x components; then u64 exposures E, for each gains and offsets, f64 x 3 each, and for each
+// the sums of its three channels, f64 x 5 each (GainOffsetSums). Written by rename.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 // Throws DataError if the file is truncated or inconsistent.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "field/layout.h"
+#include "optimize/exposure.h"
 #include "optimize/schedule.h"
 #include "render/loss.h"
 #include "render/training_renderer.h"
@@ -43,9 +44,10 @@ struct OptimizeOptions {
   double jitter_px = 0.5;         // rays are moved inside their pixel by up to half of this
   double subject_share = 0.85;    // share of the rays drawn where the masks show something
   bool random_background = true;  // behind field and target; false: the scene's own
-  uint64_t max_vertices = 0;      // 0: as many as the time affords
-  double score_rays_per_tet = 1;  // by which a refinement judges the tets
-  int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv
+  ExposureMode exposure = ExposureMode::kAuto;  // of the training photos
+  uint64_t max_vertices = 0;                    // 0: as many as the time affords
+  double score_rays_per_tet = 1;                // by which a refinement judges the tets
+  int watched_views = 4;                        // held-out views whose PSNR goes into metrics.csv
   double checkpoint_interval_s = 30;
   CameraSpace camera_space = CameraSpace::kEmpty;
   JudgingPictures judging_pictures = JudgingPictures::kKept;

@@ -13,6 +13,7 @@
 #include "optimize/camera_space.h"
 #include "optimize/checkpoint.h"
 #include "optimize/error_look.h"
+#include "optimize/exposure.h"
 #include "optimize/judging.h"
 #include "optimize/refine.h"
 #include "optimize/training_set.h"
@@ -21,6 +22,7 @@
 #include "render/kernel_table.h"
 #include "render/picture.h"
 #include "run/field_world.h"
+#include "run/photo_exposures.h"
 #include "run/training_log.h"
 
 #include <fmt/format.h>
@@ -94,9 +96,11 @@ class Trainer {
         continue;
       }
       if (!learns_all_ && !KeepsJudgingPictures(done)) UseTargets(done);
-      const TrainingBatch batch = batches_.Draw(state_.iteration);
+      TrainingBatch batch = batches_.Draw(state_.iteration);
+      batch.sums_exposures = exposure_.Gathers(done);
       state_.rays += batch.rays();
       averages.Add(renderer_->Step(batch, NextUpdate(done)));
+      exposure_.AfterStep(*renderer_, state_.iteration, done);
       if (done - last_row >= 0.02) {
         last_row = done;
         std::optional<double> psnr;
@@ -136,6 +140,18 @@ class Trainer {
     return FieldOf(mesh_, state);
   }
 
+  // Of the training views; empty if they are not estimated.
+  std::vector<PhotoExposure> Exposures() {
+    std::vector<PhotoExposure> result;
+    const std::vector<int> views = scene_.ViewsOf(Split::kTrain);
+    const std::vector<ViewExposure>& exposures = exposure_.State(*renderer_).exposures;
+    for (size_t i = 0; i < exposures.size(); ++i) {
+      result.push_back(
+          {scene_.views[size_t(views[i])].name, exposures[i].gain, exposures[i].offset});
+    }
+    return result;
+  }
+
  private:
   // A run by iterations is taken to make 40 steps per second.
   double ExpectedSeconds() const {
@@ -163,13 +179,16 @@ class Trainer {
             checkpoint_path_.string(), RowName(state.layout.storage), RowName(options_.storage)));
       }
       round_iteration_ = state_.iteration;
+      exposure_ = ResumedExposure(std::move(state_.exposure));
       LogInfo("continues from iteration {} after {:.0f} s", state_.iteration, state_.seconds);
     } else {
       if (stage_.resume()) LogInfo("no checkpoint was saved: starts at the first iteration");
       mesh_ = start.mesh;
       state = StateOf(WithStorage(start, options_.storage));
+      if (EstimatesExposure()) exposure_ = ExposureEstimate(set_.views.size());
     }
     UseTargets(Done());
+    if (exposure_.is_on()) renderer_->SetExposures(exposure_.State(*renderer_).exposures);
     PutState(std::move(state));
   }
 
@@ -209,6 +228,22 @@ class Trainer {
     const Judgement judgement = Judge(*renderer_, judging_, BackgroundColor(scene_.background));
     UseTargets(Done());
     return judgement;
+  }
+
+  bool EstimatesExposure() const {
+    if (options_.exposure == ExposureMode::kAuto) return !scene_.has_alpha;
+    return options_.exposure == ExposureMode::kOn;
+  }
+
+  ExposureEstimate ResumedExposure(ExposureState state) const {
+    const size_t expected = EstimatesExposure() && set_.views.size() > 1 ? set_.views.size() : 0;
+    if (state.exposures.size() != expected) {
+      throw DataError(
+          fmt::format("{}: contains the exposures of {} photos, not {}; force a fresh "
+                      "run",
+                      checkpoint_path_.string(), state.exposures.size(), expected));
+    }
+    return ExposureEstimate(std::move(state));
   }
 
   double Done() const {
@@ -296,6 +331,7 @@ class Trainer {
     checkpoint.metrics_bytes = metrics_bytes;
     checkpoint.mesh = mesh_;
     checkpoint.state = renderer_->ReadState();
+    checkpoint.exposure = exposure_.State(*renderer_);
     WriteCheckpoint(checkpoint_path_, checkpoint);
   }
 
@@ -361,7 +397,8 @@ class Trainer {
   fs::path checkpoint_path_, best_path_;
   uint64_t max_vertices_ = 0;
   uint64_t round_iteration_ = 0;  // at the last refinement
-  Checkpoint state_;              // counters; its mesh and field state are used on disk only
+  ExposureEstimate exposure_;
+  Checkpoint state_;  // counters; its mesh, field state and exposures are used on disk only
   TetMesh mesh_;
 };
 
@@ -374,6 +411,15 @@ FieldWorld WorldOf(const Scene& scene, const fs::path& scene_folder, const fs::p
   return world;
 }
 
+// Writes what was estimated of the photos, and says so where they differ much.
+void WriteExposures(const std::vector<PhotoExposure>& exposures, Stage& stage) {
+  if (exposures.empty()) return;
+  WritePhotoExposures(stage.Output(kPhotoExposuresFile), exposures);
+  const auto uneven = std::count_if(exposures.begin(), exposures.end(), IsUneven);
+  stage.Count("uneven_photos", uint64_t(uneven));
+  if (uneven > 0) LogWarning("{}", UnevenWarning(size_t(uneven), exposures.size()));
+}
+
 }  // namespace
 
 void RunOptimize(const OptimizeOptions& options, Stage& stage) {
@@ -384,6 +430,7 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   CheckConvexDomain(start.mesh);  // refinement fills it with new tets
   Trainer trainer(options, scene_folder, scene, stage);
   WriteField(stage.Output("field.tetf"), trainer.Run(start));
+  WriteExposures(trainer.Exposures(), stage);
   WriteFieldWorld(stage.Output(kFieldWorldFile), WorldOf(scene, scene_folder, stage.folder()));
 }
 

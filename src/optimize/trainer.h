@@ -7,7 +7,8 @@
 namespace tetrec {
 
 // Reads the start field of the tetrahedralize stage and the scene before it; writes field.tetf,
-// world.json (where the world is in the input's coordinates) and metrics.csv (iteration, seconds,
+// world.json (where the world is in the input's coordinates), exposure.json (if exposures of photos
+// were estimated) and metrics.csv (iteration, seconds,
 // rays, loss, train_psnr, heldout_psnr, tets, vertices, phase; one row per 2 % of the run).
 void RunOptimize(const OptimizeOptions& options, Stage& stage);
 

@@ -100,8 +100,9 @@ class TrainingRenderer : public Renderer {
   // Views and what they should show; sizes must agree.
   virtual void SetTargets(std::span<const RenderView> views,
                           std::span<const TargetImage> targets) = 0;
-  // How the training views show the field, one per view; neutral after SetTargets. Pictures of
-  // Render are of the field itself.
+  // How the training views show the field, one per view; neutral after SetTargets of another number
+  // of views, which otherwise leaves exposures and their sums as they are. Pictures of Render are
+  // of the field itself.
   virtual void SetExposures(std::span<const ViewExposure> exposures) = 0;
   // Adds to `sums`, one per view, those of the batches with sums_exposures since the last call,
   // block by block in the order in which they were given: the result is the same, bit by bit,

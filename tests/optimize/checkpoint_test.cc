@@ -42,6 +42,13 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   for (auto* values : {&state.parameters, &state.first_moment, &state.second_moment}) {
     for (size_t i = 0; i < rows * size_t(layout.Components()); ++i) values->push_back(unit());
   }
+  checkpoint.exposure.exposures.resize(3);
+  checkpoint.exposure.sums.resize(3);
+  for (int view = 0; view < 3; ++view) {
+    checkpoint.exposure.exposures[size_t(view)] = {glm::dvec3(1 + unit(), 1, 0.5),
+                                                   glm::dvec3(unit(), 0, -0.1)};
+    for (GainOffsetSums& sums : checkpoint.exposure.sums[size_t(view)]) sums.Add(unit(), 1, unit());
+  }
   return checkpoint;
 }
 
@@ -75,13 +82,39 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.state.parameters, written.state.parameters);
     EXPECT_EQ(read.state.first_moment, written.state.first_moment);
     EXPECT_EQ(read.state.second_moment, written.state.second_moment);
+    EXPECT_EQ(read.exposure.exposures, written.exposure.exposures);
+    EXPECT_EQ(read.exposure.sums, written.exposure.sums);
   }
 }
 
-// Files of the previous version, which knew only one layout.
+TEST(Checkpoint, RefusesExposuresThatAreNotPossible) {
+  const auto refused = [](auto&& damage, const std::string& what) {
+    Checkpoint checkpoint = MakeCheckpoint();
+    damage(checkpoint.exposure);
+    const std::vector<uint8_t> bytes = BytesOf(checkpoint);
+    ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); }, {"c.bin", what});
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  refused([](ExposureState& e) { e.exposures[1].gain.g = 0; }, "a gain of exposure 1");
+  refused([&](ExposureState& e) { e.exposures[2].gain.b = nan; }, "a gain of exposure 2");
+  refused([&](ExposureState& e) { e.exposures[0].offset.r = nan; }, "an offset of exposure 0");
+  refused([&](ExposureState& e) { e.sums[1][2].yx = nan; }, "a sum of exposure 1");
+  refused([](ExposureState& e) { e.sums[1][2].ww = -1; }, "a sum of exposure 1");
+}
+
+TEST(Checkpoint, RefusesAHugeCountOfExposuresBeforeItTakesMemory) {
+  const std::vector<uint8_t> good = BytesOf(MakeCheckpoint());
+  const size_t count_at = good.size() - 3 * (6 + 15) * sizeof(double) - sizeof(uint64_t);
+  for (const uint64_t count : {uint64_t{2}, uint64_t{4}, uint64_t{1} << 60, ~uint64_t{0}}) {
+    ExpectError<DataError>([&] { ParseCheckpoint(With(good, count_at, count), "c.bin"); },
+                           {"c.bin"});
+  }
+}
+
+// Files of the previous version, which had no exposures.
 TEST(Checkpoint, RefusesTheVersionBefore) {
   std::vector<uint8_t> bytes = BytesOf(MakeCheckpoint());
-  bytes[7] = '2';
+  bytes[7] = '3';
   ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); },
                          {"c.bin: is not a checkpoint of this version of Tetrec"});
 }

@@ -71,6 +71,7 @@ class ReferenceRenderer final : public ProbedRenderer {
     }
     views_.assign(views.begin(), views.end());
     targets_.assign(targets.begin(), targets.end());
+    if (exposures_.size() == views.size()) return;
     exposures_.assign(views.size(), {});
     block_sums_.clear();
   }

@@ -175,10 +175,7 @@ class VulkanRenderer final : public ProbedRenderer {
       pixels.insert(pixels.end(), targets[i].rgba8.begin(), targets[i].rgba8.end());
     }
     targets_ = MakeBuffer(*device_, "target pictures", pixels, VK_FORMAT_R8G8B8A8_UNORM);
-    for (BatchSlot* slot : {&in_flight_[0], &in_flight_[1], &part_})
-      slot->uncollected_views.clear();
-    block_sums_.clear();
-    SetExposures(std::vector<ViewExposure>(views.size()));
+    if (views.size() != exposed_views_) ForgetExposures();
     if (field_.tet_count > 0) UploadViews();
   }
 
@@ -190,6 +187,7 @@ class VulkanRenderer final : public ProbedRenderer {
       texels.emplace_back(glm::vec3(exposure.gain), 0.0f);
       texels.emplace_back(glm::vec3(exposure.offset), 0.0f);
     }
+    exposed_views_ = exposures.size();
     exposures_ = MakeBuffer(*device_, "exposures", texels, VK_FORMAT_R32G32B32A32_SFLOAT);
   }
 
@@ -534,6 +532,15 @@ class VulkanRenderer final : public ProbedRenderer {
     slot.uncollected_rays = slot.rays.count;
   }
 
+  // For other views than before.
+  void ForgetExposures() {
+    for (BatchSlot* slot : {&in_flight_[0], &in_flight_[1], &part_}) {
+      slot->uncollected_views.clear();
+    }
+    block_sums_.clear();
+    SetExposures(std::vector<ViewExposure>(views_.size()));
+  }
+
   // Keeps the exposure sums of a batch that the device is done with.
   void CollectExposureSums(BatchSlot& slot) {
     const std::vector<uint32_t> views = std::exchange(slot.uncollected_views, {});
@@ -730,7 +737,8 @@ class VulkanRenderer final : public ProbedRenderer {
   Buffer counters_, render_view_;
   DeviceField field_;
   Buffer targets_, training_views_;
-  Buffer exposures_;                           // of the training views
+  Buffer exposures_;  // of the training views
+  size_t exposed_views_ = 0;
   std::vector<BlockExposureSums> block_sums_;  // since AddExposureSums
   std::vector<RenderView> views_;
   std::vector<GpuView> gpu_views_;  // as in training_views_
