@@ -8,12 +8,14 @@
 #include "core/progress.h"
 #include "core/stop_request.h"
 #include "core/timer.h"
+#include "eval/color_correction.h"
 #include "eval/evaluate_surface.h"
 #include "eval/image_metrics.h"
 #include "eval/metrics_json.h"
 #include "eval/plot.h"
 #include "eval/report.h"
 #include "image/psnr.h"
+#include "run/photo_exposures.h"
 #include "run/rendered_views.h"
 #include "run/training_log.h"
 
@@ -47,8 +49,8 @@ ViewScore ScoreView(const RenderedView& view) {
   }
   ViewScore score;
   score.name = view.name;
+  const Image seen = view.seen ? ReadImage(*view.seen) : Image{};
   if (view.seen) {
-    const Image seen = ReadImage(*view.seen);
     const auto mse = MaskedMeanSquaredError(render, truth, seen);
     if (!mse) {
       throw DataError(fmt::format("{}: is black, which leaves no pixel of view {} to score",
@@ -61,6 +63,10 @@ ViewScore ScoreView(const RenderedView& view) {
     score.ssim = Ssim(render, truth);
   }
   score.psnr = PsnrFromMse(score.mse);
+  if (const auto halves = ScoreHalves(render, truth, view.seen ? &seen : nullptr)) {
+    score.right_half_psnr = PsnrFromMse(halves->raw_mse);
+    score.corrected_psnr = PsnrFromMse(halves->corrected_mse);
+  }
   if (view.mask) {
     const auto mse = MaskedMeanSquaredError(render, truth, ReadImage(*view.mask));
     if (mse) score.foreground_psnr = PsnrFromMse(*mse);
@@ -82,6 +88,24 @@ double MeanOf(const std::vector<ViewScore>& scores, Get get) {
   return sum / double(scores.size());
 }
 
+// The mean over the views that have the value; null if none has.
+json MeanOfKnown(const std::vector<ViewScore>& scores, std::optional<double> ViewScore::*value) {
+  double sum = 0;
+  size_t count = 0;
+  for (const ViewScore& score : scores) {
+    if (!(score.*value)) continue;
+    sum += *(score.*value);
+    ++count;
+  }
+  return count > 0 ? Finite(sum / double(count)) : json();
+}
+
+constexpr const char* kCorrectedProtocol =
+    "gain and offset per channel fitted by least squares on the left half of each view "
+    "(8-bit display sRGB), applied to the right half, clipped and rounded to 8 bits, and judged "
+    "there; psnr_right_half judges the same pixels without correction; psnr is of whole views "
+    "without correction";
+
 json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& scores) {
   json views = json::array();
   double foreground_sum = 0;
@@ -91,6 +115,8 @@ json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& s
                      {"psnr", Finite(score.psnr)},
                      {"ssim", score.ssim},
                      {"mse", score.mse},
+                     {"psnr_right_half", Finite(score.right_half_psnr)},
+                     {"psnr_color_corrected", Finite(score.corrected_psnr)},
                      {"foreground_psnr", Finite(score.foreground_psnr)}});
     identical += score.mse == 0;
     if (!score.foreground_psnr) continue;
@@ -107,6 +133,9 @@ json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& s
       {"schema", 1},
       {"psnr", Finite(MeanOf(scores, [](const ViewScore& s) { return s.psnr; }))},
       {"psnr_of_mean_mse", Finite(PsnrFromMse(mean_mse))},
+      {"psnr_right_half", MeanOfKnown(scores, &ViewScore::right_half_psnr)},
+      {"psnr_color_corrected", MeanOfKnown(scores, &ViewScore::corrected_psnr)},
+      {"psnr_color_corrected_protocol", kCorrectedProtocol},
       {"foreground_psnr", Finite(mean_foreground)},
       {"foreground_views", foreground_count},
       {"masked_views", masked_count},
@@ -187,6 +216,13 @@ std::vector<Plot> ConvergencePlots(const std::vector<TrainingRow>& rows) {
   size.log_y = true;
   size.series = {loss, tets};
   return {psnr, size};
+}
+
+// What the optimiser estimated of the training photos, and a warning if they differ much.
+void ReadExposures(const RunFacts& run, ReportContent& content) {
+  const StageFacts* optimize = run.Find("optimize");
+  if (!optimize || !fs::exists(optimize->folder / kPhotoExposuresFile)) return;
+  content.exposures = ReadPhotoExposures(optimize->folder / kPhotoExposuresFile);
 }
 
 // The curves are optional: without gnuplot or metrics.csv the report is still written and states
@@ -288,6 +324,11 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
   metrics.update(RunMetrics(content.run));
   metrics["surface"] = content.surface ? SurfaceJson(*content.surface, options) : json();
   DrawConvergence(content.run, stage, content);
+  ReadExposures(content.run, content);
+  metrics["uneven_photos"] =
+      content.exposures.empty()
+          ? json()
+          : json(std::count_if(content.exposures.begin(), content.exposures.end(), IsUneven));
 
   metrics["warnings"] = content.warnings;
   content.metrics = metrics;

@@ -19,6 +19,8 @@ namespace {
 using nlohmann::json;
 
 constexpr size_t kThumbnailBytes = size_t{4} << 20;  // half of the page's 8 MiB
+constexpr size_t kMostViewRows = 1000, kMostExposureRows = 100;
+constexpr double kNeutralDeviation = 0.01;  // of log gain and of offset
 constexpr int kLargePicture_px = 512, kThumbnail_px = 160;
 constexpr int kLargeQuality = 90, kThumbnailQuality = 80;
 
@@ -157,6 +159,13 @@ std::string KeyNumbers(const ReportContent& content) {
       Row("PSNR, mean over views", MeanPsnr(content), "RGB, 8-bit images") +
       Row("PSNR of the mean error", NumberOr(m["psnr_of_mean_mse"], "{:.2f} dB", "∞ dB"),
           "squared errors averaged over the views first");
+  if (m["psnr_color_corrected"].is_number()) {
+    rows += Row("PSNR of right halves", NumberOr(m["psnr_right_half"], "{:.2f} dB", "∞ dB"),
+                "as rendered; for comparison with the next line") +
+            Row("PSNR of right halves, colours corrected",
+                NumberOr(m["psnr_color_corrected"], "{:.2f} dB"),
+                "gain and offset of each channel fitted on the left half of each view");
+  }
   if (m["foreground_psnr"].is_number()) {
     rows += Row("PSNR of the foreground", NumberOr(m["foreground_psnr"], "{:.2f} dB"),
                 "only pixels on the subject (alpha of one half or more)");
@@ -211,6 +220,85 @@ std::string Comparison(const ReportContent& content) {
   if (order.size() > 2) html += Trio(content, order[order.size() / 2], "Median");
   if (order.size() > 1) html += Trio(content, order.back(), "Worst");
   return html;
+}
+
+std::string OptionalDecibel(const std::optional<double>& psnr) {
+  return psnr ? Decibel(*psnr) : "–";
+}
+
+std::string ViewScores(const ReportContent& content) {
+  std::string rows;
+  const size_t shown = std::min(content.scores.size(), kMostViewRows);
+  for (size_t i = 0; i < shown; ++i) {
+    const ViewScore& score = content.scores[i];
+    rows += fmt::format(
+        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{:.3f}</td><td "
+        "class=\"n\">{}</td><td class=\"n\">{}</td></tr>",
+        E(score.name), Decibel(score.psnr), score.ssim, OptionalDecibel(score.right_half_psnr),
+        OptionalDecibel(score.corrected_psnr));
+  }
+  return "<h2>Scores of the views</h2><p class=\"note\">PSNR and SSIM judge whole views as they "
+         "are "
+         "rendered. The last two columns judge the right half only: as it is rendered, and with "
+         "the "
+         "exposure and white balance that were fitted on the left half." +
+         (shown < content.scores.size()
+              ? fmt::format(" The first {} of {} views are listed; metrics.json has all.", shown,
+                            content.scores.size())
+              : std::string()) +
+         "</p>"
+         "<div class=\"scroll\"><table><thead><tr><th>View</th><th class=\"n\">PSNR</th>"
+         "<th class=\"n\">SSIM</th><th class=\"n\">Right half</th>"
+         "<th class=\"n\">Right half, corrected</th></tr></thead><tbody>" +
+         rows + "</tbody></table></div>";
+}
+
+// How far the photo is from the mean exposure.
+double DeviationOf(const PhotoExposure& exposure) {
+  double deviation = 0;
+  for (int c = 0; c < 3; ++c) {
+    deviation =
+        std::max({deviation, std::abs(std::log(exposure.gain[c])), std::abs(exposure.offset[c])});
+  }
+  return deviation;
+}
+
+std::string ExposureRow(const PhotoExposure& exposure) {
+  std::string cells;
+  for (int c = 0; c < 3; ++c) {
+    cells += fmt::format("<td class=\"n\">{:.3f}</td>", exposure.gain[c]);
+  }
+  for (int c = 0; c < 3; ++c) {
+    cells += fmt::format("<td class=\"n\">{:+.3f}</td>", exposure.offset[c]);
+  }
+  return fmt::format("<tr><td>{}</td>{}<td>{}</td></tr>", E(exposure.name), cells,
+                     IsUneven(exposure) ? "uneven" : "");
+}
+
+std::string Exposures(const ReportContent& content) {
+  if (content.exposures.empty()) return "";
+  const std::string heading = "<h2>Exposure of the training photos</h2>";
+  std::vector<PhotoExposure> order = content.exposures;
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return DeviationOf(a) > DeviationOf(b); });
+  if (DeviationOf(order.front()) < kNeutralDeviation) {
+    return heading + "<p class=\"note\">Even: no photo differs by more than 1 % from the mean.</p>";
+  }
+  const size_t shown = std::min(order.size(), kMostExposureRows);
+  std::string rows;
+  for (size_t i = 0; i < shown; ++i) rows += ExposureRow(order[i]);
+  return heading +
+         fmt::format(
+             "<p class=\"note\">A photo shows gain × field + offset in each channel (display "
+             "sRGB), "
+             "estimated with the field; the mean of all photos is neutral (gain 1, offset 0). "
+             "Uneven: more than {:.0f} % in gain or {:.2f} in offset. {} of {}, those that differ "
+             "most first; exposure.json of the optimiser has all.</p>",
+             100 * kUnevenGain, kUnevenOffset, shown, Plural(order.size(), "photo")) +
+         "<div class=\"scroll\"><table><thead><tr><th>Photo</th><th class=\"n\">gain red</th>"
+         "<th class=\"n\">green</th><th class=\"n\">blue</th><th class=\"n\">offset red</th>"
+         "<th class=\"n\">green</th><th class=\"n\">blue</th><th></th></tr></thead><tbody>" +
+         rows + "</tbody></table></div>";
 }
 
 std::string Thumbnails(const ReportContent& content) {
@@ -389,8 +477,8 @@ std::string MakeReport(const ReportContent& content) {
              "<title>Tetrec report: {}</title><style>{}</style></head><body><main>",
              E(content.dataset), kReportStyle) +
          Header(content) + Cards(content) + Comparison(content) + KeyNumbers(content) +
-         Convergence(content) + Surface(content) + Thumbnails(content) + Stages(content.run) +
-         Warnings(content) + Commands(content.run) +
+         ViewScores(content) + Exposures(content) + Convergence(content) + Surface(content) +
+         Thumbnails(content) + Stages(content.run) + Warnings(content) + Commands(content.run) +
          "<footer>Written by tetrec-evaluate. Colours are display sRGB throughout.</footer>"
          "</main></body></html>\n";
 }

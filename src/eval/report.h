@@ -3,6 +3,7 @@
 
 #include "eval/evaluate_surface.h"
 #include "eval/run_facts.h"
+#include "run/photo_exposures.h"
 #include "run/rendered_views.h"
 
 #include <nlohmann/json.hpp>
@@ -17,6 +18,9 @@ struct ViewScore {
   std::string name;
   double mse = 0, psnr = 0, ssim = 0;     // psnr may be infinite
   std::optional<double> foreground_psnr;  // if there is a mask
+  // Of the right half of the view: as it is rendered, and with the colours that were fitted on the
+  // left half (color_correction.h). Nothing if a half has no pixel to score.
+  std::optional<double> right_half_psnr, corrected_psnr;
 };
 
 struct ReportContent {
@@ -24,6 +28,7 @@ struct ReportContent {
   RenderedViews rendered;
   std::vector<ViewScore> scores;  // one per rendered view, in the same order
   RunFacts run;
+  std::vector<PhotoExposure> exposures;  // of the training photos; empty if not estimated
   std::optional<SurfaceResult> surface;
   std::vector<std::string> curves_svg;  // convergence; if empty, no_curves_reason is shown
   std::string no_curves_reason;

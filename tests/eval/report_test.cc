@@ -9,6 +9,7 @@
 #include "eval/plot.h"
 #include "expect_error.h"
 #include "paths.h"
+#include "run/photo_exposures.h"
 #include "scratch_folder.h"
 
 #include <gmock/gmock.h>
@@ -103,6 +104,52 @@ TEST(Report, MetricsJsonHasTheNumbersOfTheRunAndItsProtocol) {
   EXPECT_NEAR(m["psnr_of_mean_mse"].get<double>(), -10 * std::log10(mse), 1e-12);
   // The logarithm is convex: the mean of PSNRs is never below the PSNR of the mean.
   EXPECT_GT(psnr, m["psnr_of_mean_mse"].get<double>());
+}
+
+TEST(Report, CorrectedColoursAreJudgedApartFromTheRawOnes) {
+  const ScratchFolder folder;
+  WriteFakeRun(folder.path(), {});
+  const auto evaluate = [&](const char* out) {
+    EXPECT_EQ(RunEvaluate({folder / "4_views", "-o", folder / out}).exit_code, 0);
+    return ReadJson(folder / out / "metrics.json");
+  };
+  const nlohmann::json even = evaluate("even");
+  for (int i = 0; i < 3; ++i) {
+    const auto render = folder / fmt::format("4_views/renders/{}.png", i);
+    Image image = ReadImage(render);
+    for (uint8_t& value : image.pixels) value = uint8_t(0.8 * value);
+    WriteImage(render, image);
+  }
+  const nlohmann::json dark = evaluate("dark");
+  EXPECT_LT(dark["psnr"].get<double>(), even["psnr"].get<double>() - 3);
+  EXPECT_LT(dark["psnr_right_half"].get<double>(), even["psnr_right_half"].get<double>() - 3);
+  // Colours of 8 bits were cut to four fifths of them.
+  EXPECT_NEAR(dark["psnr_color_corrected"].get<double>(),
+              even["psnr_color_corrected"].get<double>(), 0.5);
+  EXPECT_TRUE(dark["views"][2]["psnr_color_corrected"].is_number());
+  EXPECT_THAT(dark["psnr_color_corrected_protocol"].get<std::string>(), HasSubstr("left half"));
+  EXPECT_TRUE(dark["uneven_photos"].is_null());
+  const std::string html = ReadText(folder / "dark/report.html");
+  EXPECT_THAT(html, HasSubstr("Right half, corrected"));
+  EXPECT_THAT(html, Not(HasSubstr("Exposure of the training photos")));
+}
+
+TEST(Report, ExposuresOfTheTrainingPhotosAreListedTheFarthestFirst) {
+  const ScratchFolder folder;
+  WriteFakeRun(folder.path(), {});
+  const auto report = [&](const std::vector<PhotoExposure>& exposures, const char* out) {
+    WritePhotoExposures(folder / "3_field" / kPhotoExposuresFile, exposures);
+    EXPECT_EQ(RunEvaluate({folder / "4_views", "-o", folder / out}).exit_code, 0);
+    return ReadText(folder / out / "report.html");
+  };
+  const glm::dvec3 one(1.0), zero(0.0);
+  const std::string uneven =
+      report({{"near", one * 0.99, zero}, {"<far>", one * 1.3, zero}}, "uneven");
+  EXPECT_THAT(uneven, HasSubstr("&lt;far&gt;</td><td class=\"n\">1.300"));
+  EXPECT_LT(uneven.find("&lt;far&gt;"), uneven.find("<td>near"));
+  EXPECT_EQ(ReadJson(folder / "uneven/metrics.json")["uneven_photos"], 1);
+  const std::string even = report({{"a", one, zero}, {"b", one, zero}}, "even");
+  EXPECT_THAT(even, HasSubstr("Even: no photo differs"));
 }
 
 TEST(Report, ATrueSurfaceIsScoredThroughTheCameras) {
