@@ -23,6 +23,7 @@ struct FakeRun {
   bool with_masks = true;
   bool with_field_folder = true;  // false: the chain of manifests is broken there
   double noise = 6;               // of the renders [8-bit steps]
+  double gain = 1;                // of the renders
   std::vector<std::string> warnings;
 };
 
@@ -154,8 +155,9 @@ inline void WriteFakeRun(const std::filesystem::path& run, const FakeRun& option
     rendered.width = truth.width, rendered.height = truth.height;
     const std::string render = fmt::format("renders/{}.png", i), gt = fmt::format("gt/{}.png", i),
                       mask = fmt::format("masks/{}.png", i);
-    WriteImage(run / "4_views" / render,
-               Disturbed(truth, options.noise * (1 + 0.5 * double(i % 5))));
+    Image picture = Disturbed(truth, options.noise * (1 + 0.5 * double(i % 5)));
+    for (uint8_t& value : picture.pixels) value = uint8_t(options.gain * value);
+    WriteImage(run / "4_views" / render, picture);
     WriteImage(run / "4_views" / gt, truth);
     Image subject{truth.width, truth.height, 3, std::vector<uint8_t>(truth.pixels.size(), 0)};
     std::fill(subject.pixels.begin() + subject.pixels.size() / 2, subject.pixels.end(),

@@ -108,19 +108,13 @@ TEST(Report, MetricsJsonHasTheNumbersOfTheRunAndItsProtocol) {
 
 TEST(Report, CorrectedColoursAreJudgedApartFromTheRawOnes) {
   const ScratchFolder folder;
-  WriteFakeRun(folder.path(), {});
-  const auto evaluate = [&](const char* out) {
-    EXPECT_EQ(RunEvaluate({folder / "4_views", "-o", folder / out}).exit_code, 0);
-    return ReadJson(folder / out / "metrics.json");
+  const auto evaluate = [&](const char* name, double gain) {
+    WriteFakeRun(folder / name, {.gain = gain});
+    EXPECT_EQ(RunEvaluate({folder / name / "4_views", "-o", folder / name / "6_report"}).exit_code,
+              0);
+    return ReadJson(folder / name / "6_report/metrics.json");
   };
-  const nlohmann::json even = evaluate("even");
-  for (int i = 0; i < 3; ++i) {
-    const auto render = folder / fmt::format("4_views/renders/{}.png", i);
-    Image image = ReadImage(render);
-    for (uint8_t& value : image.pixels) value = uint8_t(0.8 * value);
-    WriteImage(render, image);
-  }
-  const nlohmann::json dark = evaluate("dark");
+  const nlohmann::json even = evaluate("even", 1.0), dark = evaluate("dark", 0.8);
   EXPECT_LT(dark["psnr"].get<double>(), even["psnr"].get<double>() - 3);
   EXPECT_LT(dark["psnr_right_half"].get<double>(), even["psnr_right_half"].get<double>() - 3);
   // Colours of 8 bits were cut to four fifths of them.
@@ -129,7 +123,7 @@ TEST(Report, CorrectedColoursAreJudgedApartFromTheRawOnes) {
   EXPECT_TRUE(dark["views"][2]["psnr_color_corrected"].is_number());
   EXPECT_THAT(dark["psnr_color_corrected_protocol"].get<std::string>(), HasSubstr("left half"));
   EXPECT_TRUE(dark["uneven_photos"].is_null());
-  const std::string html = ReadText(folder / "dark/report.html");
+  const std::string html = ReadText(folder / "dark/6_report/report.html");
   EXPECT_THAT(html, HasSubstr("Right half, corrected"));
   EXPECT_THAT(html, Not(HasSubstr("Exposure of the training photos")));
 }

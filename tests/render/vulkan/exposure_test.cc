@@ -120,6 +120,7 @@ TEST_P(ExposureTest, GradientsAgreeWithDifferencesOfTheLoss) {
       EXPECT_NEAR(sums.values[4 * row + size_t(c)],
                   Slope(field, field.color_srgb[row][c], 1e-3f, batch), tolerance * largest[0])
           << "vertex " << row;
+      if (field.density[row] < 0.01f) continue;  // less than nothing is refused
       EXPECT_NEAR(sums.values[4 * row + 3], Slope(field, field.density[row], 1e-3f, batch),
                   tolerance * largest[1])
           << "vertex " << row;
@@ -159,15 +160,15 @@ TEST_P(ExposureTest, UnderTheirOwnExposuresTargetsLeaveNoLoss) {
   const double neutral = renderer.Forward(BatchOf(blocks, 0)).squared_error;
   renderer.SetExposures(TwoExposures());
   const double exposed = renderer.Forward(BatchOf(blocks, 0)).squared_error;
-  EXPECT_GT(neutral, 1e-3);
   EXPECT_LT(exposed, 1.0 / (255 * 255));
+  EXPECT_GT(neutral, 10 * exposed);
 }
 
 TEST_P(ExposureTest, SumsAreTheSameBitsHoweverOftenTheyAreTaken) {
   const RadianceField field = RandomField(40, 55, 3.0f);
   ProbedRenderer& renderer = MakeRenderer();
   renderer.SetTargets(TwoViews(), RandomTargets(2));
-  renderer.SetField(field);
+  renderer.SetState(field.mesh, StateOf(field));
   std::vector<ExposureSums> at_once(2), step_by_step(2);
   const auto step = [&](uint32_t i) {
     const std::vector<RayBlock> blocks = AllBlocks(TwoViews()[i % 2].camera, i % 2);
