@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
   command.InputStage("scene", "Folder that tetrec-sfm or tetrec-import wrote", {"sfm", "import"});
   CLI::App& app = command.app();
   AddWordOption(app, "--start", options.start, "auto",
-                "Where the first vertices come from: points (sparse points, a fill and a far "
+                "Where the first vertices come from: dense (depth maps of the training photos, and "
+                "layers around their points), points (sparse points, a fill and a far "
                 "shell), carve (alpha masks), grid (the subject's bounds), tetgen (the bounds, "
                 "meshed by TetGen); auto: points if the scene has any, otherwise carve if it has "
                 "alpha, otherwise grid");
@@ -39,6 +40,19 @@ int main(int argc, char** argv) {
                  "carve: random vertices in the free space of the box, at most 1000000");
   app.add_option("--start-density", options.field.density,
                  "carve, grid, tetgen: first density of the subject [1 / world unit]");
+  app.add_option("--dense-points", options.stereo.fusion.max_points,
+                 "dense: surface points from the depth maps, at most; each adds up to three "
+                 "vertices");
+  app.add_option("--depth-size", options.stereo.max_size,
+                 "dense: longer side of the depth maps, at most the images' own [px]");
+  app.add_option("--depth-neighbors", options.stereo.neighbors,
+                 "dense: views that each view is matched with, 1 to 32");
+  app.add_option("--surface-depth", options.dense.surface_depth,
+                 "dense: first optical depth of surface points over their mean edge");
+  app.add_option("--layer-spacing", options.dense.layer_spacing,
+                 "dense: distance of the layers from the points, in the points' spacing");
+  app.add_option("--free-depth", options.dense.free_depth,
+                 "dense: first optical depth of vertices in free space over their mean edge");
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunTetrahedralize(options, stage); },
       [&] { options.Check(); });

@@ -95,14 +95,25 @@ RadianceField MakePhotoField(TetMesh mesh, std::span<const VertexKind> kinds,
                              const InitialFieldOptions& options) {
   TETREC_CHECK(kinds.size() == mesh.positions.size(), "a kind for each vertex");
   TETREC_CHECK(colors_srgb.size() == mesh.positions.size(), "a colour or none for each vertex");
-  const std::vector<std::vector<uint32_t>> neighbors = VertexNeighbors(mesh);
-  RadianceField field;
+  std::vector<double> optical_depths;
   for (size_t v = 0; v < kinds.size(); ++v) {
     const bool is_far = kinds[v] == VertexKind::kFar || kinds[v] == VertexKind::kCorner;
-    const double optical_depth = is_far           ? options.far_optical_depth
-                                 : colors_srgb[v] ? options.point_optical_depth
-                                                  : options.fill_optical_depth;
-    field.density.push_back(float(optical_depth / MeanEdge(mesh, v, neighbors[v])));
+    optical_depths.push_back(is_far           ? options.far_optical_depth
+                             : colors_srgb[v] ? options.point_optical_depth
+                                              : options.fill_optical_depth);
+  }
+  return MakeFieldByDepth(std::move(mesh), optical_depths, colors_srgb);
+}
+
+RadianceField MakeFieldByDepth(TetMesh mesh, std::span<const double> optical_depths,
+                               std::span<const std::optional<glm::vec3>> colors_srgb) {
+  TETREC_CHECK(
+      optical_depths.size() == mesh.positions.size() && colors_srgb.size() == mesh.positions.size(),
+      "an optical depth and a colour or none for each vertex");
+  const std::vector<std::vector<uint32_t>> neighbors = VertexNeighbors(mesh);
+  RadianceField field;
+  for (size_t v = 0; v < optical_depths.size(); ++v) {
+    field.density.push_back(float(optical_depths[v] / MeanEdge(mesh, v, neighbors[v])));
   }
   field.color_srgb = SpreadColors(colors_srgb, neighbors);
   field.mesh = std::move(mesh);

@@ -33,4 +33,8 @@ RadianceField MakePhotoField(TetMesh mesh, std::span<const VertexKind> kinds,
                              std::span<const std::optional<glm::vec3>> colors_srgb,
                              const InitialFieldOptions& options);
 
+// The same with an optical depth over its mean edge for each vertex.
+RadianceField MakeFieldByDepth(TetMesh mesh, std::span<const double> optical_depths,
+                               std::span<const std::optional<glm::vec3>> colors_srgb);
+
 }  // namespace tetrec

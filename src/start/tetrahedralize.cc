@@ -131,9 +131,91 @@ RadianceField StartPhotos(const Scene& scene, const TetrahedralizeOptions& optio
   return MakePhotoField(std::move(delaunay.mesh), kinds, colors_srgb, options.field);
 }
 
+void ReportStereo(const StereoResult& stereo, Stage& stage) {
+  const double share = 100.0 / double(std::max<uint64_t>(stereo.pixels, 1));
+  LogInfo(
+      "depth maps: {:.0f} % of the pixels matched, {:.0f} % confirmed by other views; {} of {} "
+      "views without depth; {} points every {:.1f} pixels, {} dropped as contradicted",
+      share * double(stereo.matched), share * double(stereo.confirmed), stereo.views_without,
+      stereo.maps.size(), WithThousands(stereo.fusion.points.size()), stereo.fusion.spacing_px,
+      WithThousands(stereo.fusion.contradicted));
+  stage.Count("depth", {{"pixels", stereo.pixels},
+                        {"matched", stereo.matched},
+                        {"confirmed", stereo.confirmed},
+                        {"views_without", stereo.views_without},
+                        {"points", stereo.fusion.points.size()},
+                        {"contradicted_points", stereo.fusion.contradicted},
+                        {"spacing_px", stereo.fusion.spacing_px}});
+}
+
+void ReportDense(const DenseStart& start, Stage& stage) {
+  LogInfo(
+      "start: {} points, {} before and {} behind them, {} vertices of fill, {} beyond the far "
+      "shell of radius {:.3g}; {} sight lines ({} lost); {} tets full, {} free; {} points in "
+      "free space",
+      WithThousands(start.surface), WithThousands(start.front), WithThousands(start.behind),
+      WithThousands(start.fill), WithThousands(start.dropped_far), start.far_radius,
+      WithThousands(start.sight_lines), start.lost_lines, WithThousands(start.full_tets),
+      WithThousands(start.free_tets), WithThousands(start.free_points));
+  stage.Count("dense", {{"surface", start.surface},
+                        {"front", start.front},
+                        {"behind", start.behind},
+                        {"beyond_far_shell", start.dropped_far},
+                        {"sight_lines", start.sight_lines},
+                        {"lost_sight_lines", start.lost_lines},
+                        {"full_tets", start.full_tets},
+                        {"free_tets", start.free_tets},
+                        {"points_in_free_space", start.free_points}});
+  stage.Count("fill_vertices", start.fill);
+  stage.Note("far_radius", start.far_radius);
+}
+
+StereoResult FindAndWriteDepths(const Scene& scene, const std::vector<StereoView>& views,
+                                const StereoOptions& options, Stage& stage) {
+  const Timer timer;
+  StereoResult stereo = FindDepths(scene, views, options);
+  stage.Seconds("depth", timer.seconds());
+  ReportStereo(stereo, stage);
+  if (stereo.fusion.points.empty()) {
+    throw DataError(
+        "no two photos show the same surface at depths that agree, so a dense start is impossible; "
+        "choose --start points, carve or grid");
+  }
+  const std::filesystem::path folder = stage.Output("depth");
+  std::filesystem::create_directories(folder);
+  for (const DepthMap& map : stereo.maps) WriteDepthMap(folder / DepthMapName(map.view), map);
+  WriteDensePoints(folder / "points.ply", stereo.fusion.points);
+  return stereo;
+}
+
+RadianceField StartDense(const Scene& scene, const TetrahedralizeOptions& options, Stage& stage) {
+  const std::vector<StereoView> views =
+      ReadStereoViews(stage.Input("scene"), scene, options.stereo.max_size);
+  const StereoResult stereo = FindAndWriteDepths(scene, views, options.stereo, stage);
+  const std::vector<SparsePoint> sparse = SparsePointsOf(scene);
+  std::vector<ScenePoint> kept;
+  for (const uint32_t i : FilterPoints(sparse, options.filter).kept) {
+    kept.push_back(scene.points[i]);
+  }
+  std::vector<glm::dvec3> centers, all_cameras;
+  for (const StereoView& view : views) {
+    centers.push_back(view.cam_from_world.Inverse().translation);
+  }
+  for (const View& view : scene.views) {
+    all_cameras.push_back(view.cam_from_world.Inverse().translation);
+  }
+  DenseStart start =
+      StartFromDense(stereo.fusion.points, kept, centers, all_cameras, scene.subject_bounds,
+                     options.shell, options.dense, options.field, options.seed);
+  ReportDense(start, stage);
+  return std::move(start.field);
+}
+
 RadianceField MakeStart(StartKind start, const Scene& scene, const TetrahedralizeOptions& options,
                         Stage& stage) {
   switch (start) {
+    case StartKind::kDense:
+      return StartDense(scene, options, stage);
     case StartKind::kPoints:
       return StartPhotos(scene, options, stage);
     case StartKind::kCarve:
@@ -177,6 +259,10 @@ void TetrahedralizeOptions::Check() const {
   CheckRange("far_share", shell.far_share, 0.0, 1.0);
   CheckRange("outer_points", carve.outer_points, 0, 1'000'000);
   CheckAboveZero("start_density", field.density);
+  CheckAboveZero("surface_depth", dense.surface_depth);
+  CheckAboveZero("layer_spacing", dense.layer_spacing);
+  CheckAboveZero("free_depth", dense.free_depth);
+  stereo.Check();
 }
 
 void RunTetrahedralize(const TetrahedralizeOptions& options, Stage& stage) {

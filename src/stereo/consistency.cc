@@ -1,0 +1,93 @@
+// Depths that several views agree on.
+#include "stereo/consistency.h"
+
+#include "core/error.h"
+#include "core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+// Of the four pixels around a point of the camera frame, the depth that is closest to the point's,
+// or 0 if none has a depth.
+double ClosestDepth(const DepthMap& map, const glm::dvec3& in_cam) {
+  const glm::dvec2 pixel = map.camera.ImageFromCam(in_cam) - 0.5;
+  const int x0 = int(std::floor(pixel.x)), y0 = int(std::floor(pixel.y));
+  double closest = 0;
+  for (int y = std::max(0, y0); y <= std::min(map.camera.height - 1, y0 + 1); ++y) {
+    for (int x = std::max(0, x0); x <= std::min(map.camera.width - 1, x0 + 1); ++x) {
+      const double depth = map.depth[map.Index(x, y)];
+      if (depth > 0 && std::abs(depth - in_cam.z) < std::abs(closest - in_cam.z)) closest = depth;
+    }
+  }
+  return closest;
+}
+
+struct Other {
+  const DepthMap* map;
+  Rigid3 other_from_cam;
+};
+
+DepthMap CountOne(const DepthMap& map, std::span<const Other> others, double tolerance) {
+  DepthMap counted = map;
+  for (int y = 0; y < map.camera.height; ++y) {
+    for (int x = 0; x < map.camera.width; ++x) {
+      const size_t i = map.Index(x, y);
+      counted.agreement[i] = 0;
+      if (!(map.depth[i] > 0)) continue;
+      const glm::dvec3 in_cam = double(map.depth[i]) * map.camera.CamFromImage({x + 0.5, y + 0.5});
+      // The ratios of the inverse depths that the others see to those that they should see.
+      double ratios = 1;
+      int agreeing = 0;
+      for (const Other& other : others) {
+        const glm::dvec3 in_other = other.other_from_cam * in_cam;
+        if (!other.map->camera.Shows(in_other)) continue;
+        const double seen = ClosestDepth(*other.map, in_other);
+        if (!(seen > 0) || std::abs(in_other.z / seen - 1) > tolerance) continue;
+        ratios += in_other.z / seen;
+        ++agreeing;
+      }
+      counted.depth[i] = float(double(map.depth[i]) * (agreeing + 1) / ratios);
+      counted.agreement[i] = uint8_t(std::min(agreeing, 255));
+    }
+  }
+  return counted;
+}
+
+}  // namespace
+
+std::vector<DepthMap> CountAgreement(std::span<const DepthMap> maps,
+                                     std::span<const StereoView> views,
+                                     std::span<const std::vector<uint32_t>> others,
+                                     double tolerance) {
+  TETREC_CHECK(maps.size() == views.size() && maps.size() == others.size(), "a map for each view");
+  std::vector<DepthMap> counted(maps.size());
+  ParallelFor(maps.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Rigid3 world_from_cam = views[i].cam_from_world.Inverse();
+      std::vector<Other> with;
+      for (const uint32_t j : others[i]) {
+        with.push_back({&maps[j], views[j].cam_from_world * world_from_cam});
+      }
+      counted[i] = CountOne(maps[i], with, tolerance);
+    }
+  });
+  return counted;
+}
+
+uint64_t KeepAgreed(DepthMap& map, int least) {
+  uint64_t kept = 0;
+  for (size_t i = 0; i < map.depth.size(); ++i) {
+    if (map.depth[i] > 0 && map.agreement[i] >= least) {
+      ++kept;
+    } else {
+      map.depth[i] = 0;
+      map.agreement[i] = 0;
+    }
+  }
+  return kept;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,114 @@
+// Which views are matched with which, and between which depths.
+#include "stereo/neighbors.h"
+
+#include "core/parallel.h"
+#include "core/quantile.h"
+
+#include <glm/gtc/constants.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tetrec {
+namespace {
+
+constexpr size_t kFewestSparsePoints = 50;
+constexpr size_t kFewestSeenPoints = 5;
+constexpr int kGridCells = 10;
+
+double AngleScore(double angle) {
+  constexpr double kBest = glm::pi<double>() / 18;  // 10 degrees
+  const double width = angle < kBest ? kBest / 2 : kBest;
+  return std::exp(-(angle - kBest) * (angle - kBest) / (2 * width * width));
+}
+
+bool Shows(const StereoView& view, const glm::dvec3& point) {
+  return view.camera.Shows(view.cam_from_world * point);
+}
+
+// What a point that both cameras see says for the pair.
+double PointScore(const glm::dvec3& first, const glm::dvec3& second, const glm::dvec3& point) {
+  const glm::dvec3 a = first - point, b = second - point;
+  const double la = glm::length(a), lb = glm::length(b);
+  const double cosine = std::clamp(glm::dot(a, b) / (la * lb), -1.0, 1.0);
+  return AngleScore(std::acos(cosine)) * std::min(la, lb) / std::max(la, lb);
+}
+
+// The depths of a box's corners that are in front of the camera.
+DepthRange RangeOfBox(const StereoView& view, const Bounds3& box) {
+  DepthRange range{INFINITY, 0};
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 corner((i & 1 ? box.max : box.min).x, (i & 2 ? box.max : box.min).y,
+                            (i & 4 ? box.max : box.min).z);
+    const double z = (view.cam_from_world * corner).z;
+    range.nearest = std::min(range.nearest, z);
+    range.farthest = std::max(range.farthest, z);
+  }
+  range.nearest = std::max(range.nearest, 0.02 * range.farthest);
+  return range;
+}
+
+}  // namespace
+
+std::vector<glm::dvec3> OverlapPoints(const Scene& scene) {
+  std::vector<glm::dvec3> points;
+  for (const ScenePoint& point : scene.points) points.push_back(point.position);
+  if (points.size() >= kFewestSparsePoints) return points;
+  points.clear();
+  const Bounds3& box = scene.subject_bounds;
+  for (int z = 0; z < kGridCells; ++z) {
+    for (int y = 0; y < kGridCells; ++y) {
+      for (int x = 0; x < kGridCells; ++x) {
+        points.push_back(box.min + (glm::dvec3(x, y, z) + 0.5) / double(kGridCells) * box.Size());
+      }
+    }
+  }
+  return points;
+}
+
+std::vector<std::vector<uint32_t>> ChooseNeighbors(std::span<const StereoView> views,
+                                                   std::span<const glm::dvec3> points,
+                                                   size_t count) {
+  std::vector<std::vector<uint8_t>> seen(views.size());
+  std::vector<glm::dvec3> centers(views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    centers[i] = views[i].cam_from_world.Inverse().translation;
+    for (const glm::dvec3& point : points) seen[i].push_back(Shows(views[i], point) ? 1 : 0);
+  }
+  // Of many points a share says the same.
+  const size_t step = 1 + points.size() / 2000;
+  std::vector<std::vector<uint32_t>> neighbors(views.size());
+  ParallelFor(views.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      std::vector<std::pair<double, uint32_t>> scores;
+      for (size_t j = 0; j < views.size(); ++j) {
+        double score = 0;
+        for (size_t p = 0; p < points.size() && i != j; p += step) {
+          if (seen[i][p] && seen[j][p]) score += PointScore(centers[i], centers[j], points[p]);
+        }
+        if (score > 0) scores.emplace_back(-score, uint32_t(j));
+      }
+      std::sort(scores.begin(), scores.end());
+      for (size_t k = 0; k < std::min(count, scores.size()); ++k) {
+        neighbors[i].push_back(scores[k].second);
+      }
+    }
+  });
+  return neighbors;
+}
+
+DepthRange FindDepthRange(const StereoView& view, std::span<const glm::dvec3> points,
+                          const Scene& scene) {
+  if (scene.has_alpha) return RangeOfBox(view, scene.subject_bounds.Scaled(1.02));
+  std::vector<double> depths;
+  for (const glm::dvec3& point : points) {
+    const glm::dvec3 in_cam = view.cam_from_world * point;
+    if (view.camera.Shows(in_cam)) depths.push_back(in_cam.z);
+  }
+  if (depths.size() < kFewestSeenPoints) return {};
+  // The points are where texture is; surfaces without it may be nearer and farther.
+  return {0.75 * Quantile(depths, 0.01), 1.5 * Quantile(depths, 0.98)};
+}
+
+}  // namespace tetrec

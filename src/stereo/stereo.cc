@@ -1,0 +1,92 @@
+// Depth maps and a dense cloud of points from the training photos of a scene.
+#include "stereo/stereo.h"
+
+#include "core/option_range.h"
+#include "core/parallel.h"
+#include "stereo/consistency.h"
+#include "stereo/neighbors.h"
+#include "stereo/plane_sweep.h"
+
+#include <algorithm>
+
+namespace tetrec {
+namespace {
+
+// The first `count` of each list.
+std::vector<std::vector<uint32_t>> FirstOf(std::span<const std::vector<uint32_t>> lists,
+                                           size_t count) {
+  std::vector<std::vector<uint32_t>> first;
+  for (const std::vector<uint32_t>& list : lists) {
+    first.emplace_back(list.begin(), list.begin() + std::ptrdiff_t(std::min(count, list.size())));
+  }
+  return first;
+}
+
+// An empty map if the view cannot be matched.
+DepthMap MatchView(const StereoView& view, std::span<const StereoView* const> neighbors,
+                   const DepthRange& range, const StereoOptions& options) {
+  DepthMap map = MakeDepthMap(view.view, view.camera);
+  if (neighbors.empty() || range.IsEmpty()) return map;
+  const SweepPlanes planes =
+      ChoosePlanes(view, neighbors, range, options.plane_step_px, options.max_planes);
+  const CostVolume volume = SweepPlanesOf(view, neighbors, planes, options.window_radius);
+  const PlaneChoice choice = ChooseSmoothPlanes(volume, view.grey, planes.count, options.smoothing);
+  const double max_cost = options.max_cost * kLargestCost;
+  for (size_t i = 0; i < map.depth.size(); ++i) {
+    const bool is_good = view.kinds[i] == PixelKind::kSeen && choice.plane[i] >= 0 &&
+                         double(choice.cost[i]) <= max_cost && choice.cost[i] != kUnknownCost;
+    if (is_good) map.depth[i] = float(1 / planes.InverseDepth(choice.plane[i]));
+  }
+  return map;
+}
+
+uint64_t CountDepths(const DepthMap& map) {
+  return uint64_t(
+      std::count_if(map.depth.begin(), map.depth.end(), [](float depth) { return depth > 0; }));
+}
+
+}  // namespace
+
+void StereoOptions::Check() const {
+  CheckRange("depth_size", max_size, 32, 4096);
+  CheckRange("depth_neighbors", neighbors, 1, 32);
+  CheckRange("checked_neighbors", checked_neighbors, 1, 1000);
+  CheckRange("agreeing", agreeing, 1, 100);
+  CheckAboveZero("tolerance", tolerance);
+  CheckAboveZero("plane_step", plane_step_px);
+  CheckRange("max_planes", max_planes, 2, 1024);
+  CheckRange("window_radius", window_radius, 1, 10);
+  CheckRange("max_cost", max_cost, 0.0, 1.0);
+  CheckRange<uint64_t>("dense_points", fusion.max_points, 100, 10'000'000);
+}
+
+StereoResult FindDepths(const Scene& scene, std::span<const StereoView> views,
+                        const StereoOptions& options) {
+  const std::vector<glm::dvec3> points = OverlapPoints(scene);
+  const std::vector<std::vector<uint32_t>> checked = ChooseNeighbors(
+      views, points, size_t(std::max(options.checked_neighbors, options.neighbors)));
+  const std::vector<std::vector<uint32_t>> matched = FirstOf(checked, size_t(options.neighbors));
+
+  std::vector<DepthMap> maps(views.size());
+  ParallelForEach(views.size(), "depth maps", "nothing of this stage is kept", [&](size_t i) {
+    std::vector<const StereoView*> neighbors;
+    for (const uint32_t j : matched[i]) neighbors.push_back(&views[j]);
+    maps[i] = MatchView(views[i], neighbors, FindDepthRange(views[i], points, scene), options);
+  });
+
+  StereoResult result;
+  for (const DepthMap& map : maps) {
+    const uint64_t depths = CountDepths(map);
+    result.pixels += map.depth.size();
+    result.matched += depths;
+    result.views_without += depths == 0 ? 1 : 0;
+  }
+  result.maps = CountAgreement(maps, views, checked, options.tolerance);
+  // Where there are fewer views, all of them must agree.
+  const int least = std::min(options.agreeing, std::max(1, int(views.size()) - 1));
+  for (DepthMap& map : result.maps) result.confirmed += KeepAgreed(map, least);
+  result.fusion = FuseDepths(result.maps, views, options.fusion);
+  return result;
+}
+
+}  // namespace tetrec
