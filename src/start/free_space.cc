@@ -17,9 +17,9 @@ namespace {
 // Labelling surfaces where no ray decides costs this much per face, so that the cut is small.
 constexpr float kFaceCost = 0.05f;
 constexpr float kCertain = 1e6f;
-// The tet that must be full is this many softnesses behind the point; where nothing in front
-// counts.
-constexpr double kBehind = 1.0, kInFront = 0.05;
+// The tet that must be full is this many softnesses behind the point, before the layer of vertices
+// behind it: farther away, the cut might as well pass behind the point. Where the walk starts.
+constexpr double kBehind = 0.3, kInFront = 0.05;
 
 // What the rays say: capacities of the cut's graph.
 struct Votes {
@@ -182,7 +182,7 @@ FreeSpace LabelFreeSpace(const TetMesh& mesh, std::span<const SightLine> lines) 
 
   std::vector<Graph::edge_descriptor> edge_of(edges), reverse(edges), predecessor(nodes);
   const auto index = boost::get(boost::edge_index, graph);
-  for (auto [e, end] = boost::edges(graph); e != end; ++e) edge_of[boost::get(index, *e)] = *e;
+  for (auto [e, end] = boost::edges(graph); e != end; ++e) edge_of[get(index, *e)] = *e;
   for (size_t e = 0; e < edges; ++e) reverse[e] = edge_of[reverses[e]];
   std::vector<float> residual(edges);
   std::vector<boost::default_color_type> color(nodes);

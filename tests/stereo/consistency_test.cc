@@ -1,0 +1,75 @@
+#include "stereo/consistency.h"
+
+#include "geometry/look_at.h"
+
+#include <gtest/gtest.h>
+
+namespace tetrec {
+namespace {
+
+const Camera kCamera{40, 30, 50, 50, 20, 15};
+
+// Cameras around (0, 0, 3) that look at the plane z = 0, and their true depths.
+struct PlaneScene {
+  std::vector<StereoView> views;
+  std::vector<DepthMap> maps;
+  std::vector<std::vector<uint32_t>> others;
+};
+
+PlaneScene MakePlaneScene(uint32_t count) {
+  PlaneScene scene;
+  for (uint32_t i = 0; i < count; ++i) {
+    StereoView view;
+    view.view = i;
+    view.camera = kCamera;
+    view.cam_from_world =
+        CamLookingAt({0.3 * i, 0.1 * i, 3}, {0.05 * i, 0, 0}, glm::dvec3(0, 1, 0));
+    const Rigid3 world_from_cam = view.cam_from_world.Inverse();
+    DepthMap map = MakeDepthMap(i, kCamera);
+    for (int y = 0; y < kCamera.height; ++y) {
+      for (int x = 0; x < kCamera.width; ++x) {
+        const glm::dvec3 ray = world_from_cam.rotation * kCamera.CamFromImage({x + 0.5, y + 0.5});
+        map.depth[map.Index(x, y)] = float(-world_from_cam.translation.z / ray.z);
+      }
+    }
+    scene.views.push_back(view);
+    scene.maps.push_back(map);
+    scene.others.emplace_back();
+    for (uint32_t j = 0; j < count; ++j) {
+      if (j != i) scene.others.back().push_back(j);
+    }
+  }
+  return scene;
+}
+
+TEST(CountAgreement, OfTrueDepthsIsTheNumberOfViewsThatSeeThePoint) {
+  const PlaneScene scene = MakePlaneScene(3);
+  const auto counted = CountAgreement(scene.maps, scene.views, scene.others, 0.02);
+  const size_t middle = counted[0].Index(20, 15);
+  EXPECT_EQ(counted[0].agreement[middle], 2);
+  // A pixel of another view is up to half a pixel away: the plane is nearly parallel to the image.
+  EXPECT_NEAR(counted[0].depth[middle], scene.maps[0].depth[middle], 0.02);
+}
+
+TEST(CountAgreement, LeavesAWrongMapAlone) {
+  PlaneScene scene = MakePlaneScene(4);
+  for (float& depth : scene.maps[2].depth) depth *= 1.1f;
+  const auto counted = CountAgreement(scene.maps, scene.views, scene.others, 0.02);
+  for (const uint8_t agreement : counted[2].agreement) EXPECT_EQ(agreement, 0);
+  EXPECT_EQ(counted[1].agreement[counted[1].Index(20, 15)], 2) << "the other two";
+  DepthMap wrong = counted[2], right = counted[1];
+  EXPECT_EQ(KeepAgreed(wrong, 2), 0u);
+  EXPECT_GT(KeepAgreed(right, 2), 600u);
+}
+
+TEST(CountAgreement, MovesADepthToTheMeanOfThoseThatAgree) {
+  PlaneScene scene = MakePlaneScene(3);
+  for (float& depth : scene.maps[0].depth) depth *= 1.006f;
+  const auto counted = CountAgreement(scene.maps, scene.views, scene.others, 0.02);
+  const size_t middle = counted[0].Index(20, 15);
+  const double wrong = scene.maps[0].depth[middle];
+  EXPECT_NEAR(counted[0].depth[middle] / (wrong / 1.006), 1.002, 0.002);
+}
+
+}  // namespace
+}  // namespace tetrec

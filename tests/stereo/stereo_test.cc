@@ -1,0 +1,111 @@
+#include "stereo/stereo.h"
+
+#include "core/error.h"
+#include "scene/synthetic.h"
+#include "stereo/neighbors.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+SyntheticScene SomeScene(SyntheticKind kind, int points) {
+  SyntheticOptions options;
+  options.kind = kind;
+  options.train_views = 20;
+  options.validation_views = options.test_views = 0;
+  options.width = options.height = 80;
+  options.points = points;
+  return MakeSyntheticScene(options);
+}
+
+std::vector<StereoView> ViewsOf(const SyntheticScene& synthetic) {
+  std::vector<StereoView> views;
+  for (const int i : synthetic.scene.ViewsOf(Split::kTrain)) {
+    views.push_back(
+        MakeStereoView(synthetic.scene, uint32_t(i), synthetic.images[size_t(i)], 1000));
+  }
+  return views;
+}
+
+// True if the surface is between the two ends of a short line through the point.
+bool IsOnSubject(SyntheticKind kind, const DensePoint& point, double tolerance) {
+  return IsInSubject(kind, point.position - tolerance * point.normal) &&
+         !IsInSubject(kind, point.position + tolerance * point.normal);
+}
+
+TEST(FindDepths, PutsPointsOnTheSurfaceOfAMaskedSubjectWithoutSparsePoints) {
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kTwoBalls, 0);
+  const std::vector<StereoView> views = ViewsOf(synthetic);
+  StereoOptions options;
+  options.fusion.max_points = 1500;
+  const StereoResult result = FindDepths(synthetic.scene, views, options);
+  ASSERT_GT(result.fusion.points.size(), 500u);
+  size_t right = 0;
+  for (const DensePoint& point : result.fusion.points) {
+    // Three pixels: the balls are some 50 pixels wide.
+    right += IsOnSubject(SyntheticKind::kTwoBalls, point, 3 * 3.0 / views[0].camera.fx) ? 1 : 0;
+    EXPECT_GE(point.views.size(), 1u);
+  }
+  EXPECT_GT(double(right), 0.9 * double(result.fusion.points.size()));
+  for (size_t i = 0; i < result.maps.size(); ++i) {
+    for (size_t p = 0; p < result.maps[i].depth.size(); ++p) {
+      if (views[i].kinds[p] == PixelKind::kEmpty) {
+        ASSERT_EQ(result.maps[i].depth[p], 0);
+      }
+    }
+  }
+}
+
+TEST(FindDepths, FindsARoomAndWhatIsInIt) {
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 400);
+  const std::vector<StereoView> views = ViewsOf(synthetic);
+  const StereoResult result = FindDepths(synthetic.scene, views, {});
+  EXPECT_GT(result.confirmed, result.pixels / 4);
+  size_t right = 0;
+  for (const DensePoint& point : result.fusion.points) {
+    const glm::dvec3 p = glm::abs(point.position);
+    const bool is_on_wall = std::abs(std::max({p.x, p.y, p.z}) - 4) < 0.3;
+    right += is_on_wall || IsOnSubject(SyntheticKind::kRoom, point, 0.15) ? 1 : 0;
+  }
+  EXPECT_GT(double(right), 0.9 * double(result.fusion.points.size()));
+}
+
+TEST(FindDepths, FindsNothingInASinglePhoto) {
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kBall, 0);
+  const std::vector<StereoView> one = {ViewsOf(synthetic)[0]};
+  const StereoResult result = FindDepths(synthetic.scene, one, {});
+  EXPECT_EQ(result.confirmed, 0u);
+  EXPECT_EQ(result.views_without, 1u);
+  EXPECT_TRUE(result.fusion.points.empty());
+}
+
+TEST(ChooseNeighbors, PrefersViewsAtAUsefulAngle) {
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 200);
+  const std::vector<StereoView> views = ViewsOf(synthetic);
+  const auto neighbors = ChooseNeighbors(views, OverlapPoints(synthetic.scene), 3);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const glm::dvec3 center = views[i].cam_from_world.Inverse().translation;
+    ASSERT_EQ(neighbors[i].size(), 3u);
+    for (const uint32_t j : neighbors[i]) {
+      ASSERT_NE(size_t(j), i);
+      // Twenty cameras on half a sphere of radius 3: those beside each other are nearer than 2.5.
+      EXPECT_LT(glm::distance(center, views[j].cam_from_world.Inverse().translation), 2.5);
+    }
+  }
+}
+
+TEST(StereoOptions, AreChecked) {
+  StereoOptions options;
+  EXPECT_NO_THROW(options.Check());
+  options.neighbors = 0;
+  EXPECT_THROW(options.Check(), UsageError);
+  options = {};
+  options.tolerance = NAN;
+  EXPECT_THROW(options.Check(), UsageError);
+}
+
+}  // namespace
+}  // namespace tetrec
