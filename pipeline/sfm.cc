@@ -33,6 +33,10 @@ int main(int argc, char** argv) {
       "OPENCV, RADIAL, SIMPLE_RADIAL, PINHOLE, SIMPLE_PINHOLE");
   app.add_option("--holdout", options.holdout,
                  "Hold out every N-th view by name for evaluation; 0: none");
+  app.add_option("--train-every", options.train_every,
+                 "Train on every N-th photo by name, starting with the second, and leave those out "
+                 "of the scene that are neither trained on nor held out; 1: train on all. All "
+                 "photos help to find the cameras");
   app.add_option("--seed", options.seed, "Random seed of COLMAP's mapper");
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { tetrec::RunSfm(options, stage); },

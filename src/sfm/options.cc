@@ -20,6 +20,7 @@ void SfmOptions::Check() const {
   CheckRange("max-features", max_features, 100, 100000);
   CheckRange("max-size", max_size, 16, 16384);
   CheckHoldout(holdout);
+  CheckRange("train-every", train_every, 1, 1000000);
   CheckRange("seed", seed, 0, 1 << 30);
 }
 

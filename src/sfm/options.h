@@ -36,7 +36,11 @@ struct SfmOptions {
   int max_features = 3072;      // features per photo, those of the largest scales
   int max_size = 640;           // [px] longer side of the scene's images
   int holdout = kUsualHoldout;  // every N-th view is held out as test; 0: none
-  int seed = 0;                 // random seed of COLMAP's mapper
+  // Every N-th of the views that are not held out is trained on, the others only help to find the
+  // cameras and are left out of the scene; 1: all are trained on. For measuring how few photos
+  // suffice, judged by the same held-out views.
+  int train_every = 1;
+  int seed = 0;  // random seed of COLMAP's mapper
 
   // Throws UsageError, which names the option and its value.
   void Check() const;

@@ -17,6 +17,7 @@
 #include "scene/subject_bounds.h"
 #include "sfm/model_quality.h"
 #include "sfm/photos.h"
+#include "sfm/thin_views.h"
 #include "sfm/work_key.h"
 
 #include <fmt/format.h>
@@ -315,6 +316,12 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
 
   timer = {};
   Scene scene = SceneFromModel(model, folder, options);
+  if (options.train_every > 1) {
+    const size_t dropped = ThinTrainingViews(model, options.train_every, scene);
+    LogInfo("{} views are neither trained on nor held out and left out; {} points are left", dropped,
+            WithThousands(scene.points.size()));
+    stage.Count("dropped_views", dropped);
+  }
   const Subject subject = FindSubject(scene);
   MoveToSubject(scene, subject);
   stage.Output("images");
