@@ -8,7 +8,7 @@
 int main(int argc, char** argv) {
   tetrec::EvaluateOptions options;
   tetrec::StageCommand command(
-      "evaluate", 1,
+      "evaluate", 2,
       "Measures the quality of rendered views (PSNR, SSIM) and of a surface (accuracy, "
       "completeness,\n"
       "F-score), and writes metrics.json and a self-contained report.html.\n"
@@ -21,6 +21,10 @@ int main(int argc, char** argv) {
       "True cameras (JSON) in the frame of the true mesh; the reconstruction is aligned to them. "
       "Default: the input and the true mesh have the same frame",
       false);
+  command.InputPath("--depth-maps",
+                    "NeRF-synthetic data set whose depth maps (test/r_0_depth_0001.png) judge the "
+                    "rendered depth; without them the true mesh of --ground-truth does",
+                    false);
   CLI::App& app = command.app();
   CLI::Option* bounds =
       app.add_option(

@@ -7,9 +7,9 @@
 int main(int argc, char** argv) {
   tetrec::RenderViewsOptions options;
   tetrec::StageCommand command(
-      "render", 1,
-      "Renders views of a fitted field: writes images with the ground truth beside them, and "
-      "views.json.\n"
+      "render", 2,
+      "Renders views of a fitted field: writes images and depth maps with the ground truth beside "
+      "them, and views.json.\n"
       "Example: tetrec-render RUN/3_field -o RUN/4_views");
   command.InputStage("FIELD", "Folder that tetrec-optimize wrote", {"optimize"});
   CLI::App& app = command.app();

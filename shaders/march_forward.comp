@@ -1,4 +1,6 @@
-// Forward pass: colour before the background and optical depth of every ray.
+// Forward pass: colour before the background and optical depth of every ray. With TETREC_DEPTH also
+// the distance from the camera at which the optical depth reaches the stop depth, 0 where it never
+// does: the last segment contains that place, so nothing more is computed inside the loops.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -8,6 +10,9 @@
 
 layout(std430, binding = kBindRayColors) writeonly buffer RayColors { vec4 ray_colors[]; };
 layout(std430, binding = kBindRayEntries) writeonly buffer RayEntries { Entry ray_entries[]; };
+#ifdef TETREC_DEPTH
+layout(std430, binding = kBindRayReaches) writeonly buffer RayReaches { float ray_reaches[]; };
+#endif
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
@@ -51,6 +56,9 @@ void main() {
   float z0 = begin.z;
   float density0 = begin.density;
   vec3 color0 = begin.payload;
+#ifdef TETREC_DEPTH
+  float last_z0 = 0.0, last_s0 = 0.0, last_s1 = 0.0;
+#endif
   while (go) {
     // Thick segments are integrated outside the inner loop, which they would slow down for all rays.
     bool thick = false;
@@ -68,6 +76,11 @@ void main() {
       UseCell(tet, density0, density1, color0, color1);
       s0 = density0 * (z1 - z0);
       s1 = density1 * (z1 - z0);
+#ifdef TETREC_DEPTH
+      last_z0 = z0;
+      last_s0 = s0;
+      last_s1 = s1;
+#endif
       thick = IsThickSegment(kIntegral, s0, s1);
       if (!thick) {
         SegmentWeights segment = IntegrateUnlessThick(kIntegral, kSplits, s0, s1);
@@ -110,6 +123,14 @@ void main() {
   // roundings of coordinates, which a face seen at a flat angle stretches along the ray; any other
   // boundary through faces that contain the ray, until a complete search found no entry.
   bool stopped = depth >= push.rays.stop_depth;
+#ifdef TETREC_DEPTH
+  if (exists) {
+    float before = max(depth - 0.5 * (last_s0 + last_s1), 0.0);
+    float share = ReachInSegment(last_s0, last_s1, push.rays.stop_depth - before);
+    float reach = (inside ? 0.0 : uintBitsToFloat(entry.y)) + last_z0 + share * (z0 - last_z0);
+    ray_reaches[index] = hit && stopped ? reach : 0.0;
+  }
+#endif
   float length = chord.end - chord.begin;
   float rounding = 1e-3 * (length + z0) + 8e-6 * chord.end / chord.exit_cosine;
   bool astray = !inside && (kAnyBoundary != 0 ? strays : abs(z0 - length) > rounding);

@@ -243,6 +243,7 @@ struct SpreadPush {
 #define kBindRateShares 41    // float per row: share of the learning rates
 #define kBindExposures 42     // texels vec4, two per view: gain, offset
 #define kBindExposureSums 43  // vec4, four per block (exposure_sums.comp)
+#define kBindRayReaches 44    // float per ray: distance at which it reaches the stop depth, or 0
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);

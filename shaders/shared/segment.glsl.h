@@ -183,6 +183,20 @@ TETREC_FN TETREC_T(SegmentWeights) IntegrateSegment(Real s0, Real s1) {
   return IntegrateThickSegment(s0, s1);
 }
 
+// The share of the segment, in [0, 1], at which its optical depth has reached `tau`: the root of
+// s0 u + (s1 - s0) u^2 / 2 = tau, in the form that does not cancel. s0, s1 >= 0, finite;
+// 0 <= tau <= (s0 + s1) / 2.
+TETREC_FN Real ReachInSegment(Real s0, Real s1, Real tau) {
+  Real inside = s0 * s0 + Real(2.0) * (s1 - s0) * tau;
+  Real root = Real(0.0);
+  if (inside > Real(0.0)) root = sqrt(inside);
+  Real sum = s0 + root;
+  if (!(sum > Real(0.0))) return Real(0.0);
+  Real share = Real(2.0) * tau / sum;
+  if (share > Real(1.0)) return Real(1.0);
+  return share;
+}
+
 // Adds the Gauss-Legendre node s with weight g.
 TETREC_FN TETREC_T(SegmentMoments)
     AddMomentNode(TETREC_T(SegmentMoments) sum, Real s0, Real s1, Real s, Real g) {

@@ -9,10 +9,12 @@
 #include "core/stop_request.h"
 #include "core/timer.h"
 #include "eval/color_correction.h"
+#include "eval/evaluate_depth.h"
 #include "eval/evaluate_surface.h"
 #include "eval/image_metrics.h"
 #include "eval/metrics_json.h"
 #include "eval/plot.h"
+#include "eval/quality_warnings.h"
 #include "eval/report.h"
 #include "image/psnr.h"
 #include "run/photo_exposures.h"
@@ -295,7 +297,8 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
   content.run = ReadRunFacts(stage.Input("VIEWS"));
   for (const std::string& warning : content.run.warnings) Warn(content.warnings, warning);
   content.dataset = DatasetOf(content.run);
-  const std::optional<Scene> scene = SceneOf(content.run);
+  content.scene = SceneOf(content.run);
+  const std::optional<Scene>& scene = content.scene;
 
   const Timer views_timer;
   content.scores = ScoreViews(content.rendered);
@@ -321,8 +324,13 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
         EvaluateSurface(options, scene, content.run.stages.back(), stage, content.warnings);
     stage.Seconds("surface", timer.seconds());
   }
+  content.depth = EvaluateDepth(content.rendered, scene, content.surface, stage, content.warnings);
+  for (const std::string& warning : QualityWarnings(content.scores, scene)) {
+    Warn(content.warnings, warning);
+  }
   metrics.update(RunMetrics(content.run));
   metrics["surface"] = content.surface ? SurfaceJson(*content.surface, options) : json();
+  metrics["depth"] = content.depth ? DepthJson(*content.depth) : json();
   DrawConvergence(content.run, stage, content);
   ReadExposures(content.run, content);
   metrics["uneven_photos"] =

@@ -19,7 +19,8 @@ struct EvaluateOptions {
 };
 
 // Inputs of the stage: "VIEWS" (of render), optionally "SURFACE" (of surface), "ground-truth" (a
-// mesh) and "cameras" (in the frame of that mesh). Writes metrics.json and report.html. The PSNR of
+// mesh), "cameras" (in the frame of that mesh) and "depth-maps" (of a NeRF-synthetic data set).
+// Writes metrics.json and report.html. The PSNR of
 // identical images is infinite: it is null in JSON, and "identical_views" counts them.
 void Evaluate(const EvaluateOptions& options, Stage& stage);
 

@@ -176,6 +176,17 @@ std::string KeyNumbers(const ReportContent& content) {
     rows += Row("Views with masks", std::to_string(masked),
                 "scored only on the pixels that their masks select");
   }
+  if (content.depth) {
+    const DepthScores& depth = *content.depth;
+    rows += Row(
+        "Depth error, median",
+        std::isfinite(depth.median) ? fmt::format("{:.2f} %", 100 * depth.median / depth.diagonal)
+                                    : "infinite",
+        fmt::format("of the subject's diagonal; {} pixels of {} against {}, {} of them without "
+                    "a rendered surface; {:.1f} % of them within 1 %",
+                    WithThousands(depth.pixels), Plural(depth.views, "view"), depth.truth,
+                    WithThousands(depth.missing), 100 * depth.share_within_1_percent));
+  }
   rows += Row("LPIPS", "–", "not computed: it needs a trained network");
   rows +=
       Row("Tets / vertices", CountOr(m["tets"]) + " / " + CountOr(m["vertices"]), "of the field");
@@ -185,6 +196,31 @@ std::string KeyNumbers(const ReportContent& content) {
   return "<h2>Key numbers</h2><div class=\"scroll\"><table><thead><tr><th>Measure</th>"
          "<th class=\"n\">Value</th><th>Protocol</th></tr></thead><tbody>" +
          rows + "</tbody></table></div>";
+}
+
+// The view of the run's scene, for its camera; nullptr without one.
+const View* SceneView(const ReportContent& content, const std::string& name) {
+  if (!content.scene) return nullptr;
+  for (const View& view : content.scene->views) {
+    if (view.name == name) return &view;
+  }
+  return nullptr;
+}
+
+// The rendered depth of a view in colours, and its normals if the camera is known.
+struct DepthPictures {
+  std::optional<Image> depth, normals;
+};
+
+DepthPictures DrawDepth(const ReportContent& content, size_t index) {
+  const RenderedView& view = content.rendered.views[index];
+  if (!view.depth) return {};
+  const DepthMap map = ReadDepthMap(*view.depth);
+  DepthPictures pictures{ColoredDepth(map, RangeOf(map)), {}};
+  if (const View* seen = SceneView(content, view.name)) {
+    pictures.normals = NormalPicture(map, content.scene->cameras[size_t(seen->camera)]);
+  }
+  return pictures;
 }
 
 std::string Trio(const ReportContent& content, size_t index, const std::string& rank) {
@@ -198,9 +234,13 @@ std::string Trio(const ReportContent& content, size_t index, const std::string& 
         Picture(FitInto(image, kLargePicture_px), kLargeQuality, what + " of view " + view.name),
         E(what));
   };
-  return fmt::format("<h3>{}: {} · {} · SSIM {:.3f}</h3><div class=\"trio\">{}{}{}</div>", rank,
-                     E(view.name), Decibel(score.psnr), score.ssim, figure(truth, "ground truth"),
-                     figure(render, "render"), figure(ErrorMap(judged, truth), "error ×4"));
+  std::string figures = figure(truth, "ground truth") + figure(render, "render") +
+                        figure(ErrorMap(judged, truth), "error ×4");
+  const DepthPictures pictures = DrawDepth(content, index);
+  if (pictures.depth) figures += figure(*pictures.depth, "depth");
+  if (pictures.normals) figures += figure(*pictures.normals, "normals");
+  return fmt::format("<h3>{}: {} · {} · SSIM {:.3f}</h3><div class=\"trio\">{}</div>", rank,
+                     E(view.name), Decibel(score.psnr), score.ssim, figures);
 }
 
 std::string Comparison(const ReportContent& content) {
@@ -212,7 +252,10 @@ std::string Comparison(const ReportContent& content) {
   std::string html = "<h2>Ground truth, render, error</h2>";
   html += fmt::format(
       "<div class=\"bar\"><span>0</span>{}<span>{:.0f}/255 and more</span></div>"
-      "<p class=\"note\">Error: mean absolute difference of red, green and blue, times {:.0f}.</p>",
+      "<p class=\"note\">Error: mean absolute difference of red, green and blue, times {:.0f}. "
+      "Depth: where a ray has lost half of its light, from bright (near) to dark (far), grey where "
+      "it "
+      "never does. Normals of that depth: red to the right, green up, blue to the camera.</p>",
       Picture(ErrorMapColorBar(256, 12), 95,
               "colour scale of the error, from dark (none) to bright"),
       255 / kErrorMapGain, kErrorMapGain);
@@ -307,19 +350,25 @@ std::string Thumbnails(const ReportContent& content) {
   for (; shown < content.scores.size() && html.size() < kThumbnailBytes; ++shown) {
     const RenderedView& view = content.rendered.views[shown];
     const ViewScore& score = content.scores[shown];
-    const auto thumbnail = [&](const std::filesystem::path& path, const char* what) {
-      return Picture(FitInto(ReadImage(path), kThumbnail_px), kThumbnailQuality,
+    const auto thumbnail = [&](const Image& image, const char* what) {
+      return Picture(FitInto(image, kThumbnail_px), kThumbnailQuality,
                      std::string(what) + " of view " + view.name);
     };
+    const DepthPictures pictures = DrawDepth(content, shown);
+    std::string images = thumbnail(ReadImage(view.truth), "ground truth") +
+                         thumbnail(ReadImage(view.render), "render");
+    if (pictures.depth) images += thumbnail(*pictures.depth, "depth");
+    if (pictures.normals) images += thumbnail(*pictures.normals, "normals");
     html += fmt::format(
-        "<figure><div class=\"pair\">{}{}</div><figcaption>{}<br>{} · SSIM "
+        "<figure><div class=\"pair\">{}</div><figcaption>{}<br>{} · SSIM "
         "{:.3f}{}</figcaption></figure>",
-        thumbnail(view.truth, "ground truth"), thumbnail(view.render, "render"), E(view.name),
-        Decibel(score.psnr), score.ssim,
+        images, E(view.name), Decibel(score.psnr), score.ssim,
         score.foreground_psnr ? " · subject " + Decibel(*score.foreground_psnr) : "");
   }
   std::string heading =
-      "<h2>All views</h2><p class=\"note\">Ground truth on the left, render on the right.";
+      "<h2>All views</h2><p class=\"note\">Ground truth on the left, render on the right, below "
+      "them "
+      "depth and normals.";
   if (shown < content.scores.size()) {
     heading +=
         fmt::format(" The first {} of {} views are shown; metrics.json has the scores of all.",

@@ -1,10 +1,12 @@
 // report.html: one self-contained page about a run.
 #pragma once
 
+#include "eval/evaluate_depth.h"
 #include "eval/evaluate_surface.h"
 #include "eval/run_facts.h"
 #include "run/photo_exposures.h"
 #include "run/rendered_views.h"
+#include "scene/scene.h"
 
 #include <nlohmann/json.hpp>
 
@@ -29,7 +31,9 @@ struct ReportContent {
   std::vector<ViewScore> scores;  // one per rendered view, in the same order
   RunFacts run;
   std::vector<PhotoExposure> exposures;  // of the training photos; empty if not estimated
+  std::optional<Scene> scene;  // nothing if the chain of manifests is broken
   std::optional<SurfaceResult> surface;
+  std::optional<DepthScores> depth;
   std::vector<std::string> curves_svg;  // convergence; if empty, no_curves_reason is shown
   std::string no_curves_reason;
   nlohmann::json metrics;  // as in metrics.json: the numbers of the page

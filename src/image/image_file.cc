@@ -3,6 +3,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/lower_case.h"
+#include "image/depth_map.h"
 #include "image/exr_header.h"
 #include "image/image.h"
 #include "image/srgb.h"
@@ -232,6 +233,21 @@ void RefuseDicom(std::span<const uint8_t> bytes, const std::string& name) {
       fmt::format("{}: EXR with the mark of a DICOM file at byte 128; save it again", name));
 }
 
+// Checks everything that OpenEXR does not before it decodes.
+void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
+  RefuseDicom(bytes, name);
+  const glm::u64vec2 size = CheckExrHeader(bytes, name);
+  CheckSize(size.x, size.y, name);
+  CheckAgainstFile(size.x * size.y, bytes.size(), name);
+}
+
+void WriteEncoded(const std::filesystem::path& path, const std::string& extension,
+                  const cv::Mat& pixels) {
+  std::vector<uint8_t> bytes;
+  TETREC_CHECK(cv::imencode(extension, pixels, bytes), "encoding " + path.string());
+  WriteBytes(path, bytes);
+}
+
 }  // namespace
 
 bool HasPhotoExtension(const std::filesystem::path& path) {
@@ -253,12 +269,7 @@ Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name, ExifR
   const PngFacts png = is_png ? CheckPng(bytes, name) : PngFacts{};
   if (is_jpeg) CheckJpeg(bytes, name);
 
-  if (is_exr) {
-    RefuseDicom(bytes, name);
-    const glm::u64vec2 size = CheckExrHeader(bytes, name);
-    CheckSize(size.x, size.y, name);
-    CheckAgainstFile(size.x * size.y, bytes.size(), name);
-  }
+  if (is_exr) CheckExr(bytes, name);
 
   const cv::Mat decoded = Decode(bytes, name, rotation);
   if (decoded.empty()) {
@@ -299,9 +310,40 @@ void WriteImage(const std::filesystem::path& path, const Image& image) {
                     const_cast<uint8_t*>(image.pixels.data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, image.channels == 4 ? cv::COLOR_RGBA2BGRA : cv::COLOR_RGB2BGR);
-  std::vector<uint8_t> bytes;
-  TETREC_CHECK(cv::imencode(extension, bgr, bytes), "encoding " + path.string());
-  WriteBytes(path, bytes);
+  WriteEncoded(path, extension, bgr);
+}
+
+void WriteDepthMap(const std::filesystem::path& path, const DepthMap& map) {
+  TETREC_CHECK(map.depth.size() == size_t(map.width) * size_t(map.height), path.string());
+  WriteEncoded(path, ".exr",
+               cv::Mat(map.height, map.width, CV_32FC1, const_cast<float*>(map.depth.data())));
+}
+
+DepthMap ReadDepthMap(const std::filesystem::path& path) {
+  const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
+  const std::string name = path.string();
+  if (!StartsWith(bytes, kExrSignature)) {
+    throw DataError(fmt::format("{}: not a depth map; expected OpenEXR", name));
+  }
+  CheckExr(bytes, name);
+  const cv::Mat decoded = Decode(bytes, name, ExifRotation::kIgnore);
+  if (decoded.empty()) {
+    throw DataError(fmt::format("{}: damaged depth map, cannot be decoded; render it again", name));
+  }
+  if (decoded.type() != CV_32FC1) {
+    throw DataError(fmt::format("{}: not a depth map; expected one channel of floats", name));
+  }
+  DepthMap map = MakeDepthMap(decoded.cols, decoded.rows);
+  for (int y = 0; y < map.height; ++y) {
+    std::copy_n(decoded.ptr<float>(y), map.width, &map.At(0, y));
+  }
+  for (const float depth : map.depth) {
+    if (!(depth >= 0 && std::isfinite(depth))) {
+      throw DataError(
+          fmt::format("{}: a depth is {}; expected a number of at least 0", name, depth));
+    }
+  }
+  return map;
 }
 
 }  // namespace tetrec

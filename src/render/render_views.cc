@@ -70,7 +70,8 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   const std::unique_ptr<TrainingRenderer> renderer = CreateRenderer(CheckingRays(options.renderer));
   stage.Device(renderer->DescribeDevice());
   renderer->SetField(field);
-  for (const char* folder : {"renders", "gt"}) fs::create_directories(stage.Output(folder));
+  for (const char* folder : {"renders", "depth", "gt"})
+    fs::create_directories(stage.Output(folder));
   // Masks select the subject, or the pixels that count.
   const std::string mask_folder = scene.has_masks ? "seen" : "masks";
   if (scene.has_alpha || scene.has_masks) fs::create_directories(stage.Output(mask_folder));
@@ -84,8 +85,9 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
     ThrowIfStopRequested("images rendered so far will be rendered again");
     const View& view = scene.views[views[i]];
     const Timer render_timer;
-    const RenderedImage rendered =
-        renderer->Render({scene.cameras[view.camera], view.cam_from_world}, options.samples);
+    const RenderView seen_from{scene.cameras[size_t(view.camera)], view.cam_from_world};
+    const RenderedImage rendered = renderer->Render(seen_from, options.samples);
+    const DepthMap depth = renderer->RenderDepth(seen_from);
     render_seconds += render_timer.seconds();
     const std::string& file = files[views[i]];
     const Image truth = ReadImage(scene_folder / view.image);
@@ -99,7 +101,9 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
                        stage.folder() / "renders" / file,
                        stage.folder() / "gt" / file,
                        {},
-                       {}};
+                       {},
+                       (stage.folder() / "depth" / file).replace_extension(".exr")};
+    WriteDepthMap(*entry.depth, depth);
     WriteImage(entry.render, ToPicture(rendered, background));
     WriteImage(entry.truth, OverBackground(truth, background));
     if (has_mask) {

@@ -15,9 +15,9 @@ struct RenderViewsOptions {
   RendererOptions renderer;
 };
 
-// Writes renders/NAME.png, gt/NAME.png (over the same background), masks/NAME.png if the scene has
-// alpha or seen/NAME.png if it has masks, and views.json, which lists them with the protocol
-// (run/rendered_views.h).
+// Writes renders/NAME.png, depth/NAME.exr (Renderer::RenderDepth, in world units), gt/NAME.png
+// (over the same background), masks/NAME.png if the scene has alpha or seen/NAME.png if it has
+// masks, and views.json, which lists them with the protocol (run/rendered_views.h).
 void RunRenderViews(const RenderViewsOptions& options, Stage& stage);
 
 }  // namespace tetrec

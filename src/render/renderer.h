@@ -6,12 +6,14 @@
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
 #include "gpu/device_options.h"
+#include "image/depth_map.h"
 #include "render/integral.h"
 
 #include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,9 @@ struct RenderedImage {
   std::vector<glm::vec3> color_srgb;  // (height x width), row by row
   std::vector<float> transmittance;   // (height x width)
 };
+
+// The optical depth at which half of the light is lost.
+inline constexpr double kHalfLightDepth = std::numbers::ln2;
 
 // What a renderer counted since it was made.
 struct RenderCounts {
@@ -62,6 +67,10 @@ class Renderer {
   virtual void SetField(const RadianceField& field) = 0;
   // Averages samples x samples rays per pixel, on a regular grid.
   virtual RenderedImage Render(const RenderView& view, int samples) = 0;
+  // The depth at which the ray through each pixel's centre has lost half of its light, which is a
+  // place on its way, unlike the mean depth; kNoDepth where it keeps more than half. Density is
+  // linear inside a tet, whatever the integral. The Vulkan renderers march for it.
+  virtual DepthMap RenderDepth(const RenderView& view) = 0;
   virtual RenderCounts counts() const = 0;
   virtual nlohmann::json DescribeDevice() const = 0;
   // Since the renderer was made, of work that has been waited for.

@@ -41,6 +41,7 @@ RenderedView ReadView(const fs::path& folder, const CheckedJson& item) {
   view.truth = PathInside(folder, item.Field("ground_truth"));
   view.mask = OptionalPathInside(folder, item, "mask");
   view.seen = OptionalPathInside(folder, item, "seen");
+  view.depth = OptionalPathInside(folder, item, "depth");
   return view;
 }
 
@@ -50,6 +51,9 @@ void WriteRenderedViews(const fs::path& path, const RenderedViews& rendered) {
   const fs::path folder = path.parent_path();
   const auto in_folder = [&](const fs::path& file) {
     return file.lexically_relative(folder).generic_string();
+  };
+  const auto in_folder_or_null = [&](const std::optional<fs::path>& file) {
+    return file ? json(in_folder(*file)) : json(nullptr);
   };
   // A scene has masks of one kind; views without one state its kind too.
   const bool has_seen = std::any_of(rendered.views.begin(), rendered.views.end(),
@@ -61,7 +65,8 @@ void WriteRenderedViews(const fs::path& path, const RenderedViews& rendered) {
                      {"split", view.split},
                      {"render", in_folder(view.render)},
                      {"ground_truth", in_folder(view.truth)},
-                     {has_seen ? "seen" : "mask", mask ? json(in_folder(*mask)) : json(nullptr)}});
+                     {has_seen ? "seen" : "mask", in_folder_or_null(mask)},
+                     {"depth", in_folder_or_null(view.depth)}});
   }
   const json value = {{"schema", kSchema},
                       {"background", rendered.background},

@@ -21,6 +21,8 @@ struct RenderedView {
   // Grey images, at least 128 on what they select: the subject (mask), or the pixels whose truth is
   // known, outside of which nothing is scored (seen).
   std::optional<std::filesystem::path> mask, seen;
+  // Depth of the field in world units (image/depth_map.h); earlier versions rendered none.
+  std::optional<std::filesystem::path> depth;
 };
 
 struct RenderedViews {
@@ -32,7 +34,8 @@ struct RenderedViews {
 };
 
 // {"schema": 1, "background", "rays_per_pixel", "split", "resolution": [width, height],
-//  "views": [{"name", "split", "render", "ground_truth", "mask" or "seen": path or null}]}
+//  "views": [{"name", "split", "render", "ground_truth", "mask" or "seen": path or null,
+//             "depth": path or null}]}
 // Throw DataError naming file and field: another schema, no view, a name or an image given to two
 // views, a path that leaves the folder, a view without ground truth (as on a camera path), which
 // could not be scored. Writing refuses what reading would refuse.

@@ -80,6 +80,8 @@ class EndToEndTest(StageCase):
         self.assertEqual(set(edges), {(b, a) for a, b in edges})
 
         report = (run / "6_report" / "report.html").read_text()
+        self.assertIn("normals of view", report)
+        self.assertIsNone(metrics["depth"])  # the true depth is not known
         for outside in ("http://", "https://", "src=\"/", "file:"):
             self.assertNotIn(outside, report.replace("http://www.w3.org/", ""))
 
@@ -203,7 +205,8 @@ class EndToEndTest(StageCase):
         self.assertEqual(self.manifest(fields[0])["device"]["name"], "CPU, double precision")
         self.assert_done(self.run_stage("render", fields[0], "-o", run / "4_views", "--renderer", "reference",
                                         "--precision", "float", "--samples", 1, environment=none))
-        self.assertEqual(self.manifest(run / "4_views")["counts"]["rays"], 4 * SIZE * SIZE)
+        # Four views; for each pixel a ray for the image and one for the depth.
+        self.assertEqual(self.manifest(run / "4_views")["counts"]["rays"], 4 * 2 * SIZE * SIZE)
 
     def test_ten_photos_become_a_scene_and_a_mesh(self):
         photos = self.folder / "photos"

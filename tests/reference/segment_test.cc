@@ -178,6 +178,29 @@ TEST(Segment, NoValueOnAGridOfExtremesIsOutsideItsRange) {
   }
 }
 
+TEST(Segment, TheShareAtWhichADepthIsReachedHasThisDepthInFrontOfIt) {
+  for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples, 3)) {
+    const long double s0 = sample.s0, s1 = sample.s1, all = (s0 + s1) / 2;
+    for (const double part : {0.0, 1e-6, 0.3, 0.999, 1.0}) {
+      const float tau = static_cast<float>(part * static_cast<double>(all));
+      const double in_double = tetrec::ReachInSegment<double>(sample.s0, sample.s1, tau);
+      const float in_float = tetrec::ReachInSegment<float>(sample.s0, sample.s1, tau);
+      for (const long double u :
+           {static_cast<long double>(in_double), static_cast<long double>(in_float)}) {
+        ASSERT_TRUE(u >= 0 && u <= 1) << sample.s0 << " " << sample.s1 << " " << tau;
+      }
+      // The depth in front of the place: the integral of (1 - s) s0 + s s1 from 0 to u. Rounding of
+      // the root moves a place by a few of its own roundings, and depth by at most
+      // u (s0 + (s1 - s0) u) times that; tau was rounded to a float, so it may exceed the end.
+      const long double u = in_double, in_front = s0 * u + (s1 - s0) * u * u / 2;
+      ASSERT_LE(std::abs(in_front - std::min<long double>(tau, all)), 1e-7L * all + 1e-30L)
+          << sample.s0 << " " << sample.s1 << " " << tau;
+      ASSERT_NEAR(in_float, in_double, 2e-3 * in_double + 1e-6)
+          << sample.s0 << " " << sample.s1 << " " << tau;
+    }
+  }
+}
+
 TEST(SpecialFunctions, FitsAgreeWithTheirDefinitions) {
   double worst_erfcx = 0, worst_dawson = 0;
   for (double x = 1e-5; x < 1e5; x *= 1.1) {

@@ -16,9 +16,11 @@ nlohmann::json Example() {
     "resolution": [64, 48],
     "views": [
       {"name": "test/r_0", "split": "test", "render": "renders/test_r_0.png",
-       "ground_truth": "gt/test_r_0.png", "mask": "masks/test_r_0.png"},
+       "ground_truth": "gt/test_r_0.png", "mask": "masks/test_r_0.png",
+       "depth": "depth/test_r_0.exr"},
       {"name": "test/r_1", "split": "test", "render": "renders/test_r_1.png",
-       "ground_truth": "gt/test_r_1.png", "mask": null}]})");
+       "ground_truth": "gt/test_r_1.png", "mask": null,
+       "depth": null}]})");
 }
 
 TEST(RenderedViews, WhatWasWrittenIsReadBackForBothKindsOfMasks) {
@@ -38,6 +40,8 @@ TEST(RenderedViews, WhatWasWrittenIsReadBackForBothKindsOfMasks) {
     EXPECT_EQ(first.truth, folder / "gt/test_r_0.png");
     EXPECT_EQ(seen ? first.seen : first.mask, folder / "masks/test_r_0.png");
     EXPECT_FALSE(seen ? first.mask : first.seen);
+    EXPECT_EQ(first.depth, folder / "depth/test_r_0.exr");
+    EXPECT_FALSE(rendered.views[1].depth);
     EXPECT_FALSE(rendered.views[1].mask || rendered.views[1].seen);
     WriteRenderedViews(path, rendered);
     EXPECT_EQ(ReadJson(path), example);

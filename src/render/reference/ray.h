@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -175,6 +176,22 @@ RayResult<Real> IntegrateRay(const RadianceField& field, std::span<const RaySegm
     result.length += segment.end - segment.begin;
   }
   return result;
+}
+
+// The distance along the ray at which its optical depth reaches `depth`; nothing if it never does.
+template <class Real>
+std::optional<Real> ReachOf(const RadianceField& field, std::span<const RaySegment<Real>> segments,
+                            Real depth) {
+  Real before(0);
+  for (const RaySegment<Real>& segment : segments) {
+    const SegmentEnds<Real> ends = EndsOf(field, segment);
+    if (before + ends.depth() >= depth) {
+      const Real share = ReachInSegment(ends.s0, ends.s1, depth - before);
+      return segment.begin + share * (segment.end - segment.begin);
+    }
+    before += ends.depth();
+  }
+  return std::nullopt;
 }
 
 // The spatial gradient of a quantity that is linear in a tet, from its values at the vertices.

@@ -239,6 +239,22 @@ class ReferenceRenderer final : public ProbedRenderer {
     return image;
   }
 
+  DepthMap RenderDepth(const RenderView& view) override {
+    const int width = view.camera.width, height = view.camera.height;
+    DepthMap map = MakeDepthMap(width, height);
+    ParallelFor(map.depth.size(), kRaysPerTask, [&](size_t first, size_t last) {
+      for (size_t i = first; i < last; ++i) {
+        const glm::ivec2 at(int(i % size_t(width)), int(i / size_t(width)));
+        const WorldRay<Real> ray = RayThrough<Real>(view, glm::dvec2(at) + 0.5);
+        const auto segments = CutMesh<Real>(field_, boxes_, ray, Real(kHalfLightDepth));
+        const std::optional<Real> reach = ReachOf<Real>(field_, segments, Real(kHalfLightDepth));
+        if (reach) map.depth[i] = float(DepthOfDistance(view.camera, at, double(*reach)));
+      }
+    });
+    counts_.rays += map.depth.size();
+    return map;
+  }
+
   FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient,
                               GradientParts parts) override {
     const size_t width = size_t(view.camera.width), pixels = width * size_t(view.camera.height);

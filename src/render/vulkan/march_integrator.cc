@@ -42,6 +42,7 @@ MarchIntegrator::Kernels MarchIntegrator::MakeKernels(const FieldLayout& layout,
   Kernels kernels;
   kernels.forward = make("march_forward", kMarchForward);
   kernels.forward_counting = make("march_forward (counting)", kMarchForwardCounting);
+  kernels.forward_depth = make("march_forward (depth)", kMarchForwardDepth);
   kernels.backward = make("march_backward", colors.For(device_, fixed_point_));
   kernels.backward_positions =
       make("march_backward (positions)", positions.For(device_, fixed_point_));
@@ -68,6 +69,14 @@ void MarchIntegrator::Dispatch(CommandRecorder& recorder, const Program& program
 void MarchIntegrator::Forward(CommandRecorder& recorder, const RayPass& pass) {
   Dispatch(recorder, pass.count_steps ? current_->forward_counting : current_->forward, pass,
            {{kBindRayColors, pass.rays.colors}, {kBindRayEntries, pass.rays.entries}});
+}
+
+void MarchIntegrator::ForwardWithReaches(CommandRecorder& recorder, const RayPass& pass,
+                                         const Buffer& reaches) {
+  Dispatch(recorder, current_->forward_depth, pass,
+           {{kBindRayColors, pass.rays.colors},
+            {kBindRayEntries, pass.rays.entries},
+            {kBindRayReaches, reaches}});
 }
 
 void MarchIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {

@@ -15,12 +15,15 @@ class MarchIntegrator final : public Integrator {
   void SetField(const DeviceField& field) override;
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;
+  // As Forward; also fills `reaches` (a float per ray) with the distances from the camera at which
+  // the rays reach the optical depth at which they stop, 0 for those that never do.
+  void ForwardWithReaches(CommandRecorder& recorder, const RayPass& pass, const Buffer& reaches);
   // Records the commands that add to field.tet_scores; follows Forward and the loss.
   void Score(CommandRecorder& recorder, const RayPass& pass);
 
  private:
   struct Kernels {
-    Program forward, forward_counting, backward, backward_positions, score;
+    Program forward, forward_counting, forward_depth, backward, backward_positions, score;
   };
   Kernels MakeKernels(const FieldLayout& layout, bool any_boundary) const;
   // Binds what every march kernel reads, and `more`.

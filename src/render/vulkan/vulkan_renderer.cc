@@ -344,6 +344,23 @@ class VulkanRenderer final : public ProbedRenderer {
     return image;
   }
 
+  DepthMap RenderDepth(const RenderView& view) override {
+    WaitAll();
+    const int width = view.camera.width, height = view.camera.height;
+    UploadRenderView(view, 1);
+    DepthMap map = MakeDepthMap(width, height);
+    ForEachBatch(CoveringBlocks(width, height), [&](std::span<const RayBlock> blocks) {
+      const std::vector<float> reaches = ReachesOfBatch(blocks);
+      for (size_t r = 0; r < reaches.size(); ++r) {
+        const glm::ivec2 at = PixelOfRay(blocks, r);
+        if (at.x < width && at.y < height && reaches[r] > 0) {
+          map.At(at.x, at.y) = float(DepthOfDistance(view.camera, at, double(reaches[r])));
+        }
+      }
+    });
+    return map;
+  }
+
   FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient,
                               GradientParts parts) override {
     const bool with_positions = parts == GradientParts::kColorDensityPosition;
@@ -619,6 +636,24 @@ class VulkanRenderer final : public ProbedRenderer {
     AddCounters(counts_);
     counters_.FillZero();
     return rays.colors.DownloadAs<glm::vec4>(rays.count);
+  }
+
+  // Distances from the camera at which rays of the render view have lost half of their light; 0:
+  // nowhere.
+  std::vector<float> ReachesOfBatch(std::span<const RayBlock> blocks) {
+    RayBatch& rays = picture_rays_;
+    PutBlocks(rays, blocks);
+    has_forward_ = false;
+    RayPass pass = RenderPass(blocks, {});
+    pass.push.stop_depth = float(kHalfLightDepth);
+    const Buffer reaches(*device_, "ray reaches", uint64_t{rays.count} * 4);
+    render_recorder_.Begin();
+    march_.ForwardWithReaches(render_recorder_, pass, reaches);
+    render_recorder_.EndAndSubmit();
+    render_recorder_.Wait();
+    AddCounters(counts_);
+    counters_.FillZero();
+    return reaches.DownloadAs<float>(rays.count);
   }
 
   static float ScaleOf(const TrainingBatch& batch) {

@@ -1,0 +1,68 @@
+// What a reader of the report should know before trusting its numbers.
+#include "eval/quality_warnings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+// A view is far below the others by both: a difference that is seen, and that the scatter of the
+// other views does not explain.
+constexpr double kFarBelow_db = 3, kFarBelowDeviations = 2.5;
+constexpr size_t kFewestViewsToCompare = 3;
+constexpr size_t kFewTrainingViews = 15;
+
+// Of at least one value.
+double MedianOf(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Deviations are measured by the median absolute deviation, which the bad views do not inflate.
+std::vector<std::string> ViewsFarBelow(const std::vector<ViewScore>& scores) {
+  if (scores.size() < kFewestViewsToCompare) return {};
+  std::vector<double> psnrs, deviations;
+  for (const ViewScore& score : scores) psnrs.push_back(score.psnr);
+  const double median = MedianOf(psnrs);
+  if (!std::isfinite(median)) return {};
+  for (const double psnr : psnrs) deviations.push_back(std::abs(psnr - median));
+  const double limit = median - std::max(kFarBelow_db, kFarBelowDeviations * MedianOf(deviations));
+  std::vector<std::string> far;
+  for (const ViewScore& score : scores) {
+    if (score.psnr < limit) far.push_back(fmt::format("{} ({:.1f} dB)", score.name, score.psnr));
+  }
+  if (far.empty()) return {};
+  return {
+      fmt::format("{} of {} views are far worse than the others, whose median is {:.1f} dB: {}. "
+                  "Their cameras may be wrong, or no training view may show what they show.",
+                  far.size(), scores.size(), median, fmt::join(far, ", "))};
+}
+
+std::vector<std::string> FewTrainingViews(const Scene& scene) {
+  const size_t views = scene.ViewsOf(Split::kTrain).size();
+  if (views >= kFewTrainingViews) return {};
+  return {
+      fmt::format("There are only {} training views. Expect fog and wrong shapes where few of "
+                  "them overlap; {} or more are better.",
+                  views, kFewTrainingViews)};
+}
+
+}  // namespace
+
+std::vector<std::string> QualityWarnings(const std::vector<ViewScore>& scores,
+                                         const std::optional<Scene>& scene) {
+  std::vector<std::string> warnings;
+  const auto add = [&](std::vector<std::string> more) {
+    warnings.insert(warnings.end(), more.begin(), more.end());
+  };
+  add(ViewsFarBelow(scores));
+  if (scene) add(FewTrainingViews(*scene));
+  return warnings;
+}
+
+}  // namespace tetrec
