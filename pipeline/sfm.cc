@@ -8,7 +8,7 @@
 int main(int argc, char** argv) {
   tetrec::SfmOptions options;
   tetrec::StageCommand command(
-      "sfm", 3,
+      "sfm", 4,
       "Finds the cameras of a folder of photos with COLMAP and writes the scene folder:\n"
       "undistorted images, cameras, sparse points, the bounds of the subject and the split.\n"
       "Example: tetrec-sfm PHOTOS -o RUN/1_scene");
@@ -23,6 +23,9 @@ int main(int argc, char** argv) {
       "auto (all for up to 80 photos, otherwise neighbours and similar photos)");
   app.add_option("--max-features", options.max_features,
                  "SIFT features per photo, those of the largest scales");
+  app.add_option("--retries", options.retries,
+                 "Further tries where photos stay unregistered, each with 8/3 of the features for "
+                 "these photos and those that overlap them; 0: none");
   tetrec::AddWordOption(
       app, "--camera-sharing", options.camera_sharing,
       "Photos that share lens parameters: auto (those of the same size), single (all), "

@@ -193,6 +193,16 @@ uint64_t ColmapDatabase::MatchCount() const {
   return select.Step() ? uint64_t(select.Integer(0)) : 0;
 }
 
+std::map<ImagePair, uint64_t> ColmapDatabase::MatchCounts() const {
+  Statement select(file_, database_.get(), "SELECT pair_id, rows FROM matches");
+  std::map<ImagePair, uint64_t> counts;
+  while (select.Step()) {
+    const auto id = uint64_t(select.Integer(0));
+    counts[{uint32_t(id / kMaxImageId), uint32_t(id % kMaxImageId)}] = uint64_t(select.Integer(1));
+  }
+  return counts;
+}
+
 std::vector<std::string> ColmapDatabase::Columns(const char* schema, const char* table) const {
   const std::string sql = fmt::format("PRAGMA {}.table_info({})", schema, table);
   Statement select(file_, database_.get(), sql.c_str());
@@ -299,32 +309,38 @@ void ColmapDatabase::NumberByName(bool camera_per_folder) {
       "PRAGMA ignore_check_constraints = 0;");
 }
 
+ColmapDatabase::FeatureRows ColmapDatabase::ReadRows(const char* table, uint32_t image_id) const {
+  const std::string sql = fmt::format("SELECT rows, data FROM {} WHERE image_id = ?", table);
+  Statement select(file_, database_.get(), sql.c_str());
+  select.Bind(1, image_id);
+  if (!select.Step() || select.Integer(0) <= 0) return {};
+  FeatureRows rows{0, select.Blob(1)};
+  rows.row_bytes = rows.bytes.size() / size_t(select.Integer(0));
+  return rows;
+}
+
+void ColmapDatabase::WriteRows(const char* table, uint32_t image_id, const FeatureRows& rows) {
+  const std::string sql = fmt::format("UPDATE {} SET rows = ?, data = ? WHERE image_id = ?", table);
+  Statement update(file_, database_.get(), sql.c_str());
+  update.Bind(1, int64_t(rows.count()));
+  update.BindBlob(2, rows.bytes.data(), rows.bytes.size());
+  update.Bind(3, image_id);
+  update.Step();
+}
+
 void ColmapDatabase::KeepRows(const char* table, uint32_t image_id, std::span<const size_t> rows) {
-  const std::string selection = fmt::format("SELECT rows, data FROM {} WHERE image_id = ?", table);
-  std::vector<uint8_t> all;
-  size_t row_bytes = 0;
-  {
-    Statement select(file_, database_.get(), selection.c_str());
-    select.Bind(1, image_id);
-    if (!select.Step() || select.Integer(0) <= 0) return;
-    all = select.Blob(1);
-    row_bytes = all.size() / size_t(select.Integer(0));
-  }
-  std::vector<uint8_t> kept;
+  const FeatureRows all = ReadRows(table, image_id);
+  if (all.count() == 0) return;
+  FeatureRows kept{all.row_bytes, {}};
   for (const size_t row : rows) {
-    if ((row + 1) * row_bytes > all.size()) {
+    if (row >= all.count()) {
       throw DataError(fmt::format("{}: {} of image {} have no row {}{}", file_.path.string(), table,
                                   image_id, row, kMakeAgain));
     }
-    const auto start = all.begin() + std::ptrdiff_t(row * row_bytes);
-    kept.insert(kept.end(), start, start + std::ptrdiff_t(row_bytes));
+    const auto start = all.bytes.begin() + std::ptrdiff_t(row * all.row_bytes);
+    kept.bytes.insert(kept.bytes.end(), start, start + std::ptrdiff_t(all.row_bytes));
   }
-  const std::string sql = fmt::format("UPDATE {} SET rows = ?, data = ? WHERE image_id = ?", table);
-  Statement update(file_, database_.get(), sql.c_str());
-  update.Bind(1, int64_t(rows.size()));
-  update.BindBlob(2, kept.data(), kept.size());
-  update.Bind(3, image_id);
-  update.Step();
+  WriteRows(table, image_id, kept);
 }
 
 void ColmapDatabase::KeepCoarsest(size_t count) {
@@ -336,6 +352,60 @@ void ColmapDatabase::KeepCoarsest(size_t count) {
     std::sort(rows.begin(), rows.end());
     KeepRows("keypoints", image.id, rows);
     KeepRows("descriptors", image.id, rows);
+  }
+  Execute("COMMIT");
+}
+
+uint64_t ColmapDatabase::AppendFiner(const ColmapDatabase& richer) {
+  std::map<std::string, uint32_t> rich_id;
+  for (const DatabaseImage& image : richer.Images()) rich_id[image.name] = image.id;
+  uint64_t added = 0;
+  Execute("BEGIN IMMEDIATE");
+  for (const DatabaseImage& image : Images()) {
+    const auto found = rich_id.find(image.name);
+    if (found == rich_id.end()) continue;
+    FeatureRows places = ReadRows("keypoints", image.id),
+                descriptors = ReadRows("descriptors", image.id);
+    const FeatureRows rich_places = richer.ReadRows("keypoints", found->second),
+                      rich_descriptors = richer.ReadRows("descriptors", found->second);
+    const auto row_of = [](const FeatureRows& rows, size_t row) {
+      const auto start = rows.bytes.begin() + std::ptrdiff_t(row * rows.row_bytes);
+      return std::string(start, start + std::ptrdiff_t(rows.row_bytes));
+    };
+    if (rich_places.count() == 0) continue;
+    if (rich_places.count() != rich_descriptors.count() ||
+        (places.count() > 0 && places.row_bytes != rich_places.row_bytes)) {
+      throw DataError(fmt::format("{}: features of image {} do not fit together{}",
+                                  richer.file_.path.string(), image.name, kMakeAgain));
+    }
+    std::set<std::string> own;
+    for (size_t row = 0; row < places.count(); ++row) own.insert(row_of(places, row));
+    places.row_bytes = rich_places.row_bytes, descriptors.row_bytes = rich_descriptors.row_bytes;
+    for (size_t row = 0; row < rich_places.count(); ++row) {
+      const std::string place = row_of(rich_places, row);
+      if (own.contains(place)) continue;
+      const std::string descriptor = row_of(rich_descriptors, row);
+      places.bytes.insert(places.bytes.end(), place.begin(), place.end());
+      descriptors.bytes.insert(descriptors.bytes.end(), descriptor.begin(), descriptor.end());
+      ++added;
+    }
+    WriteRows("keypoints", image.id, places);
+    WriteRows("descriptors", image.id, descriptors);
+  }
+  Execute("COMMIT");
+  return added;
+}
+
+void ColmapDatabase::ForgetPairs(const std::vector<ImagePair>& pairs) {
+  Execute("BEGIN IMMEDIATE");
+  for (const char* table : {"matches", "two_view_geometries"}) {
+    const std::string sql = fmt::format("DELETE FROM {} WHERE pair_id = ?", table);
+    Statement remove(file_, database_.get(), sql.c_str());
+    for (const auto& [first, second] : pairs) {
+      remove.Bind(1, int64_t(kMaxImageId * first + second));
+      remove.Step();
+      remove.Reset();
+    }
   }
   Execute("COMMIT");
 }

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <set>
 #include <span>
@@ -43,9 +44,10 @@ class ColmapDatabase {
   Descriptors ReadDescriptors(uint32_t image_id) const;
   // The descriptors of the `count` features with the largest scales.
   Descriptors ReadCoarsestDescriptors(uint32_t image_id, size_t count) const;
-  std::set<ImagePair> MatchedPairs() const;   // with raw matches
-  std::set<ImagePair> VerifiedPairs() const;  // with two-view geometries
-  uint64_t MatchCount() const;                // raw matches of all pairs
+  std::set<ImagePair> MatchedPairs() const;           // with raw matches
+  std::set<ImagePair> VerifiedPairs() const;          // with two-view geometries
+  uint64_t MatchCount() const;                        // raw matches of all pairs
+  std::map<ImagePair, uint64_t> MatchCounts() const;  // raw matches of each matched pair
 
   // Adds the images, cameras and features of another database under new ids. Only columns that both
   // have are copied, because versions after the tested one dropped some.
@@ -60,6 +62,13 @@ class ColmapDatabase {
   // COLMAP's own limit is loose. Requires that nothing is matched yet.
   void KeepCoarsest(size_t count);
 
+  // Adds to the images that `richer` has by the same names those of its features that they lack,
+  // behind their own, so that matches stay valid. Returns the number of features added.
+  uint64_t AppendFiner(const ColmapDatabase& richer);
+
+  // Removes matches and geometries of pairs, so that they are matched again.
+  void ForgetPairs(const std::vector<ImagePair>& pairs);
+
   // Writes raw matches of several pairs in one transaction; `second` contains the matches from the
   // lower to the higher id.
   void WriteMatches(const std::vector<std::pair<ImagePair, std::vector<FeatureMatch>>>& pairs);
@@ -72,6 +81,15 @@ class ColmapDatabase {
   void RefuseFrames(const char* schema, const std::filesystem::path& path) const;
   std::vector<float> ReadScales(uint32_t image_id) const;
   std::vector<size_t> CoarsestRows(uint32_t image_id, size_t count) const;
+  // The rows of a table of features ("keypoints", "descriptors") of an image; nothing if it has
+  // none.
+  struct FeatureRows {
+    size_t row_bytes = 0;
+    std::vector<uint8_t> bytes;
+    size_t count() const { return row_bytes == 0 ? 0 : bytes.size() / row_bytes; }
+  };
+  FeatureRows ReadRows(const char* table, uint32_t image_id) const;
+  void WriteRows(const char* table, uint32_t image_id, const FeatureRows& rows);
   void KeepRows(const char* table, uint32_t image_id, std::span<const size_t> rows);
   std::set<ImagePair> PairsOf(const char* table) const;
 

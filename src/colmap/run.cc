@@ -252,18 +252,25 @@ void ExtractFeatures(const ColmapProgram& colmap, const fs::path& photos,
 
 MatchCounts MatchFeatures(const ColmapProgram& colmap, const fs::path& database_path,
                           PairChoice choice, const fs::path& scratch) {
+  std::vector<ImagePair> pairs;
+  {
+    const ColmapDatabase database(database_path, colmap.version);
+    pairs = ChoosePairs(database, database.Images(), choice);
+  }
+  return MatchFeatures(colmap, database_path, pairs, scratch);
+}
+
+MatchCounts MatchFeatures(const ColmapProgram& colmap, const fs::path& database_path,
+                          const std::vector<ImagePair>& pairs, const fs::path& scratch) {
   MatchCounts counts;
   std::map<uint32_t, Descriptors> descriptors;
   std::map<uint32_t, std::string> names;
-  std::vector<ImagePair> pairs;
   std::set<ImagePair> matched, verified;  // in an earlier run
   {
     const ColmapDatabase database(database_path, colmap.version);
-    const std::vector<DatabaseImage> images = database.Images();
-    pairs = ChoosePairs(database, images, choice);
     matched = database.MatchedPairs();
     verified = database.VerifiedPairs();
-    for (const DatabaseImage& image : images) {
+    for (const DatabaseImage& image : database.Images()) {
       names[image.id] = image.name;
       descriptors[image.id] = database.ReadDescriptors(image.id);
     }

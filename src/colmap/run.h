@@ -46,6 +46,11 @@ struct MatchCounts {
 MatchCounts MatchFeatures(const ColmapProgram& colmap, const std::filesystem::path& database,
                           PairChoice choice, const std::filesystem::path& scratch);
 
+// The same for the given pairs.
+MatchCounts MatchFeatures(const ColmapProgram& colmap, const std::filesystem::path& database,
+                          const std::vector<ImagePair>& pairs,
+                          const std::filesystem::path& scratch);
+
 // Runs the mapper into the empty folder `models` and returns the folders of its models (0, 1, ...);
 // none if the images do not overlap enough.
 std::vector<std::filesystem::path> MapScene(const ColmapProgram& colmap,

@@ -18,6 +18,7 @@ void CheckRange(const char* option, int value, int min, int max) {
 
 void SfmOptions::Check() const {
   CheckRange("max-features", max_features, 100, 100000);
+  CheckRange("retries", retries, 0, 3);
   CheckRange("max-size", max_size, 16, 16384);
   CheckHoldout(holdout);
   CheckRange("train-every", train_every, 1, 1000000);

@@ -33,7 +33,10 @@ struct SfmOptions {
   PairChoice matcher = PairChoice::kAuto;
   CameraSharing camera_sharing = CameraSharing::kAuto;
   SfmLens camera_model = SfmLens::kAuto;
-  int max_features = 3072;      // features per photo, those of the largest scales
+  int max_features = 3072;  // features per photo, those of the largest scales
+  // Where photos stay unregistered: further tries, each with more features for the photos
+  // concerned.
+  int retries = 1;
   int max_size = 640;           // [px] longer side of the scene's images
   int holdout = kUsualHoldout;  // every N-th view is held out as test; 0: none
   // Every N-th of the views that are not held out is trained on, the others only help to find the

@@ -17,6 +17,7 @@
 #include "scene/subject_bounds.h"
 #include "sfm/model_quality.h"
 #include "sfm/photos.h"
+#include "sfm/retry.h"
 #include "sfm/thin_views.h"
 #include "sfm/work_key.h"
 
@@ -26,6 +27,7 @@
 #include <algorithm>
 #include <atomic>
 #include <map>
+#include <set>
 
 namespace tetrec {
 namespace fs = std::filesystem;
@@ -33,6 +35,7 @@ namespace {
 
 // Photos per camera; fewer do not determine the four OPENCV distortion parameters well.
 constexpr size_t kPhotosForOpenCvModel = 8;
+constexpr int kMostFeatures = 100000;  // as SfmOptions::Check allows
 constexpr const char* kLensAdvice = "try camera model SIMPLE_RADIAL or PINHOLE";
 
 // COLMAP's view of the photos: links with plain names, in one folder per camera. The user's names
@@ -137,6 +140,130 @@ void Rename(ColmapModel& model, const LinkedPhotos& linked, const std::vector<Ph
   }
 }
 
+// The model with the most images of a database, from the cache if it is there; without images if
+// COLMAP found none.
+struct Mapping {
+  ColmapModel model;
+  size_t models = 0;  // found now; 0: from the cache, or none
+};
+
+Mapping Map(const ColmapProgram& colmap, const fs::path& photos, const fs::path& database,
+            size_t photo_count, int seed, const fs::path& scratch, const fs::path& finished) {
+  Mapping mapping;
+  if (!fs::exists(finished)) {
+    const fs::path models = scratch / "models";
+    fs::remove_all(models);
+    fs::create_directories(models);
+    const std::vector<fs::path> folders =
+        MapScene(colmap, photos, database, photo_count, seed, models);
+    if (folders.empty()) return mapping;
+    mapping.models = folders.size();
+    fs::rename(ModelWithMostImages(folders, mapping.model), finished);
+  }
+  mapping.model = ReadColmapModel(finished);
+  return mapping;
+}
+
+// What all tries of one run share.
+struct SfmWork {
+  const SfmOptions& options;
+  const ColmapProgram& colmap;
+  const LinkedPhotos& linked;
+  const ExtractOptions& extract;
+  fs::path scratch, cache;
+};
+
+// The ids of the photos in the database that the model lacks.
+std::set<uint32_t> MissingPhotos(const std::vector<DatabaseImage>& images,
+                                 const ColmapModel& model) {
+  std::set<std::string> registered;
+  for (const auto& [id, image] : model.images) registered.insert(image.name);
+  std::set<uint32_t> missing;
+  for (const DatabaseImage& image : images) {
+    if (!registered.contains(image.name)) missing.insert(image.id);
+  }
+  return missing;
+}
+
+// Makes a database with more features of the photos that the missing ones concern, and matches
+// them.
+void WriteRicherDatabase(const SfmWork& work, const ColmapModel& model, int max_features,
+                         const fs::path& before, const fs::path& richer) {
+  std::vector<std::string> names;
+  std::vector<ImagePair> pairs;
+  {
+    const ColmapDatabase database(before, work.colmap.version);
+    const std::vector<DatabaseImage> images = database.Images();
+    const std::set<uint32_t> missing = MissingPhotos(images, model);
+    std::vector<uint32_t> ids;
+    for (const DatabaseImage& image : images) ids.push_back(image.id);
+    const std::vector<uint32_t> concerned = ConcernedPhotos(ids, missing, database.MatchCounts());
+    pairs = PairsOfRetry(ids, concerned, missing);
+    for (const DatabaseImage& image : images) {
+      if (std::binary_search(concerned.begin(), concerned.end(), image.id)) {
+        names.push_back(image.name);
+      }
+    }
+    LogInfo(
+        "{} photos are not registered; trying again with up to {} features of {} photos, in {} "
+        "pairs",
+        missing.size(), WithThousands(size_t(max_features)), names.size(), pairs.size());
+  }
+  const fs::path features = richer.string() + ".features", parts = richer.string() + ".parts";
+  ExtractOptions extract = work.extract;
+  extract.max_features = max_features;
+  if (!fs::exists(features)) {
+    ExtractFeatures(work.colmap, work.linked.folder, names, extract, parts, features);
+    fs::remove_all(parts);
+  }
+  if (!fs::exists(richer)) {
+    const fs::path half = richer.string() + ".half";
+    CopyDatabase(before, half);
+    {
+      ColmapDatabase database(half, work.colmap.version);
+      const uint64_t added = database.AppendFiner(ColmapDatabase(features, work.colmap.version));
+      LogInfo("{} features more", WithThousands(added));
+      database.ForgetPairs(pairs);
+    }
+    fs::rename(half, richer);
+  }
+  MatchFeatures(work.colmap, richer, pairs, work.scratch);
+}
+
+// Tries again where photos stayed out, and keeps the better model. Each try is noted.
+void Retry(const SfmWork& work, const fs::path& database, const std::string& model_name,
+           ColmapModel& model, Stage& stage) {
+  nlohmann::json notes = nlohmann::json::array();
+  int max_features = work.options.max_features;
+  fs::path before = database;
+  const size_t photos = work.linked.names.size();
+  for (int i = 1; i <= work.options.retries && model.images.size() < photos; ++i) {
+    const Timer timer;
+    max_features = std::min(max_features * 8 / 3, kMostFeatures);
+    const std::string suffix = fmt::format("-retry-{}", i);
+    const fs::path richer = database.string() + suffix;
+    WriteRicherDatabase(work, model, max_features, before, richer);
+    const Mapping mapping = Map(work.colmap, work.linked.folder, richer, photos, work.options.seed,
+                                work.scratch, work.cache / (model_name + suffix));
+    const bool better = IsBetterModel(model, mapping.model);
+    LogInfo(
+        "{} photos registered instead of {}, mean reprojection error {:.3f} px instead of "
+        "{:.3f}: {}",
+        mapping.model.images.size(), model.images.size(), MeanReprojectionError_px(mapping.model),
+        MeanReprojectionError_px(model), better ? "kept" : "not kept");
+    notes.push_back({{"max_features", max_features},
+                     {"registered_before", model.images.size()},
+                     {"registered", mapping.model.images.size()},
+                     {"mean_reprojection_error_px", MeanReprojectionError_px(mapping.model)},
+                     {"kept", better},
+                     {"seconds", timer.seconds()}});
+    if (better) model = mapping.model;
+    before = richer;
+  }
+  stage.Count("retries", notes.size());
+  stage.Note("retries", notes);
+}
+
 // Features, matches and model, from the cache as far as it has them.
 ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage) {
   const ColmapProgram colmap = FindColmap(stage.folder() / "log.txt");
@@ -170,30 +297,24 @@ ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photo
   stage.Seconds("matching", timer.seconds());
 
   timer = {};
-  const fs::path finished =
-      cache / fmt::format("mapped-{}-{}", Name(options.matcher), options.seed);
-  if (!fs::exists(finished)) {
-    const fs::path models = scratch / "models";
-    fs::remove_all(models);
-    fs::create_directories(models);
-    const std::vector<fs::path> folders =
-        MapScene(colmap, linked.folder, database, photos.size(), options.seed, models);
-    if (folders.empty()) {
-      throw DataError(
-          fmt::format("COLMAP found no model: the {} photos do not overlap enough, or were taken "
-                      "from almost one "
-                      "place; take photos of one scene from many places, each sharing most of what "
-                      "it shows with "
-                      "the next",
-                      photos.size()));
-    }
-    ColmapModel best;
-    const fs::path chosen = ModelWithMostImages(folders, best);
-    stage.Count("models", folders.size());
-    fs::rename(chosen, finished);
-  }
+  const std::string model_name = fmt::format("mapped-{}-{}", Name(options.matcher), options.seed);
+  Mapping mapping = Map(colmap, linked.folder, database, photos.size(), options.seed, scratch,
+                        cache / model_name);
+  if (mapping.models > 0) stage.Count("models", mapping.models);
   stage.Seconds("mapping", timer.seconds());
-  ColmapModel model = ReadColmapModel(finished);
+  ColmapModel& model = mapping.model;
+  if (options.retries > 0 && model.images.size() < photos.size()) {
+    timer = {};
+    Retry({options, colmap, linked, extract, scratch, cache}, database, model_name, model, stage);
+    stage.Seconds("retries", timer.seconds());
+  }
+  if (model.images.empty()) {
+    throw DataError(fmt::format(
+        "COLMAP found no model: the {} photos do not overlap enough, or were taken from "
+        "almost one place; take photos of one scene from many places, each sharing most "
+        "of what it shows with the next",
+        photos.size()));
+  }
   Rename(model, linked, photos);
   return model;
 }
@@ -318,8 +439,8 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
   Scene scene = SceneFromModel(model, folder, options);
   if (options.train_every > 1) {
     const size_t dropped = ThinTrainingViews(model, options.train_every, scene);
-    LogInfo("{} views are neither trained on nor held out and left out; {} points are left", dropped,
-            WithThousands(scene.points.size()));
+    LogInfo("{} views are neither trained on nor held out and left out; {} points are left",
+            dropped, WithThousands(scene.points.size()));
     stage.Count("dropped_views", dropped);
   }
   const Subject subject = FindSubject(scene);

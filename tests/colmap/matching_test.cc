@@ -244,6 +244,51 @@ TEST(ColmapDatabase, TheCoarsestFeaturesAreKeptInTheirOrder) {
   EXPECT_EQ(database.ReadCoarsestDescriptors(1, 2)[0], 1);
 }
 
+// Sets image 1's features: x and the descriptor's first byte are each feature's number.
+void SetFeatures(const std::filesystem::path& path, const std::vector<int>& numbers) {
+  std::string keypoints, descriptors;
+  for (const int number : numbers) {
+    for (const float value : {float(number), 0.0f}) {
+      for (int byte = 0; byte < 4; ++byte) {
+        keypoints += fmt::format("{:02x}", std::bit_cast<uint32_t>(value) >> (8 * byte) & 255);
+      }
+    }
+    descriptors += fmt::format("{:02x}{:0254}", number, 0);
+  }
+  NumberOf(path, fmt::format("UPDATE keypoints SET rows = {0}, cols = 2, data = X'{1}' WHERE "
+                             "image_id = 1; UPDATE descriptors SET rows = {0}, data = X'{2}' WHERE "
+                             "image_id = 1;",
+                             numbers.size(), keypoints, descriptors));
+}
+
+TEST(ColmapDatabase, FinerFeaturesAreAddedBehindThoseThatMatchesReferTo) {
+  const ScratchFolder folder;
+  MakeDatabase(folder / "a.db", {"0/a", "0/b"});
+  MakeDatabase(folder / "rich.db", {"0/a"});
+  SetFeatures(folder / "a.db", {5, 3});
+  SetFeatures(folder / "rich.db", {3, 8, 5, 9});
+  ColmapDatabase database(folder / "a.db");
+  EXPECT_EQ(database.AppendFiner(ColmapDatabase(folder / "rich.db")), 2u);
+  const Descriptors all = database.ReadDescriptors(1);
+  ASSERT_EQ(all.size(), 4 * kDescriptorBytes);
+  const uint8_t expected[] = {5, 3, 8, 9};
+  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(all[i * kDescriptorBytes], expected[i]);
+  EXPECT_EQ(NumberOf(folder / "a.db", "SELECT rows * length(data) FROM keypoints WHERE image_id=1"),
+            4 * 4 * 8);
+  EXPECT_EQ(database.ReadDescriptors(2).size(), kDescriptorBytes);  // is not in the other
+}
+
+TEST(ColmapDatabase, ForgottenPairsCanBeMatchedAgain) {
+  const ScratchFolder folder;
+  MakeDatabase(folder / "a.db", {"0/a", "0/b", "0/c"});
+  ColmapDatabase database(folder / "a.db");
+  database.WriteMatches({{{1, 2}, {{0, 0}}}, {{1, 3}, {}}});
+  EXPECT_EQ(database.MatchCounts(), (std::map<ImagePair, uint64_t>{{{1, 2}, 1}, {{1, 3}, 0}}));
+  database.ForgetPairs({{1, 2}, {2, 3}});
+  EXPECT_EQ(database.MatchedPairs(), (std::set<ImagePair>{{1, 3}}));
+  database.WriteMatches({{{1, 2}, {}}});
+}
+
 TEST(ColmapDatabase, AppendedPartsAreOneDatabaseWhateverTheParts) {
   const ScratchFolder folder;
   MakeDatabase(folder / "a.db", {"0/a", "0/c"});

@@ -6,6 +6,7 @@ full: the disk is full while features are written.  killed: the extractor dies b
 newer: good, like COLMAP 3.11, whose tables lack poses. rigs: like COLMAP 3.12, which puts images into frames.
 renamed COMMAND: like COLMAP 4.0, with other options. unknown COMMAND: like COLMAP 4.0, without the command.
 idle COMMAND: like COLMAP 4.0, and does nothing without a message.
+late: the last two images are registered only when the mapper runs for the second time. never: not even then.
 folded: like good, but the lens model folds over inside the images.
 """
 import math
@@ -117,6 +118,8 @@ def map_scene(options):
         print("WARNING: No images with matches found in the database.")
     elif MODE == "junk":
         write_model(folder, names[:2], 61)
+    elif MODE == "never" or (MODE == "late" and open(os.environ["FAKE_COLMAP_CALLS"]).read().count("mapper") < 2):
+        write_model(folder, names[:-2], 300)
     elif MODE == "half":
         write_model(folder, names[::2], 300)
     else:

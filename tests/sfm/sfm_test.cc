@@ -155,6 +155,48 @@ TEST_F(SfmTest, WhatColmapCallsSuccessIsJudged) {
   EXPECT_FALSE(fs::exists(fs::path(scene_) / "scene.json"));
 }
 
+TEST_F(SfmTest, PhotosThatStayOutAreTriedAgainWithMoreFeatures) {
+  WritePhotos(12);
+  const Outcome outcome = Run("late");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(ReadScene(scene_).views.size(), 12u);
+  EXPECT_EQ(Calls("mapper"), 2u);
+  const nlohmann::json manifest =
+      nlohmann::json::parse(ReadText(fs::path(scene_) / "manifest.json"));
+  EXPECT_EQ(manifest["counts"]["retries"], 1);
+  const nlohmann::json& retry = manifest["notes"]["retries"][0];
+  EXPECT_EQ(retry["max_features"], 8192);
+  EXPECT_EQ(retry["registered_before"], 10);
+  EXPECT_EQ(retry["registered"], 12);
+  EXPECT_EQ(retry["kept"], true);
+  // Another size takes everything from the cache.
+  ASSERT_EQ(Run("late", {}, {"--max-size", "16"}).exit_code, 0);
+  EXPECT_EQ(Calls("mapper"), 2u);
+  EXPECT_EQ(ReadScene(scene_).views.size(), 12u);
+}
+
+TEST_F(SfmTest, ATryThatRegistersNoMorePhotosChangesNothing) {
+  WritePhotos(12);
+  ASSERT_EQ(Run("never").exit_code, 0);
+  EXPECT_EQ(ReadScene(scene_).views.size(), 10u);
+  EXPECT_EQ(Calls("mapper"), 2u);
+  const nlohmann::json manifest =
+      nlohmann::json::parse(ReadText(fs::path(scene_) / "manifest.json"));
+  EXPECT_EQ(manifest["notes"]["retries"][0]["kept"], false);
+  EXPECT_EQ(manifest["notes"]["unregistered"].size(), 2u);
+}
+
+TEST_F(SfmTest, NothingIsTriedAgainIfAllAreRegisteredOrItIsSwitchedOff) {
+  WritePhotos(12);
+  ASSERT_EQ(Run("good").exit_code, 0);
+  EXPECT_EQ(Calls("mapper"), 1u);
+  SfmOptions options;
+  options.retries = 0;
+  ASSERT_EQ(Run("never", options, {"--force"}).exit_code, 0);
+  EXPECT_EQ(Calls("mapper"), 2u);
+  EXPECT_EQ(ReadScene(scene_).views.size(), 10u);
+}
+
 TEST_F(SfmTest, ALensThatFoldsOverIsNamedWithAPhotoAndAdvice) {
   WritePhotos(12);
   const Outcome outcome = Run("folded");
