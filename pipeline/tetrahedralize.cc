@@ -19,8 +19,9 @@ int main(int argc, char** argv) {
                 "Where the first vertices come from: dense (depth maps of the training photos, and "
                 "layers around their points), points (sparse points, a fill and a far "
                 "shell), carve (alpha masks), grid (the subject's bounds), tetgen (the bounds, "
-                "meshed by TetGen); auto: points if the scene has any, otherwise carve if it has "
-                "alpha, otherwise grid");
+                "meshed by TetGen); auto: for images with alpha, points if the scene has any, "
+                "otherwise carve; for others dense, or points or grid where their depths do not "
+                "agree");
   app.add_option("--seed", options.seed, "Random seed of jitter and of random vertices");
   app.add_option("--resolution", options.resolution,
                  "carve, grid, tetgen: cells along the longest side, at most 512; 0: 64, 32, 24");
@@ -42,7 +43,7 @@ int main(int argc, char** argv) {
                  "carve, grid, tetgen: first density of the subject [1 / world unit]");
   app.add_option("--dense-points", options.stereo.fusion.max_points,
                  "dense: surface points from the depth maps, at most; each adds up to three "
-                 "vertices");
+                 "vertices; 0: one per 100 pixels of the photos, 2,000 to 40,000");
   app.add_option("--depth-size", options.stereo.max_size,
                  "dense: longer side of the depth maps, at most the images' own [px]");
   app.add_option("--depth-neighbors", options.stereo.neighbors,

@@ -31,7 +31,7 @@ struct ReportContent {
   std::vector<ViewScore> scores;  // one per rendered view, in the same order
   RunFacts run;
   std::vector<PhotoExposure> exposures;  // of the training photos; empty if not estimated
-  std::optional<Scene> scene;  // nothing if the chain of manifests is broken
+  std::optional<Scene> scene;            // nothing if the chain of manifests is broken
   std::optional<SurfaceResult> surface;
   std::optional<DepthScores> depth;
   std::vector<std::string> curves_svg;  // convergence; if empty, no_curves_reason is shown

@@ -19,6 +19,11 @@
 namespace tetrec {
 namespace {
 
+// For opaque photos.
+StartKind StartWithoutDepth(const Scene& scene) {
+  return scene.points.empty() ? StartKind::kGrid : StartKind::kPoints;
+}
+
 StartKind ChooseStart(std::optional<StartKind> wanted, const Scene& scene) {
   if (wanted == StartKind::kPoints && scene.points.empty()) {
     throw UsageError("start points: the scene has no sparse points; choose carve or grid");
@@ -27,8 +32,8 @@ StartKind ChooseStart(std::optional<StartKind> wanted, const Scene& scene) {
     throw UsageError("start carve: the scene's images have no alpha; choose points or grid");
   }
   if (wanted) return *wanted;
-  if (!scene.points.empty()) return StartKind::kPoints;
-  return scene.has_alpha ? StartKind::kCarve : StartKind::kGrid;
+  if (scene.has_alpha) return scene.points.empty() ? StartKind::kCarve : StartKind::kPoints;
+  return scene.ViewsOf(Split::kTrain).size() > 1 ? StartKind::kDense : StartWithoutDepth(scene);
 }
 
 int ResolutionOr(const TetrahedralizeOptions& options, int otherwise) {
@@ -176,22 +181,44 @@ StereoResult FindAndWriteDepths(const Scene& scene, const std::vector<StereoView
   StereoResult stereo = FindDepths(scene, views, options);
   stage.Seconds("depth", timer.seconds());
   ReportStereo(stereo, stage);
-  if (stereo.fusion.points.empty()) {
-    throw DataError(
-        "no two photos show the same surface at depths that agree, so a dense start is impossible; "
-        "choose --start points, carve or grid");
-  }
   const std::filesystem::path folder = stage.Output("depth");
   std::filesystem::create_directories(folder);
-  for (const DepthMap& map : stereo.maps) WriteDepthMap(folder / DepthMapName(map.view), map);
+  for (const StereoDepth& map : stereo.maps)
+    WriteStereoDepth(folder / StereoDepthName(map.view), map);
   WriteDensePoints(folder / "points.ply", stereo.fusion.points);
   return stereo;
 }
 
-RadianceField StartDense(const Scene& scene, const TetrahedralizeOptions& options, Stage& stage) {
+// One point per kPixelsPerDensePoint of the photos, so that what is between the points is still
+// learned: no more than a third of the vertices that the photos can tell apart (16 pixels each).
+size_t DensePointsFor(const Scene& scene) {
+  constexpr uint64_t kPixelsPerDensePoint = 100, kFewest = 2'000, kMost = 40'000;
+  uint64_t pixels = 0;
+  for (const int view : scene.ViewsOf(Split::kTrain)) {
+    const Camera& camera = scene.cameras[size_t(scene.views[size_t(view)].camera)];
+    pixels += uint64_t(camera.width) * uint64_t(camera.height);
+  }
+  return size_t(std::clamp(pixels / kPixelsPerDensePoint, kFewest, kMost));
+}
+
+// None if the photos agree on too few depths and another start may take its place.
+std::optional<RadianceField> StartDense(const Scene& scene, const TetrahedralizeOptions& options,
+                                        Stage& stage) {
   const std::vector<StereoView> views =
       ReadStereoViews(stage.Input("scene"), scene, options.stereo.max_size);
-  const StereoResult stereo = FindAndWriteDepths(scene, views, options.stereo, stage);
+  StereoOptions stereo_options = options.stereo;
+  if (stereo_options.fusion.max_points == 0) {
+    stereo_options.fusion.max_points = DensePointsFor(scene);
+  }
+  const StereoResult stereo = FindAndWriteDepths(scene, views, stereo_options, stage);
+  constexpr size_t kLeastPoints = 200;
+  const size_t found = stereo.fusion.points.size();
+  if (!options.start && found < kLeastPoints) return std::nullopt;
+  if (found == 0) {
+    throw DataError(
+        "no two photos show the same surface at depths that agree, so a dense start is impossible; "
+        "choose --start points, carve or grid");
+  }
   const std::vector<SparsePoint> sparse = SparsePointsOf(scene);
   std::vector<ScenePoint> kept;
   for (const uint32_t i : FilterPoints(sparse, options.filter).kept) {
@@ -214,8 +241,13 @@ RadianceField StartDense(const Scene& scene, const TetrahedralizeOptions& option
 RadianceField MakeStart(StartKind start, const Scene& scene, const TetrahedralizeOptions& options,
                         Stage& stage) {
   switch (start) {
-    case StartKind::kDense:
-      return StartDense(scene, options, stage);
+    case StartKind::kDense: {
+      std::optional<RadianceField> dense = StartDense(scene, options, stage);
+      if (dense) return std::move(*dense);
+      const StartKind other = StartWithoutDepth(scene);
+      LogWarning("the photos agree on too few depths: starts from {} instead", Name(other));
+      return MakeStart(other, scene, options, stage);
+    }
     case StartKind::kPoints:
       return StartPhotos(scene, options, stage);
     case StartKind::kCarve:

@@ -30,23 +30,23 @@ inline constexpr auto kWords<StartKind> =
                                     {StartKind::kTetgen, "tetgen"}});
 
 struct TetrahedralizeOptions {
-  // None: kPoints if the scene has sparse points, otherwise kCarve if it has alpha, otherwise
-  // kGrid.
+  // None: with alpha kPoints if the scene has sparse points, otherwise kCarve; without alpha
+  // kDense, or kPoints, or kGrid, the first that is possible.
   std::optional<StartKind> start;
   uint64_t seed = 1;   // of jitter and random vertices
   int resolution = 0;  // cells along the longest side; 0: 64 to carve, 32 for a grid, 24 for TetGen
   PointFilter filter;  // kPoints
-  PointStartOptions shell;  // kPoints, kDense
-  StereoOptions stereo;     // kDense
-  DenseStartOptions dense;  // kDense
-  CarveStartOptions carve;  // kCarve
+  PointStartOptions shell;                            // kPoints, kDense
+  StereoOptions stereo{.fusion = {.max_points = 0}};  // kDense; 0 points: by the photos' pixels
+  DenseStartOptions dense;                            // kDense
+  CarveStartOptions carve;                            // kCarve
   InitialFieldOptions field;
 
   void Check() const;  // throws UsageError naming the option and its value
 };
 
 // Reads the scene in the stage's input "scene"; writes mesh.tet and field.tetf, and
-// with kDense depth/ (depth_map.h) and depth/points.ply.
+// with kDense depth/ (stereo_depth.h) and depth/points.ply.
 void RunTetrahedralize(const TetrahedralizeOptions& options, Stage& stage);
 
 }  // namespace tetrec

@@ -12,7 +12,7 @@ namespace {
 
 // Of the four pixels around a point of the camera frame, the depth that is closest to the point's,
 // or 0 if none has a depth.
-double ClosestDepth(const DepthMap& map, const glm::dvec3& in_cam) {
+double ClosestDepth(const StereoDepth& map, const glm::dvec3& in_cam) {
   const glm::dvec2 pixel = map.camera.ImageFromCam(in_cam) - 0.5;
   const int x0 = int(std::floor(pixel.x)), y0 = int(std::floor(pixel.y));
   double closest = 0;
@@ -26,12 +26,12 @@ double ClosestDepth(const DepthMap& map, const glm::dvec3& in_cam) {
 }
 
 struct Other {
-  const DepthMap* map;
+  const StereoDepth* map;
   Rigid3 other_from_cam;
 };
 
-DepthMap CountOne(const DepthMap& map, std::span<const Other> others, double tolerance) {
-  DepthMap counted = map;
+StereoDepth CountOne(const StereoDepth& map, std::span<const Other> others, double tolerance) {
+  StereoDepth counted = map;
   for (int y = 0; y < map.camera.height; ++y) {
     for (int x = 0; x < map.camera.width; ++x) {
       const size_t i = map.Index(x, y);
@@ -58,12 +58,12 @@ DepthMap CountOne(const DepthMap& map, std::span<const Other> others, double tol
 
 }  // namespace
 
-std::vector<DepthMap> CountAgreement(std::span<const DepthMap> maps,
-                                     std::span<const StereoView> views,
-                                     std::span<const std::vector<uint32_t>> others,
-                                     double tolerance) {
+std::vector<StereoDepth> CountAgreement(std::span<const StereoDepth> maps,
+                                        std::span<const StereoView> views,
+                                        std::span<const std::vector<uint32_t>> others,
+                                        double tolerance) {
   TETREC_CHECK(maps.size() == views.size() && maps.size() == others.size(), "a map for each view");
-  std::vector<DepthMap> counted(maps.size());
+  std::vector<StereoDepth> counted(maps.size());
   ParallelFor(maps.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const Rigid3 world_from_cam = views[i].cam_from_world.Inverse();
@@ -77,7 +77,7 @@ std::vector<DepthMap> CountAgreement(std::span<const DepthMap> maps,
   return counted;
 }
 
-uint64_t KeepAgreed(DepthMap& map, int least) {
+uint64_t KeepAgreed(StereoDepth& map, int least) {
   uint64_t kept = 0;
   for (size_t i = 0; i < map.depth.size(); ++i) {
     if (map.depth[i] > 0 && map.agreement[i] >= least) {

@@ -1,7 +1,7 @@
 // Depths that several views agree on.
 #pragma once
 
-#include "run/depth_map.h"
+#include "run/stereo_depth.h"
 #include "stereo/stereo_view.h"
 
 #include <cstdint>
@@ -14,12 +14,12 @@ namespace tetrec {
 // own depth there has an inverse that differs by at most `tolerance` of it, and moves the inverse
 // depth to the mean of those that agree. `maps` and `views` correspond. Depths are kept whatever
 // the count is.
-std::vector<DepthMap> CountAgreement(std::span<const DepthMap> maps,
-                                     std::span<const StereoView> views,
-                                     std::span<const std::vector<uint32_t>> others,
-                                     double tolerance);
+std::vector<StereoDepth> CountAgreement(std::span<const StereoDepth> maps,
+                                        std::span<const StereoView> views,
+                                        std::span<const std::vector<uint32_t>> others,
+                                        double tolerance);
 
 // Drops the depths that fewer than `least` other views confirm; returns how many are left.
-uint64_t KeepAgreed(DepthMap& map, int least);
+uint64_t KeepAgreed(StereoDepth& map, int least);
 
 }  // namespace tetrec

@@ -21,7 +21,7 @@ struct Sample {
 };
 
 // The point of a pixel, if it has a depth.
-bool PointOf(const DepthMap& map, int x, int y, glm::dvec3& in_cam) {
+bool PointOf(const StereoDepth& map, int x, int y, glm::dvec3& in_cam) {
   if (x < 0 || y < 0 || x >= map.camera.width || y >= map.camera.height) return false;
   const double depth = map.depth[map.Index(x, y)];
   in_cam = depth * map.camera.CamFromImage({x + 0.5, y + 0.5});
@@ -29,7 +29,7 @@ bool PointOf(const DepthMap& map, int x, int y, glm::dvec3& in_cam) {
 }
 
 // From the points of the pixels around, if they are on one surface; otherwise towards the camera.
-glm::dvec3 NormalInCam(const DepthMap& map, int x, int y, const glm::dvec3& in_cam) {
+glm::dvec3 NormalInCam(const StereoDepth& map, int x, int y, const glm::dvec3& in_cam) {
   const glm::dvec3 towards_camera = -glm::normalize(in_cam);
   glm::dvec3 left, right, up, down;
   if (!PointOf(map, x - 1, y, left) || !PointOf(map, x + 1, y, right) ||
@@ -47,7 +47,7 @@ glm::dvec3 NormalInCam(const DepthMap& map, int x, int y, const glm::dvec3& in_c
   return glm::dot(normal, towards_camera) < 0 ? -normal / length : normal / length;
 }
 
-std::vector<Sample> SamplesOf(const DepthMap& map, const StereoView& view, uint32_t index) {
+std::vector<Sample> SamplesOf(const StereoDepth& map, const StereoView& view, uint32_t index) {
   std::vector<Sample> samples;
   const Rigid3 world_from_cam = view.cam_from_world.Inverse();
   for (int y = 0; y < map.camera.height; ++y) {
@@ -145,7 +145,7 @@ DensePoint MeanOf(std::span<const Sample> samples, std::span<const CellSample> c
 
 enum class Verdict { kNone, kSees, kSeesThrough };
 
-Verdict Judge(const DensePoint& point, const DepthMap& map, const StereoView& view,
+Verdict Judge(const DensePoint& point, const StereoDepth& map, const StereoView& view,
               double see_through) {
   const glm::dvec3 in_cam = view.cam_from_world * point.position;
   if (!map.camera.Shows(in_cam)) return Verdict::kNone;
@@ -157,8 +157,8 @@ Verdict Judge(const DensePoint& point, const DepthMap& map, const StereoView& vi
 }
 
 // Fills in the views that see the point; false if as many see through it.
-bool FindViews(DensePoint& point, std::span<const DepthMap> maps, std::span<const StereoView> views,
-               double see_through) {
+bool FindViews(DensePoint& point, std::span<const StereoDepth> maps,
+               std::span<const StereoView> views, double see_through) {
   size_t contradicting = 0;
   for (size_t i = 0; i < maps.size(); ++i) {
     const Verdict verdict = Judge(point, maps[i], views[i], see_through);
@@ -177,7 +177,7 @@ PlyProperty Property(const char* name, PlyType type) {
 
 }  // namespace
 
-Fusion FuseDepths(std::span<const DepthMap> maps, std::span<const StereoView> views,
+Fusion FuseDepths(std::span<const StereoDepth> maps, std::span<const StereoView> views,
                   const FusionOptions& options) {
   TETREC_CHECK(maps.size() == views.size(), "a map for each view");
   TETREC_CHECK(options.max_points > 0, "points to fuse");

@@ -1,7 +1,7 @@
 // One cloud of points from the depth maps of all views.
 #pragma once
 
-#include "run/depth_map.h"
+#include "run/stereo_depth.h"
 #include "stereo/stereo_view.h"
 
 #include <array>
@@ -21,7 +21,7 @@ struct DensePoint {
 };
 
 struct FusionOptions {
-  size_t max_points = 12'000;  // the spacing follows from it
+  size_t max_points = 12'000;  // above 0; the spacing follows from it
   double see_through = 0.03;   // a depth this much (relative) behind a point contradicts it
 };
 
@@ -34,7 +34,7 @@ struct Fusion {
 
 // Averages the depths' points in cells whose side is proportional to the footprint of a pixel
 // there. `maps` and `views` correspond.
-Fusion FuseDepths(std::span<const DepthMap> maps, std::span<const StereoView> views,
+Fusion FuseDepths(std::span<const StereoDepth> maps, std::span<const StereoView> views,
                   const FusionOptions& options);
 
 // x y z, nx ny nz, red green blue, views (how many see the point).

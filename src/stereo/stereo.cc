@@ -23,9 +23,9 @@ std::vector<std::vector<uint32_t>> FirstOf(std::span<const std::vector<uint32_t>
 }
 
 // An empty map if the view cannot be matched.
-DepthMap MatchView(const StereoView& view, std::span<const StereoView* const> neighbors,
-                   const DepthRange& range, const StereoOptions& options) {
-  DepthMap map = MakeDepthMap(view.view, view.camera);
+StereoDepth MatchView(const StereoView& view, std::span<const StereoView* const> neighbors,
+                      const DepthRange& range, const StereoOptions& options) {
+  StereoDepth map = MakeStereoDepth(view.view, view.camera);
   if (neighbors.empty() || range.IsEmpty()) return map;
   const SweepPlanes planes =
       ChoosePlanes(view, neighbors, range, options.plane_step_px, options.max_planes);
@@ -40,7 +40,7 @@ DepthMap MatchView(const StereoView& view, std::span<const StereoView* const> ne
   return map;
 }
 
-uint64_t CountDepths(const DepthMap& map) {
+uint64_t CountDepths(const StereoDepth& map) {
   return uint64_t(
       std::count_if(map.depth.begin(), map.depth.end(), [](float depth) { return depth > 0; }));
 }
@@ -57,7 +57,7 @@ void StereoOptions::Check() const {
   CheckRange("max_planes", max_planes, 2, 1024);
   CheckRange("window_radius", window_radius, 1, 10);
   CheckRange("max_cost", max_cost, 0.0, 1.0);
-  CheckRange<uint64_t>("dense_points", fusion.max_points, 100, 10'000'000);
+  CheckRange<uint64_t>("dense_points", fusion.max_points, 0, 10'000'000);
 }
 
 StereoResult FindDepths(const Scene& scene, std::span<const StereoView> views,
@@ -67,7 +67,7 @@ StereoResult FindDepths(const Scene& scene, std::span<const StereoView> views,
       views, points, size_t(std::max(options.checked_neighbors, options.neighbors)));
   const std::vector<std::vector<uint32_t>> matched = FirstOf(checked, size_t(options.neighbors));
 
-  std::vector<DepthMap> maps(views.size());
+  std::vector<StereoDepth> maps(views.size());
   ParallelForEach(views.size(), "depth maps", "nothing of this stage is kept", [&](size_t i) {
     std::vector<const StereoView*> neighbors;
     for (const uint32_t j : matched[i]) neighbors.push_back(&views[j]);
@@ -75,7 +75,7 @@ StereoResult FindDepths(const Scene& scene, std::span<const StereoView> views,
   });
 
   StereoResult result;
-  for (const DepthMap& map : maps) {
+  for (const StereoDepth& map : maps) {
     const uint64_t depths = CountDepths(map);
     result.pixels += map.depth.size();
     result.matched += depths;
@@ -84,7 +84,7 @@ StereoResult FindDepths(const Scene& scene, std::span<const StereoView> views,
   result.maps = CountAgreement(maps, views, checked, options.tolerance);
   // Where there are fewer views, all of them must agree.
   const int least = std::min(options.agreeing, std::max(1, int(views.size()) - 1));
-  for (DepthMap& map : result.maps) result.confirmed += KeepAgreed(map, least);
+  for (StereoDepth& map : result.maps) result.confirmed += KeepAgreed(map, least);
   result.fusion = FuseDepths(result.maps, views, options.fusion);
   return result;
 }

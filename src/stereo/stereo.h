@@ -1,7 +1,7 @@
 // Depth maps and a dense cloud of points from the training photos of a scene.
 #pragma once
 
-#include "run/depth_map.h"
+#include "run/stereo_depth.h"
 #include "scene/scene.h"
 #include "stereo/fusion.h"
 #include "stereo/semi_global.h"
@@ -30,10 +30,10 @@ struct StereoOptions {
 };
 
 struct StereoResult {
-  std::vector<DepthMap> maps;  // one per training view; only depths that others confirm
-  Fusion fusion;               // DensePoint::views index `maps`
-  uint64_t pixels = 0;         // of all maps
-  uint64_t matched = 0;        // depths before other views were asked
+  std::vector<StereoDepth> maps;  // one per training view; only depths that others confirm
+  Fusion fusion;                  // DensePoint::views index `maps`
+  uint64_t pixels = 0;            // of all maps
+  uint64_t matched = 0;           // depths before other views were asked
   uint64_t confirmed = 0;
   uint64_t views_without = 0;  // views that share too little with others to be matched
 };

@@ -12,7 +12,7 @@ const Camera kCamera{40, 30, 50, 50, 20, 15};
 // Cameras around (0, 0, 3) that look at the plane z = 0, and their true depths.
 struct PlaneScene {
   std::vector<StereoView> views;
-  std::vector<DepthMap> maps;
+  std::vector<StereoDepth> maps;
   std::vector<std::vector<uint32_t>> others;
 };
 
@@ -25,7 +25,7 @@ PlaneScene MakePlaneScene(uint32_t count) {
     view.cam_from_world =
         CamLookingAt({0.3 * i, 0.1 * i, 3}, {0.05 * i, 0, 0}, glm::dvec3(0, 1, 0));
     const Rigid3 world_from_cam = view.cam_from_world.Inverse();
-    DepthMap map = MakeDepthMap(i, kCamera);
+    StereoDepth map = MakeStereoDepth(i, kCamera);
     for (int y = 0; y < kCamera.height; ++y) {
       for (int x = 0; x < kCamera.width; ++x) {
         const glm::dvec3 ray = world_from_cam.rotation * kCamera.CamFromImage({x + 0.5, y + 0.5});
@@ -57,7 +57,7 @@ TEST(CountAgreement, LeavesAWrongMapAlone) {
   const auto counted = CountAgreement(scene.maps, scene.views, scene.others, 0.02);
   for (const uint8_t agreement : counted[2].agreement) EXPECT_EQ(agreement, 0);
   EXPECT_EQ(counted[1].agreement[counted[1].Index(20, 15)], 2) << "the other two";
-  DepthMap wrong = counted[2], right = counted[1];
+  StereoDepth wrong = counted[2], right = counted[1];
   EXPECT_EQ(KeepAgreed(wrong, 2), 0u);
   EXPECT_GT(KeepAgreed(right, 2), 600u);
 }

@@ -1,5 +1,5 @@
 // Writes, reads and checks depth maps.
-#include "run/depth_map.h"
+#include "run/stereo_depth.h"
 
 #include "core/error.h"
 #include "core/file.h"
@@ -27,7 +27,7 @@ void CheckCamera(const Camera& camera, const std::string& name) {
                               camera.width, camera.height, camera.fx, camera.fy));
 }
 
-void CheckPixels(const DepthMap& map, const std::string& name) {
+void CheckPixels(const StereoDepth& map, const std::string& name) {
   const size_t pixels = size_t(map.camera.width) * size_t(map.camera.height);
   if (map.depth.size() != pixels || map.agreement.size() != pixels) {
     throw DataError(fmt::format("{}: {} depths and {} counts for {} pixels", name, map.depth.size(),
@@ -46,12 +46,12 @@ void CheckPixels(const DepthMap& map, const std::string& name) {
 
 }  // namespace
 
-DepthMap MakeDepthMap(uint32_t view, const Camera& camera) {
+StereoDepth MakeStereoDepth(uint32_t view, const Camera& camera) {
   const size_t pixels = size_t(camera.width) * size_t(camera.height);
   return {view, camera, std::vector<float>(pixels, 0.0f), std::vector<uint8_t>(pixels, 0)};
 }
 
-void WriteDepthMap(const std::filesystem::path& path, const DepthMap& map) {
+void WriteStereoDepth(const std::filesystem::path& path, const StereoDepth& map) {
   CheckCamera(map.camera, path.string());
   CheckPixels(map, path.string());
   const Camera& camera = map.camera;
@@ -66,18 +66,18 @@ void WriteDepthMap(const std::filesystem::path& path, const DepthMap& map) {
   file.Finish();
 }
 
-DepthMap ReadDepthMap(const std::filesystem::path& path) {
-  return ParseDepthMap(ReadBytes(path), path.string());
+StereoDepth ReadStereoDepth(const std::filesystem::path& path) {
+  return ParseStereoDepth(ReadBytes(path), path.string());
 }
 
-DepthMap ParseDepthMap(std::span<const uint8_t> bytes, const std::string& name) {
+StereoDepth ParseStereoDepth(std::span<const uint8_t> bytes, const std::string& name) {
   ByteReader reader(bytes, name);
   char magic[8];
   reader.Copy(magic, 8, "the format's name");
   if (std::memcmp(magic, kMagic, 8) != 0) {
     throw DataError(fmt::format("{}: not a depth map of version 1", name));
   }
-  DepthMap map;
+  StereoDepth map;
   map.view = reader.Read<uint32_t>("the view");
   const uint32_t width = reader.Read<uint32_t>("the width");
   const uint32_t height = reader.Read<uint32_t>("the height");
@@ -99,6 +99,6 @@ DepthMap ParseDepthMap(std::span<const uint8_t> bytes, const std::string& name) 
   return map;
 }
 
-std::string DepthMapName(uint32_t view) { return fmt::format("{:04}.depth", view); }
+std::string StereoDepthName(uint32_t view) { return fmt::format("{:04}.depth", view); }
 
 }  // namespace tetrec

@@ -15,7 +15,7 @@
 
 namespace tetrec {
 
-struct DepthMap {
+struct StereoDepth {
   uint32_t view = 0;               // index into Scene::views
   Camera camera;                   // of the map, whose resolution may differ from the image's
   std::vector<float> depth;        // height x width: z in the camera frame [world units]; 0: none
@@ -25,15 +25,15 @@ struct DepthMap {
 };
 
 // A map without depths.
-DepthMap MakeDepthMap(uint32_t view, const Camera& camera);
+StereoDepth MakeStereoDepth(uint32_t view, const Camera& camera);
 
 // Throw DataError naming the file and what is wrong: sizes that do not fit the file, a camera that
 // is none, a depth that is negative or not finite, agreement without depth.
-void WriteDepthMap(const std::filesystem::path& path, const DepthMap& map);
-DepthMap ReadDepthMap(const std::filesystem::path& path);
-DepthMap ParseDepthMap(std::span<const uint8_t> bytes, const std::string& name);
+void WriteStereoDepth(const std::filesystem::path& path, const StereoDepth& map);
+StereoDepth ReadStereoDepth(const std::filesystem::path& path);
+StereoDepth ParseStereoDepth(std::span<const uint8_t> bytes, const std::string& name);
 
 // The file of a view below the folder of the depth maps: "0007.depth".
-std::string DepthMapName(uint32_t view);
+std::string StereoDepthName(uint32_t view);
 
 }  // namespace tetrec
