@@ -1,5 +1,6 @@
 // Depth: where a ray has lost half of its light.
 #include "render/reference/render_picture.h"
+#include "render/reference_loss.h"
 #include "render/scenes.h"
 
 #include <gtest/gtest.h>
@@ -17,6 +18,7 @@ INSTANTIATE_TEST_SUITE_P(, RenderDepthTest, kEveryRenderer, RendererName);
 double EntryDistance(const glm::dvec3& eye, const glm::dvec3& direction) {
   double begin = 0;
   for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0) continue;
     const double face = direction[axis] > 0 ? kBoxMin[axis] : kBoxMax[axis];
     begin = std::max(begin, (face - eye[axis]) / direction[axis]);
   }
