@@ -25,6 +25,7 @@ libglm-dev                  geometry: vectors and matrices
 libopencv-core-dev          image, eval: images
 libopencv-imgproc-dev       image, eval: images
 libopencv-imgcodecs-dev     image, eval: image files
+libboost-dev                start: minimum cuts
 libcgal-dev                 mesh: Delaunay tetrahedralization
 libopenmesh-dev             surface: clean-up
 libnanoflann-dev            eval: nearest points

@@ -14,7 +14,7 @@
 namespace tetrec {
 
 struct StereoOptions {
-  int max_size = 480;          // longer side of the depth maps [px], at most the images' own
+  int max_size = 400;          // longer side of the depth maps [px], at most the images' own
   int neighbors = 4;           // views that a view is matched with
   int checked_neighbors = 10;  // views that may confirm its depths
   int agreeing = 2;            // views that must confirm a depth

@@ -14,9 +14,10 @@ namespace {
 SyntheticScene SomeScene(SyntheticKind kind, int points) {
   SyntheticOptions options;
   options.kind = kind;
-  options.train_views = 20;
+  options.train_views = 60;
   options.validation_views = options.test_views = 0;
-  options.width = options.height = 80;
+  options.width = options.height = 96;
+  options.rays_per_side = 2;
   options.points = points;
   return MakeSyntheticScene(options);
 }
@@ -91,8 +92,8 @@ TEST(ChooseNeighbors, PrefersViewsAtAUsefulAngle) {
     ASSERT_EQ(neighbors[i].size(), 3u);
     for (const uint32_t j : neighbors[i]) {
       ASSERT_NE(size_t(j), i);
-      // Twenty cameras on half a sphere of radius 3: those beside each other are nearer than 2.5.
-      EXPECT_LT(glm::distance(center, views[j].cam_from_world.Inverse().translation), 2.5);
+      // Cameras on a sphere of radius 3 around the ball, but what they see is the room behind it.
+      EXPECT_LT(glm::distance(center, views[j].cam_from_world.Inverse().translation), 3);
     }
   }
 }
