@@ -224,7 +224,7 @@ def volume_seeds():
     yield "detached.mhd", b"\3" + meta + b"HeaderSize = -1\nElementDataFile = data.raw\n"
 
 
-def depth_map_bytes():
+def stereo_depth_bytes():
     """2 x 1 pixels, the second without a depth."""
     return (b"TETRECD1" + struct.pack("<3I4d", 3, 2, 1, 2.5, 2.5, 1, 0.5)
             + struct.pack("<2f2B", 1.5, 0, 2, 0))
@@ -244,7 +244,7 @@ def transfer_function_seeds():
 SEEDS = {
     "ply": ply_seeds,
     "tet_mesh": lambda: [("two_tets.tet", tet_mesh_bytes())],
-    "depth_map": lambda: [("two_pixels.depth", depth_map_bytes())],
+    "stereo_depth": lambda: [("two_pixels.depth", stereo_depth_bytes())],
     "field": lambda: [("two_tets.tetf", field_bytes()), ("two_cells.tetf", cell_field_bytes()),
                       ("extra.tetf", extra_field_bytes(0, 5)),
                       ("extra_cells.tetf", extra_field_bytes(1, 2))],
