@@ -59,7 +59,7 @@ void CheckOptions(const CLI::App& app, const std::function<void()>& check) {
   try {
     check();
   } catch (const UsageError& error) {
-    static const std::regex kName("^[a-z_0-9]+(?=[ :])|'([a-z_0-9]+)'");
+    static const std::regex kName("^[-a-z_0-9]+(?=[ :])|'([a-z_0-9]+)'");
     const std::string message = error.what();
     std::string translated;
     auto rest = message.cbegin();

@@ -2,6 +2,7 @@
 #include "start/dense_start.h"
 
 #include "core/error.h"
+#include "core/quantile.h"
 #include "mesh/delaunay.h"
 #include "start/free_space.h"
 
@@ -144,6 +145,28 @@ double OpticalDepth(VertexKind kind, const Source* source, const Surroundings& a
   TETREC_CHECK(false, "a vertex of unknown layer");
 }
 
+bool IsDeepInside(const Surroundings& around) {
+  return around.full == around.tets && around.crossed == 0;
+}
+
+// No photo sees the inside of the subject, so nothing would ever fill it: the surface would have a
+// back. It starts as dense as the layer behind the surface.
+void FillSubject(RadianceField& field, std::span<const Source* const> sources,
+                 std::span<const Surroundings> around, const Bounds3& subject) {
+  std::vector<double> behind;
+  for (size_t v = 0; v < sources.size(); ++v) {
+    const bool is_behind = sources[v] != nullptr && sources[v]->layer == Layer::kBehind;
+    if (is_behind && around[v].full > 0) behind.push_back(field.density[v]);
+  }
+  if (behind.empty()) return;
+  const float density = float(Quantile(std::move(behind), 0.5));
+  for (size_t v = 0; v < sources.size(); ++v) {
+    if (IsDeepInside(around[v]) && subject.Contains(glm::dvec3(field.mesh.positions[v]))) {
+      field.density[v] = std::max(field.density[v], density);
+    }
+  }
+}
+
 }  // namespace
 
 DenseStart StartFromDense(std::span<const DensePoint> points, std::span<const ScenePoint> sparse,
@@ -201,6 +224,7 @@ DenseStart StartFromDense(std::span<const DensePoint> points, std::span<const Sc
     result.free_points += is_point && around[v].full == 0 ? 1 : 0;
   }
   result.field = MakeFieldByDepth(std::move(delaunay.mesh), optical_depths, colors);
+  FillSubject(result.field, sources, around, subject);
   return result;
 }
 
