@@ -15,8 +15,12 @@ int main(int argc, char** argv) {
   command.InputStage("field", "Folder that tetrec-optimize wrote", {"optimize"});
   CLI::App& app = command.app();
   app.add_option("--isovalue", options.isovalue,
-                 "Density of the surface [1 / world unit]; 0: a tenth of the typical density where "
-                 "a ray from a camera has lost half of its light");
+                 "Density of the surface [1 / world unit]; 0: a fiftieth of the typical density "
+                 "where a ray from a camera has lost half of its light");
+  app.add_option(
+      "--smoothing", options.smoothing,
+      "Rounds in which each vertex is averaged with its neighbours before the surface is "
+      "extracted, 0 to 100");
   AddWordOption(app, "--bounds", options.bounds, "Extract the subject only, or the whole volume");
   app.add_option("--margin", options.margin,
                  "Margin around the subject's bounds, in shares of their sides, 0 to 10");

@@ -12,6 +12,7 @@
 #include "run/field_world.h"
 #include "surface/level.h"
 #include "surface/marching_tetrahedra.h"
+#include "surface/occupancy.h"
 
 #include <fmt/format.h>
 
@@ -20,7 +21,7 @@ namespace {
 
 // Rays lose half of their light inside a wall. The wall begins where density has risen to this
 // share of its value there; free space has far less.
-constexpr double kWallBegins = 0.1;
+constexpr double kWallBegins = 0.02;
 
 float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
                      const SurfaceOptions& options, Stage& stage) {
@@ -32,10 +33,10 @@ float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
       field, world.subject_bounds, world.cameras_in_world, options.rays, options.seed);
   const double isovalue = kWallBegins * level.isovalue;
   LogInfo(
-      "isovalue: {:.4g} per world unit, a tenth of the density where {} of {} rays have lost half "
-      "of "
+      "isovalue: {:.4g} per world unit, {} of the density where {} of {} rays have lost half of "
       "their light ({} lost)",
-      isovalue, WithThousands(level.opaque_rays), WithThousands(level.rays), level.lost_rays);
+      isovalue, kWallBegins, WithThousands(level.opaque_rays), WithThousands(level.rays),
+      level.lost_rays);
   stage.Count("isovalue_rays",
               {{"cast", level.rays}, {"opaque", level.opaque_rays}, {"lost", level.lost_rays}});
   return float(isovalue);
@@ -72,6 +73,7 @@ void Report(const TriangleMesh& mesh, Stage& stage) {
 
 void SurfaceOptions::Check() const {
   CheckAtLeast("isovalue", isovalue, 0.0);
+  CheckRange("smoothing", smoothing, 0, 100);
   CheckRange("margin", margin, 0.0, 10.0);
   CheckRange("min_component_share", clean.min_component_share, 0.0, 1.0);
   CheckRange("rays", rays, 100, 100'000'000);
@@ -85,7 +87,9 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
   const Timer timer;
   const float isovalue = ChooseIsovalue(field, world, options, stage);
   stage.Note("isovalue", isovalue);
-  LevelSet set = MarchTetrahedra(field.mesh, field.density, isovalue);
+  LevelSet set = MarchTetrahedra(
+      field.mesh, SmoothedOccupancy(field.mesh, field.density, isovalue, options.smoothing),
+      kSurfaceOccupancy);
   LogInfo("level set: {} triangles", WithThousands(set.triangles.size()));
   if (options.bounds == SurfaceBounds::kSubject) {
     set = CropTo(set, world.subject_bounds.Scaled(1 + 2 * options.margin));

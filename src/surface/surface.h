@@ -18,9 +18,10 @@ inline constexpr auto kWords<SurfaceBounds> = std::to_array<Word<SurfaceBounds>>
     {{SurfaceBounds::kSubject, "subject"}, {SurfaceBounds::kAll, "all"}});
 
 struct SurfaceOptions {
-  // Density of the surface [1 / world unit]; 0: a tenth of the typical density where a ray from a
-  // camera has lost half of its light (FindHalfTransmittanceLevel).
+  // Density of the surface [1 / world unit]; 0: a fiftieth of the typical density where a ray
+  // from a camera has lost half of its light (FindHalfTransmittanceLevel).
   double isovalue = 0;
+  int smoothing = 4;  // rounds of SmoothedOccupancy
   SurfaceBounds bounds = SurfaceBounds::kSubject;
   double margin = 0.05;  // around the subject's bounds, in shares of their sides
   CleanOptions clean;
