@@ -6,7 +6,7 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "surface", 1,
+      "surface", 2,
       "Extracts the surface of a field: writes surface.ply and surface.obj, with vertex colours, "
       "in\n"
       "the input's own coordinates.\n"

@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "tetrahedralize", 1,
+      "tetrahedralize", 2,
       "Fills a scene with tetrahedra: writes the mesh (mesh.tet), and the first density and colour "
       "of\n"
       "its vertices (field.tetf).\n"
