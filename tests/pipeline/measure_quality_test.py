@@ -35,12 +35,14 @@ class MeasureQualityTest(StageCase):
         self.assertIn("lego: skipped: ", text)
         self.assertIn("--rays 512", text)
 
-        quality["scenes"][0]["psnr"] += 1
+        psnr = demo["psnr"]
+        demo["psnr"] = psnr + 1
         after = self.folder / "after.json"
         after.write_text(json.dumps(quality))
         compared = self.measure("--compare", out / "quality.json", after)
         self.assertEqual(compared.returncode, 0, compared.stderr)
-        self.assertIn(f"{demo['psnr']:.2f} → {demo['psnr'] + 1:.2f}", compared.stdout)
+        self.assertIn(f"| {psnr:.2f} → {psnr + 1:.2f} |", compared.stdout)
+        self.assertNotIn("Measured only once", compared.stdout)  # lego was not measured at all
 
     def test_a_failing_stage_is_named_and_counts_as_a_failure(self):
         result = self.measure("--out", self.folder / "quality", "--bin", BIN, "--scenes", "demo-nerf",
