@@ -10,9 +10,9 @@ namespace {
 // Before this progress the picture is a blur, whose colours say little about single photos.
 constexpr double kFirstProgress = 0.03;
 constexpr uint64_t kFitInterval = 16;  // steps
-// Of older sums, per fit: about the last 100 steps count.
+// The share of the older sums that each fit keeps: about the last 100 steps count.
 constexpr double kKeptSums = 0.85;
-// Of the way to the fitted exposures, per fit.
+// The share of the way to the fitted exposures that each fit goes.
 constexpr double kDamping = 0.25;
 // Bounds of a fitted gain.
 constexpr double kLeastGain = 0.2, kLargestGain = 5;

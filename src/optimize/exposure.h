@@ -50,7 +50,7 @@ class ExposureEstimate {
   explicit ExposureEstimate(ExposureState state) : state_(std::move(state)) {}
 
   bool is_on() const { return !state_.exposures.empty(); }
-  // Whether the step after `iteration` others should gather sums; `progress` of the run.
+  // True if a step at this progress of the run should gather sums.
   bool Gathers(double progress) const;
   // After the step that made `iteration` steps: takes the sums and gives new exposures if it is
   // time for it. The result depends on the steps and their number alone.
