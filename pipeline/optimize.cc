@@ -62,6 +62,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   tetrec::AddWordOption(app, "--exposure", options.exposure,
                         "Estimation of exposure and white balance of each photo: auto (for photos "
                         "without alpha), on or off");
+  tetrec::AddWordOption(app, "--poses", options.poses,
+                        "Small corrections of the training cameras, kept if the judging pictures "
+                        "gain by them: auto (where cameras were estimated from photos), on or off");
   app.add_option("--rounds", options.schedule.rounds, "Refinements of the mesh")
       ->check(CLI::Range(0, 100));
   app.add_option("--last-round", options.schedule.last_round,
@@ -91,7 +94,7 @@ int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   Words words;
   tetrec::StageCommand command(
-      "optimize", 2,
+      "optimize", 3,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

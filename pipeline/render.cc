@@ -1,5 +1,6 @@
 // tetrec-render: images of a finished field, with the ground truth beside them.
 #include "command/stage_command.h"
+#include "command/word_option.h"
 #include "core/stage.h"
 #include "render/render_views.h"
 #include "renderer_options.h"
@@ -7,7 +8,7 @@
 int main(int argc, char** argv) {
   tetrec::RenderViewsOptions options;
   tetrec::StageCommand command(
-      "render", 2,
+      "render", 3,
       "Renders views of a fitted field: writes images and depth maps with the ground truth beside "
       "them, and views.json.\n"
       "Example: tetrec-render RUN/3_field -o RUN/4_views");
@@ -20,6 +21,10 @@ int main(int argc, char** argv) {
   app.add_option("--background", options.background,
                  "Background of images with alpha: scene (as imported), white or black")
       ->check(CLI::IsMember({"scene", "white", "black"}));
+  tetrec::AddWordOption(app, "--refine-cameras", options.refine_cameras,
+                        "Also render each view from a camera whose pose is fitted to the true "
+                        "image, as a second number: auto (if the training cameras were corrected), "
+                        "on or off");
   AddRendererOptions(command, options.renderer);
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunRenderViews(options, stage); },

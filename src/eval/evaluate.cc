@@ -17,6 +17,7 @@
 #include "eval/quality_warnings.h"
 #include "eval/report.h"
 #include "image/psnr.h"
+#include "run/camera_corrections.h"
 #include "run/photo_exposures.h"
 #include "run/rendered_views.h"
 #include "run/training_log.h"
@@ -42,13 +43,31 @@ Image ReadRgb(const fs::path& path) {
   return image;
 }
 
-ViewScore ScoreView(const RenderedView& view) {
-  const Image render = ReadRgb(view.render), truth = ReadRgb(view.truth);
+Image ReadRenderOf(const fs::path& path, const RenderedView& view, const Image& truth) {
+  Image render = ReadRgb(path);
   if (render.width != truth.width || render.height != truth.height) {
-    throw DataError(fmt::format("{} is {}x{} px but {} is {}x{}", view.render.string(),
-                                render.width, render.height, view.truth.string(), truth.width,
-                                truth.height));
+    throw DataError(fmt::format("{} is {}x{} px but {} is {}x{}", path.string(), render.width,
+                                render.height, view.truth.string(), truth.width, truth.height));
   }
+  return render;
+}
+
+// `seen` may be null; its view has pixels to score.
+void ScoreRefined(const RenderedView& view, const Image& truth, const Image* seen,
+                  ViewScore& score) {
+  if (!view.refined) return;
+  const Image render = ReadRenderOf(*view.refined, view, truth);
+  const double mse =
+      seen ? MaskedMeanSquaredError(render, truth, *seen).value() : MeanSquaredError(render, truth);
+  score.refined_psnr = PsnrFromMse(mse);
+  score.refined_shift_px = view.refined_shift_px;
+  if (const auto halves = ScoreHalves(render, truth, seen)) {
+    score.refined_corrected_psnr = PsnrFromMse(halves->corrected_mse);
+  }
+}
+
+ViewScore ScoreView(const RenderedView& view) {
+  const Image truth = ReadRgb(view.truth), render = ReadRenderOf(view.render, view, truth);
   ViewScore score;
   score.name = view.name;
   const Image seen = view.seen ? ReadImage(*view.seen) : Image{};
@@ -69,6 +88,7 @@ ViewScore ScoreView(const RenderedView& view) {
     score.right_half_psnr = PsnrFromMse(halves->raw_mse);
     score.corrected_psnr = PsnrFromMse(halves->corrected_mse);
   }
+  ScoreRefined(view, truth, view.seen ? &seen : nullptr, score);
   if (view.mask) {
     const auto mse = MaskedMeanSquaredError(render, truth, ReadImage(*view.mask));
     if (mse) score.foreground_psnr = PsnrFromMse(*mse);
@@ -108,6 +128,12 @@ constexpr const char* kCorrectedProtocol =
     "there; psnr_right_half judges the same pixels without correction; psnr is of whole views "
     "without correction";
 
+constexpr const char* kRefinedProtocol =
+    "six numbers of each view's pose fitted, with the field as it is, to about 4,096 pixels of the "
+    "true image (gain and offset per channel fitted beside them), then the whole view is rendered "
+    "and judged like psnr, without colour correction; "
+    "psnr_refined_cameras_color_corrected judges it like psnr_color_corrected";
+
 json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& scores) {
   json views = json::array();
   double foreground_sum = 0;
@@ -119,6 +145,9 @@ json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& s
                      {"mse", score.mse},
                      {"psnr_right_half", Finite(score.right_half_psnr)},
                      {"psnr_color_corrected", Finite(score.corrected_psnr)},
+                     {"psnr_refined_cameras", Finite(score.refined_psnr)},
+                     {"psnr_refined_cameras_color_corrected", Finite(score.refined_corrected_psnr)},
+                     {"refined_shift_px", Finite(score.refined_shift_px)},
                      {"foreground_psnr", Finite(score.foreground_psnr)}});
     identical += score.mse == 0;
     if (!score.foreground_psnr) continue;
@@ -138,6 +167,10 @@ json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& s
       {"psnr_right_half", MeanOfKnown(scores, &ViewScore::right_half_psnr)},
       {"psnr_color_corrected", MeanOfKnown(scores, &ViewScore::corrected_psnr)},
       {"psnr_color_corrected_protocol", kCorrectedProtocol},
+      {"psnr_refined_cameras", MeanOfKnown(scores, &ViewScore::refined_psnr)},
+      {"psnr_refined_cameras_color_corrected",
+       MeanOfKnown(scores, &ViewScore::refined_corrected_psnr)},
+      {"psnr_refined_cameras_protocol", kRefinedProtocol},
       {"foreground_psnr", Finite(mean_foreground)},
       {"foreground_views", foreground_count},
       {"masked_views", masked_count},
@@ -220,11 +253,22 @@ std::vector<Plot> ConvergencePlots(const std::vector<TrainingRow>& rows) {
   return {psnr, size};
 }
 
-// What the optimiser estimated of the training photos, and a warning if they differ much.
-void ReadExposures(const RunFacts& run, ReportContent& content) {
+// What the optimiser estimated of the training photos.
+void ReadEstimates(const RunFacts& run, ReportContent& content) {
   const StageFacts* optimize = run.Find("optimize");
-  if (!optimize || !fs::exists(optimize->folder / kPhotoExposuresFile)) return;
-  content.exposures = ReadPhotoExposures(optimize->folder / kPhotoExposuresFile);
+  if (!optimize) return;
+  if (const fs::path file = optimize->folder / kPhotoExposuresFile; fs::exists(file)) {
+    content.exposures = ReadPhotoExposures(file);
+  }
+  if (const fs::path file = optimize->folder / kCameraCorrectionsFile; fs::exists(file)) {
+    content.cameras = ReadCameraCorrections(file);
+  }
+}
+
+// How many items are so; null if there are none at all, because nothing was estimated.
+template <class T, class Is>
+json CountIf(const std::vector<T>& items, Is is) {
+  return items.empty() ? json() : json(std::count_if(items.begin(), items.end(), is));
 }
 
 // The curves are optional: without gnuplot or metrics.csv the report is still written and states
@@ -332,11 +376,9 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
   metrics["surface"] = content.surface ? SurfaceJson(*content.surface, options) : json();
   metrics["depth"] = content.depth ? DepthJson(*content.depth) : json();
   DrawConvergence(content.run, stage, content);
-  ReadExposures(content.run, content);
-  metrics["uneven_photos"] =
-      content.exposures.empty()
-          ? json()
-          : json(std::count_if(content.exposures.begin(), content.exposures.end(), IsUneven));
+  ReadEstimates(content.run, content);
+  metrics["uneven_photos"] = CountIf(content.exposures, IsUneven);
+  metrics["moved_cameras"] = CountIf(content.cameras, MovedMuch);
 
   metrics["warnings"] = content.warnings;
   content.metrics = metrics;

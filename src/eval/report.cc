@@ -19,7 +19,7 @@ namespace {
 using nlohmann::json;
 
 constexpr size_t kThumbnailBytes = size_t{4} << 20;  // half of the page's 8 MiB
-constexpr size_t kMostViewRows = 1000, kMostExposureRows = 100;
+constexpr size_t kMostViewRows = 1000, kMostExposureRows = 100, kMostCameraRows = 100;
 constexpr double kNeutralDeviation = 0.01;  // of log gain and of offset
 constexpr int kLargePicture_px = 512, kThumbnail_px = 160;
 constexpr int kLargeQuality = 90, kThumbnailQuality = 80;
@@ -166,6 +166,13 @@ std::string KeyNumbers(const ReportContent& content) {
                 NumberOr(m["psnr_color_corrected"], "{:.2f} dB"),
                 "gain and offset of each channel fitted on the left half of each view");
   }
+  if (m["psnr_refined_cameras"].is_number()) {
+    rows += Row("PSNR with refined cameras", NumberOr(m["psnr_refined_cameras"], "{:.2f} dB"),
+                "each view's pose fitted to its true image, the field as it is; whole views");
+    rows += Row("PSNR of right halves, refined cameras, colours corrected",
+                NumberOr(m["psnr_refined_cameras_color_corrected"], "{:.2f} dB"),
+                "as above, and gain and offset fitted on the left half");
+  }
   if (m["foreground_psnr"].is_number()) {
     rows += Row("PSNR of the foreground", NumberOr(m["foreground_psnr"], "{:.2f} dB"),
                 "only pixels on the subject (alpha of one half or more)");
@@ -269,22 +276,34 @@ std::string OptionalDecibel(const std::optional<double>& psnr) {
   return psnr ? Decibel(*psnr) : "–";
 }
 
+std::string ViewScoreRow(const ViewScore& score, bool has_refined) {
+  std::string cells = fmt::format(
+      "<td>{}</td><td class=\"n\">{}</td><td class=\"n\">{:.3f}</td><td class=\"n\">{}</td>"
+      "<td class=\"n\">{}</td>",
+      E(score.name), Decibel(score.psnr), score.ssim, OptionalDecibel(score.right_half_psnr),
+      OptionalDecibel(score.corrected_psnr));
+  if (has_refined) {
+    cells += fmt::format(
+        "<td class=\"n\">{}</td><td class=\"n\">{}</td>", OptionalDecibel(score.refined_psnr),
+        score.refined_shift_px ? fmt::format("{:.2f} px", *score.refined_shift_px) : "–");
+  }
+  return "<tr>" + cells + "</tr>";
+}
+
 std::string ViewScores(const ReportContent& content) {
+  const bool has_refined =
+      std::any_of(content.scores.begin(), content.scores.end(),
+                  [](const ViewScore& score) { return score.refined_psnr.has_value(); });
   std::string rows;
   const size_t shown = std::min(content.scores.size(), kMostViewRows);
-  for (size_t i = 0; i < shown; ++i) {
-    const ViewScore& score = content.scores[i];
-    rows += fmt::format(
-        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{:.3f}</td><td "
-        "class=\"n\">{}</td><td class=\"n\">{}</td></tr>",
-        E(score.name), Decibel(score.psnr), score.ssim, OptionalDecibel(score.right_half_psnr),
-        OptionalDecibel(score.corrected_psnr));
-  }
+  for (size_t i = 0; i < shown; ++i) rows += ViewScoreRow(content.scores[i], has_refined);
   return "<h2>Scores of the views</h2><p class=\"note\">PSNR and SSIM judge whole views as they "
-         "are "
-         "rendered. The last two columns judge the right half only: as it is rendered, and with "
-         "the "
-         "exposure and white balance that were fitted on the left half." +
+         "are rendered. The columns of the right half judge that half only: as it is rendered, "
+         "and with the exposure and white balance that were fitted on the left half." +
+         std::string(has_refined
+                         ? " With refined cameras: the whole view again, from a camera whose pose "
+                           "was fitted to the true image, and how far that moved the picture."
+                         : "") +
          (shown < content.scores.size()
               ? fmt::format(" The first {} of {} views are listed; metrics.json has all.", shown,
                             content.scores.size())
@@ -292,8 +311,10 @@ std::string ViewScores(const ReportContent& content) {
          "</p>"
          "<div class=\"scroll\"><table><thead><tr><th>View</th><th class=\"n\">PSNR</th>"
          "<th class=\"n\">SSIM</th><th class=\"n\">Right half</th>"
-         "<th class=\"n\">Right half, corrected</th></tr></thead><tbody>" +
-         rows + "</tbody></table></div>";
+         "<th class=\"n\">Right half, corrected</th>" +
+         (has_refined ? "<th class=\"n\">With refined cameras</th><th class=\"n\">moved</th>"
+                      : "") +
+         "</tr></thead><tbody>" + rows + "</tbody></table></div>";
 }
 
 // How far the photo is from the mean exposure.
@@ -341,6 +362,34 @@ std::string Exposures(const ReportContent& content) {
          "<div class=\"scroll\"><table><thead><tr><th>Photo</th><th class=\"n\">gain red</th>"
          "<th class=\"n\">green</th><th class=\"n\">blue</th><th class=\"n\">offset red</th>"
          "<th class=\"n\">green</th><th class=\"n\">blue</th><th></th></tr></thead><tbody>" +
+         rows + "</tbody></table></div>";
+}
+
+std::string CameraRow(const CameraCorrection& camera) {
+  return fmt::format(
+      "<tr><td>{}</td><td class=\"n\">{:.2f} px</td><td class=\"n\">{:.3f}°</td>"
+      "<td class=\"n\">{:.4f}</td><td>{}</td></tr>",
+      E(camera.name), camera.shift_px, camera.rotation_deg, camera.move,
+      MovedMuch(camera) ? "moved much" : "");
+}
+
+std::string Cameras(const ReportContent& content) {
+  if (content.cameras.empty()) return "";
+  std::vector<CameraCorrection> order = content.cameras;
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.shift_px > b.shift_px; });
+  const size_t shown = std::min(order.size(), kMostCameraRows);
+  std::string rows;
+  for (size_t i = 0; i < shown; ++i) rows += CameraRow(order[i]);
+  return fmt::format(
+             "<h2>Corrected cameras</h2><p class=\"note\">The cameras of the training photos were "
+             "corrected while the field was fitted. Picture: how far the photo's picture moved, "
+             "root mean square at its median depth. Centre: in world units, of which the "
+             "subject's longest side has 2. {} of {}, those that moved most first; cameras.json "
+             "of the optimiser has all.</p>",
+             shown, Plural(order.size(), "camera")) +
+         "<div class=\"scroll\"><table><thead><tr><th>Photo</th><th class=\"n\">picture</th>"
+         "<th class=\"n\">turn</th><th class=\"n\">centre</th><th></th></tr></thead><tbody>" +
          rows + "</tbody></table></div>";
 }
 
@@ -526,8 +575,9 @@ std::string MakeReport(const ReportContent& content) {
              "<title>Tetrec report: {}</title><style>{}</style></head><body><main>",
              E(content.dataset), kReportStyle) +
          Header(content) + Cards(content) + Comparison(content) + KeyNumbers(content) +
-         ViewScores(content) + Exposures(content) + Convergence(content) + Surface(content) +
-         Thumbnails(content) + Stages(content.run) + Warnings(content) + Commands(content.run) +
+         ViewScores(content) + Exposures(content) + Cameras(content) + Convergence(content) +
+         Surface(content) + Thumbnails(content) + Stages(content.run) + Warnings(content) +
+         Commands(content.run) +
          "<footer>Written by tetrec-evaluate. Colours are display sRGB throughout.</footer>"
          "</main></body></html>\n";
 }

@@ -4,6 +4,7 @@
 #include "eval/evaluate_depth.h"
 #include "eval/evaluate_surface.h"
 #include "eval/run_facts.h"
+#include "run/camera_corrections.h"
 #include "run/photo_exposures.h"
 #include "run/rendered_views.h"
 #include "scene/scene.h"
@@ -23,6 +24,8 @@ struct ViewScore {
   // Of the right half of the view: as it is rendered, and with the colours that were fitted on the
   // left half (color_correction.h). Nothing if a half has no pixel to score.
   std::optional<double> right_half_psnr, corrected_psnr;
+  // With refined cameras (RenderedView::refined): of the whole view, and as corrected_psnr.
+  std::optional<double> refined_psnr, refined_corrected_psnr, refined_shift_px;
 };
 
 struct ReportContent {
@@ -30,8 +33,9 @@ struct ReportContent {
   RenderedViews rendered;
   std::vector<ViewScore> scores;  // one per rendered view, in the same order
   RunFacts run;
-  std::vector<PhotoExposure> exposures;  // of the training photos; empty if not estimated
-  std::optional<Scene> scene;            // nothing if the chain of manifests is broken
+  std::vector<PhotoExposure> exposures;   // of the training photos; empty if not estimated
+  std::vector<CameraCorrection> cameras;  // of the training photos; empty if none were kept
+  std::optional<Scene> scene;             // nothing if the chain of manifests is broken
   std::optional<SurfaceResult> surface;
   std::optional<DepthScores> depth;
   std::vector<std::string> curves_svg;  // convergence; if empty, no_curves_reason is shown

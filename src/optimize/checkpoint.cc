@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "geometry/rotation.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +14,9 @@
 namespace tetrec {
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '4'};
+// Of the largest entry of R^T R - I. Many small turns add up their rounding.
+constexpr double kRotationTolerance = 1e-6;
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '5'};
 
 void CheckFinite(const std::vector<float>& values, const FieldLayout& layout,
                  const std::string& name, const char* what) {
@@ -39,11 +42,35 @@ void CheckNotNegative(const std::vector<float>& second_moment, const FieldLayout
 // As they are in the file.
 static_assert(sizeof(ViewExposure) == 6 * sizeof(double));
 static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
+static_assert(sizeof(CorrectedPose) == 13 * sizeof(double));
 
 ExposureState ReadExposure(ByteReader& reader) {
   const uint64_t views = reader.Read<uint64_t>("exposure count");
   return {reader.ReadArray<ViewExposure>(views, "exposures"),
           reader.ReadArray<ExposureSums>(views, "exposure sums")};
+}
+
+PoseState ReadPoses(ByteReader& reader) {
+  PoseState state;
+  state.sweeps = reader.Read<uint32_t>("sweeps");
+  state.poses = reader.ReadArray<CorrectedPose>(reader.Read<uint64_t>("pose count"), "poses");
+  return state;
+}
+
+void CheckPoses(const PoseState& state, const std::string& name) {
+  const auto fail = [&](size_t view, const char* what) {
+    throw DataError(fmt::format("{}: the {} of pose {} is not possible", name, what, view));
+  };
+  for (size_t view = 0; view < state.poses.size(); ++view) {
+    const CorrectedPose& pose = state.poses[view];
+    if (!(DistanceFromRotation(pose.cam_from_world.rotation) < kRotationTolerance)) {
+      fail(view, "rotation");
+    }
+    for (int i = 0; i < 3; ++i) {
+      if (!std::isfinite(pose.cam_from_world.translation[i])) fail(view, "translation");
+    }
+    if (!std::isfinite(pose.depth) || pose.depth < 0) fail(view, "depth");
+  }
 }
 
 void CheckExposure(const ExposureState& exposure, const std::string& name) {
@@ -87,6 +114,9 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   writer.Write(uint64_t(checkpoint.exposure.exposures.size()));
   writer.WriteArray(std::span<const ViewExposure>(checkpoint.exposure.exposures));
   writer.WriteArray(std::span<const ExposureSums>(checkpoint.exposure.sums));
+  writer.Write(checkpoint.poses.sweeps);
+  writer.Write(uint64_t(checkpoint.poses.poses.size()));
+  writer.WriteArray(std::span<const CorrectedPose>(checkpoint.poses.poses));
   WriteBytes(path, writer.bytes());
 }
 
@@ -115,6 +145,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   state.first_moment = reader.ReadArray<float>(values, "first moments");
   state.second_moment = reader.ReadArray<float>(values, "second moments");
   result.exposure = ReadExposure(reader);
+  result.poses = ReadPoses(reader);
   reader.ExpectEnd();
   if (!std::isfinite(result.seconds) || result.seconds < 0) {
     throw DataError(fmt::format("{}: seconds {} is not a time", name, result.seconds));
@@ -127,6 +158,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   CheckFinite(state.second_moment, layout, name, "a second moment");
   CheckNotNegative(state.second_moment, layout, name);
   CheckExposure(result.exposure, name);
+  CheckPoses(result.poses, name);
   CheckTetMesh(result.mesh);
   CheckConvexDomain(result.mesh);
   return result;

@@ -11,6 +11,9 @@ namespace {
 
 constexpr uint32_t kTile = 16;  // [px] a side; whole blocks
 
+// Whether a tile of a whole view judges: every second one, as on a chessboard.
+bool IsJudgingSquare(uint32_t x, uint32_t y) { return (x / kTile + y / kTile) % 2 == 0; }
+
 // Whether the tile that contains a pixel judges.
 bool IsJudgingTile(uint64_t seed, uint32_t view, uint32_t x, uint32_t y) {
   const uint64_t tile = (uint64_t{view} << 40) ^ (uint64_t{y / kTile} << 20) ^ (x / kTile);
@@ -87,7 +90,8 @@ JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed) {
     }
   }
   for (const RayBlock& block : set.blocks) {
-    if (judging.is_whole[block.view] || IsJudgingTile(seed, block.view, block.x, block.y)) {
+    if (judging.is_whole[block.view] ? IsJudgingSquare(block.x, block.y)
+                                     : IsJudgingTile(seed, block.view, block.x, block.y)) {
       judging.blocks.push_back(block);
     }
   }

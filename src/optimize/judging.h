@@ -14,17 +14,19 @@
 namespace tetrec {
 
 struct JudgingSet {
-  std::vector<uint8_t> is_whole;  // per view: all of it judges
+  std::vector<uint8_t> is_whole;  // per view: none of it is learned
   std::vector<RayBlock> blocks;   // aligned blocks that judge, view by view
 };
 
-// If there are kLeastViewsToJudge training views, one in kViewsPerJudge is kept whole. Of the
-// others one tile of 16 x 16 pixels in kTilesPerJudge is kept, chosen by the seed.
+// If there are kLeastViewsToJudge training views, one in kViewsPerJudge is kept whole; every second
+// of its tiles of 16 x 16 pixels judges, and its camera is found by the others. Of the other views
+// one tile in kTilesPerJudge is kept, chosen by the seed.
 inline constexpr size_t kLeastViewsToJudge = 24, kViewsPerJudge = 16;
 inline constexpr uint32_t kTilesPerJudge = 32;
 JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed);
 
-// The targets with kNotJudgedTarget where pixels judge, and where they do not.
+// The targets with kNotJudgedTarget where pixels judge, and where they do not. The blocks of whole
+// views are not to be learned from either.
 std::vector<TargetImage> TargetsToLearn(const TrainingSet& set, const JudgingSet& judging);
 std::vector<TargetImage> TargetsToJudge(const TrainingSet& set, const JudgingSet& judging);
 

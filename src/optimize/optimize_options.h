@@ -2,6 +2,7 @@
 #pragma once
 
 #include "field/layout.h"
+#include "optimize/camera_poses.h"
 #include "optimize/exposure.h"
 #include "optimize/schedule.h"
 #include "render/loss.h"
@@ -45,6 +46,7 @@ struct OptimizeOptions {
   double subject_share = 0.85;    // share of the rays drawn where the masks show something
   bool random_background = true;  // behind field and target; false: the scene's own
   ExposureMode exposure = ExposureMode::kAuto;  // of the training photos
+  PoseMode poses = PoseMode::kAuto;             // corrections of the training cameras
   uint64_t max_vertices = 0;                    // 0: as many as the time affords
   double score_rays_per_tet = 1;                // by which a refinement judges the tets
   int watched_views = 4;                        // held-out views whose PSNR goes into metrics.csv

@@ -9,7 +9,9 @@
 #include "core/stop_request.h"
 #include "core/timer.h"
 #include "field/change_storage.h"
+#include "geometry/small_motion.h"
 #include "optimize/batches.h"
+#include "optimize/camera_poses.h"
 #include "optimize/camera_space.h"
 #include "optimize/checkpoint.h"
 #include "optimize/error_look.h"
@@ -21,6 +23,7 @@
 #include "render/create_renderer.h"
 #include "render/kernel_table.h"
 #include "render/picture.h"
+#include "run/camera_corrections.h"
 #include "run/field_world.h"
 #include "run/photo_exposures.h"
 #include "run/training_log.h"
@@ -51,6 +54,13 @@ struct Averages {
   double Psnr() const { return count > 0 ? -10 * std::log10(squared_error / double(count)) : 0; }
 };
 
+// What the first sweep over the cameras must gain on the judging pictures [dB].
+constexpr double kLeastPoseGain_db = 0.03;
+
+bool CamerasWereEstimated(const fs::path& scene_folder) {
+  return ReadManifest(scene_folder, {"sfm", "import"})["stage"] == "sfm";
+}
+
 class Trainer {
  public:
   Trainer(const OptimizeOptions& options, const fs::path& scene_folder, const Scene& scene,
@@ -60,6 +70,7 @@ class Trainer {
         scene_(scene),
         stage_(stage),
         set_(LoadTrainingSet(scene_folder, scene, scene.ViewsOf(Split::kTrain))),
+        given_views_(set_.views),
         watched_(ChooseWatchedViews(scene, options.watched_views)),
         renderer_(CreateRenderer(options.renderer)),
         batches_(options, set_, renderer_->NeedsTiles(), BackgroundColor(scene.background),
@@ -95,6 +106,7 @@ class Trainer {
         RefineOnce();
         continue;
       }
+      if (poses_.IsDue(done)) CorrectPoses();
       if (!learns_all_ && !KeepsJudgingPictures(done)) UseTargets(done);
       TrainingBatch batch = batches_.Draw(state_.iteration);
       batch.sums_exposures = exposure_.Gathers(done);
@@ -152,6 +164,22 @@ class Trainer {
     return result;
   }
 
+  // Of the training views; empty if none were kept.
+  std::vector<CameraCorrection> Corrections() const {
+    std::vector<CameraCorrection> result;
+    const std::vector<int> views = scene_.ViewsOf(Split::kTrain);
+    const std::vector<CorrectedPose>& poses = poses_.state().poses;
+    for (size_t i = 0; i < poses.size(); ++i) {
+      const Rigid3 motion = poses[i].cam_from_world * given_views_[i].cam_from_world.Inverse();
+      result.push_back(
+          {scene_.views[size_t(views[i])].name, poses[i].cam_from_world,
+           glm::degrees(glm::length(RotationVector(motion.rotation))),
+           glm::length(motion.Inverse().translation),
+           poses[i].depth > 0 ? PictureShift(given_views_[i].camera, motion, poses[i].depth) : 0});
+    }
+    return result;
+  }
+
  private:
   // A run by iterations is taken to make 40 steps per second.
   double ExpectedSeconds() const {
@@ -180,14 +208,16 @@ class Trainer {
       }
       round_iteration_ = state_.iteration;
       exposure_ = ResumedExposure(std::move(state_.exposure));
+      poses_ = ResumedPoses(std::move(state_.poses));
       LogInfo("continues from iteration {} after {:.0f} s", state_.iteration, state_.seconds);
     } else {
       if (stage_.resume()) LogInfo("no checkpoint was saved: starts at the first iteration");
       mesh_ = start.mesh;
       state = StateOf(WithStorage(start, options_.storage));
       if (EstimatesExposure()) exposure_ = ExposureEstimate(set_.views.size());
+      if (CorrectsPoses()) poses_ = PoseEstimate(given_views_);
     }
-    UseTargets(Done());
+    UseViews();
     if (exposure_.is_on()) renderer_->SetExposures(exposure_.State(*renderer_).exposures);
     PutState(std::move(state));
   }
@@ -270,6 +300,58 @@ class Trainer {
             .density_decay = options_.density_decay};
   }
 
+  // Corrects the cameras by the field as it is. What the first sweep gains on the judging pictures
+  // decides whether corrections are kept at all.
+  void CorrectPoses() {
+    const Timer timer;
+    const bool decides = poses_.state().sweeps == 0;
+    const double before = decides ? JudgeField().psnr : 0;
+    const std::vector<TargetImage> targets = TargetsToLearn(set_, judging_);
+    const size_t changed =
+        poses_.Sweep(*renderer_,
+                     {given_views_, targets, exposure_.State(*renderer_).exposures,
+                      BackgroundColor(scene_.background)},
+                     options_.seed);
+    UseViews();
+    LogInfo("sweep {} over the cameras: {} of {} corrected, {:.1f} s", poses_.state().sweeps,
+            changed, set_.views.size(), timer.seconds());
+    if (decides) KeepPosesIf(changed > 0 ? JudgeField().psnr - before : 0);
+  }
+
+  void KeepPosesIf(double gain) {
+    LogInfo("the judging pictures change by {:+.2f} dB with the corrected cameras: {}", gain,
+            gain >= kLeastPoseGain_db ? "they are kept" : "all stay where they were found");
+    if (gain >= kLeastPoseGain_db) {
+      state_.best_psnr += gain;  // of the same field, or one before it
+    } else {
+      poses_.GiveUp();
+      UseViews();
+    }
+  }
+
+  // Puts the cameras where they are now.
+  void UseViews() {
+    set_.views = given_views_;
+    for (size_t i = 0; i < poses_.state().poses.size(); ++i) {
+      set_.views[i].cam_from_world = poses_.state().poses[i].cam_from_world;
+    }
+    UseTargets(Done());
+  }
+
+  bool CorrectsPoses() const {
+    if (options_.poses == PoseMode::kAuto) return CamerasWereEstimated(scene_folder_);
+    return options_.poses == PoseMode::kOn;
+  }
+
+  PoseEstimate ResumedPoses(PoseState state) const {
+    if (!state.poses.empty() && state.poses.size() != set_.views.size()) {
+      throw DataError(fmt::format("{}: contains the poses of {} cameras, not {}; force a fresh run",
+                                  checkpoint_path_.string(), state.poses.size(),
+                                  set_.views.size()));
+    }
+    return PoseEstimate(std::move(state));
+  }
+
   // Judges the field that the last refinement led to. If that is worse than before, the run returns
   // to the field before it, and the mesh stays as it was then.
   bool IsWorthRefining() {
@@ -332,6 +414,7 @@ class Trainer {
     checkpoint.mesh = mesh_;
     checkpoint.state = renderer_->ReadState();
     checkpoint.exposure = exposure_.State(*renderer_);
+    checkpoint.poses = poses_.state();
     WriteCheckpoint(checkpoint_path_, checkpoint);
   }
 
@@ -386,7 +469,8 @@ class Trainer {
   fs::path scene_folder_;
   const Scene& scene_;
   Stage& stage_;
-  TrainingSet set_;
+  TrainingSet set_;                      // its cameras are the corrected ones
+  std::vector<RenderView> given_views_;  // with the scene's own cameras
   std::vector<int> watched_;
   std::unique_ptr<TrainingRenderer> renderer_;
   BatchDrawer batches_;
@@ -398,6 +482,7 @@ class Trainer {
   uint64_t max_vertices_ = 0;
   uint64_t round_iteration_ = 0;  // at the last refinement
   ExposureEstimate exposure_;
+  PoseEstimate poses_;
   Checkpoint state_;  // counters; its mesh, field state and exposures are used on disk only
   TetMesh mesh_;
 };
@@ -420,6 +505,15 @@ void WriteExposures(const std::vector<PhotoExposure>& exposures, Stage& stage) {
   if (uneven > 0) LogWarning("{}", UnevenWarning(size_t(uneven), exposures.size()));
 }
 
+// The same for the cameras.
+void WriteCorrections(const std::vector<CameraCorrection>& corrections, Stage& stage) {
+  if (corrections.empty()) return;
+  WriteCameraCorrections(stage.Output(kCameraCorrectionsFile), corrections);
+  const auto moved = std::count_if(corrections.begin(), corrections.end(), MovedMuch);
+  stage.Count("moved_cameras", uint64_t(moved));
+  if (moved > 0) LogWarning("{}", MovedMuchWarning(size_t(moved), corrections.size()));
+}
+
 }  // namespace
 
 void RunOptimize(const OptimizeOptions& options, Stage& stage) {
@@ -431,6 +525,7 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   Trainer trainer(options, scene_folder, scene, stage);
   WriteField(stage.Output("field.tetf"), trainer.Run(start));
   WriteExposures(trainer.Exposures(), stage);
+  WriteCorrections(trainer.Corrections(), stage);
   WriteFieldWorld(stage.Output(kFieldWorldFile), WorldOf(scene, scene_folder, stage.folder()));
 }
 

@@ -5,6 +5,7 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "image/image.h"
+#include "render/target_image.h"
 
 #include <fmt/format.h>
 
@@ -13,30 +14,6 @@
 
 namespace tetrec {
 namespace {
-
-// For images with masks (Scene::has_masks).
-TargetImage LeaveOutUnseen(const Image& image) {
-  TargetImage target{image.width, image.height, {}};
-  for (size_t i = 0; i < image.pixels.size(); i += 4) {
-    const uint8_t* p = &image.pixels[i];
-    const uint32_t seen = 255u << 24 | uint32_t(p[2]) << 16 | uint32_t(p[1]) << 8 | p[0];
-    target.rgba8.push_back(p[3] >= kSeenAlpha ? seen : kNotJudgedTarget);
-  }
-  return target;
-}
-
-TargetImage Premultiply(const Image& image) {
-  TargetImage target{image.width, image.height, {}};
-  target.rgba8.resize(size_t(image.width) * image.height);
-  for (size_t i = 0; i < target.rgba8.size(); ++i) {
-    const uint8_t* p = &image.pixels[i * image.channels];
-    const uint32_t alpha = image.channels == 4 ? p[3] : 255;
-    uint32_t packed = alpha << 24;
-    for (int c = 0; c < 3; ++c) packed |= (p[c] * alpha + 127) / 255 << (8 * c);
-    target.rgba8[i] = packed;
-  }
-  return target;
-}
 
 bool ShowsSomething(const TargetImage& target, int x0, int y0, int margin) {
   const int x_end = std::min(target.width, x0 + kRayBlockWidth + margin);
@@ -84,8 +61,7 @@ TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Sce
                                     image.height));
       }
       set.views[i] = MakeRenderView(scene, views[i]);
-      set.targets[i] =
-          scene.has_masks && image.channels == 4 ? LeaveOutUnseen(image) : Premultiply(image);
+      set.targets[i] = TargetOf(image, scene.has_masks);
     }
   });
   for (const TargetImage& target : set.targets) set.pixels += target.rgba8.size();

@@ -7,11 +7,15 @@
 #include "core/progress.h"
 #include "core/stop_request.h"
 #include "core/timer.h"
+#include "geometry/small_motion.h"
 #include "image/file_names.h"
 #include "image/image.h"
 #include "render/create_renderer.h"
 #include "render/kernel_table.h"
 #include "render/picture.h"
+#include "render/target_image.h"
+#include "render/view_pose.h"
+#include "run/camera_corrections.h"
 #include "run/rendered_views.h"
 #include "scene/scene.h"
 
@@ -52,6 +56,37 @@ RendererOptions CheckingRays(RendererOptions options) {
   return options;
 }
 
+bool RefinesCameras(RefineCameras choice, const fs::path& field_folder) {
+  if (choice == RefineCameras::kAuto) return fs::exists(field_folder / kCameraCorrectionsFile);
+  return choice == RefineCameras::kOn;
+}
+
+// A held-out camera may be as wrong as a training camera was, and nothing has corrected it yet.
+constexpr PoseFitOptions kRefinement{.pixels = 4096, .iterations = 6};
+
+// Where a view's camera fits its true image best, with the field as it is.
+PoseFit RefineCamera(Renderer& renderer, const RenderView& view, const TargetImage& target,
+                     Background background) {
+  const PoseTask task{view, view.cam_from_world, target, std::nullopt, BackgroundColor(background)};
+  return FitPose(renderer, task, kRefinement);
+}
+
+double ShiftOf(const RenderView& view, const PoseFit& fit) {
+  if (!fit.is_better) return 0;
+  return PictureShift(view.camera, fit.cam_from_world * view.cam_from_world.Inverse(), fit.depth);
+}
+
+// Renders the view from its refined camera, and completes the entry.
+void RenderRefined(Renderer& renderer, const RenderViewsOptions& options, const RenderView& view,
+                   const TargetImage& target, Background background, const fs::path& file,
+                   RenderedView& entry) {
+  const PoseFit fit = RefineCamera(renderer, view, target, background);
+  const RenderView refined{view.camera, fit.cam_from_world};
+  WriteImage(file, ToPicture(renderer.Render(refined, options.samples), background));
+  entry.refined = file;
+  entry.refined_shift_px = ShiftOf(view, fit);
+}
+
 }  // namespace
 
 void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
@@ -75,6 +110,8 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   // Masks select the subject, or the pixels that count.
   const std::string mask_folder = scene.has_masks ? "seen" : "masks";
   if (scene.has_alpha || scene.has_masks) fs::create_directories(stage.Output(mask_folder));
+  const bool refines = RefinesCameras(options.refine_cameras, field_folder);
+  if (refines) fs::create_directories(stage.Output("refined"));
 
   const Timer timer;
   double render_seconds = 0;
@@ -102,7 +139,9 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
                        stage.folder() / "gt" / file,
                        {},
                        {},
-                       (stage.folder() / "depth" / file).replace_extension(".exr")};
+                       (stage.folder() / "depth" / file).replace_extension(".exr"),
+                       {},
+                       {}};
     WriteDepthMap(*entry.depth, depth);
     WriteImage(entry.render, ToPicture(rendered, background));
     WriteImage(entry.truth, OverBackground(truth, background));
@@ -110,6 +149,10 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
       const fs::path mask = stage.folder() / mask_folder / file;
       WriteImage(mask, MaskOf(truth));
       (scene.has_masks ? entry.seen : entry.mask) = mask;
+    }
+    if (refines) {
+      RenderRefined(*renderer, options, seen_from, TargetOf(truth, scene.has_masks), background,
+                    stage.folder() / "refined" / file, entry);
     }
     result.views.push_back(std::move(entry));
     progress.Update(double(i + 1), view.name);

@@ -2,22 +2,36 @@
 #pragma once
 
 #include "core/stage.h"
+#include "core/words.h"
 #include "render/renderer.h"
 
 #include <string>
 
 namespace tetrec {
 
+// Whether views are rendered from refined cameras, too.
+enum class RefineCameras {
+  kAuto,  // if the run corrected its training cameras
+  kOn,
+  kOff,
+};
+template <>
+inline constexpr auto kWords<RefineCameras> = std::to_array<Word<RefineCameras>>(
+    {{RefineCameras::kAuto, "auto"}, {RefineCameras::kOn, "on"}, {RefineCameras::kOff, "off"}});
+
 struct RenderViewsOptions {
   std::string views = "heldout";     // heldout, train, all
   int samples = 2;                   // samples x samples rays per pixel
   std::string background = "scene";  // scene (the scene's own), white or black
+  RefineCameras refine_cameras = RefineCameras::kAuto;
   RendererOptions renderer;
 };
 
 // Writes renders/NAME.png, depth/NAME.exr (Renderer::RenderDepth, in world units), gt/NAME.png
 // (over the same background), masks/NAME.png if the scene has alpha or seen/NAME.png if it has
-// masks, and views.json, which lists them with the protocol (run/rendered_views.h).
+// masks, refined/NAME.png if cameras are refined (FitPose, to the true image and its exposure, with
+// the field as it is; renders/NAME.png stays that of the scene's own camera), and views.json, which
+// lists them with the protocol (run/rendered_views.h).
 void RunRenderViews(const RenderViewsOptions& options, Stage& stage);
 
 }  // namespace tetrec

@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr int kSchema = 1;
 constexpr int kMostRaysPerPixel = 1 << 16, kMaxSide_px = 1 << 16;
+constexpr double kLargestShift_px = 1e6;
 
 fs::path PathInside(const fs::path& folder, const CheckedJson& field) {
   const std::string relative = field.Text();
@@ -42,6 +43,10 @@ RenderedView ReadView(const fs::path& folder, const CheckedJson& item) {
   view.mask = OptionalPathInside(folder, item, "mask");
   view.seen = OptionalPathInside(folder, item, "seen");
   view.depth = OptionalPathInside(folder, item, "depth");
+  view.refined = OptionalPathInside(folder, item, "refined");
+  if (item.Has("refined_shift_px") && !item.Field("refined_shift_px").IsNull()) {
+    view.refined_shift_px = item.Field("refined_shift_px").NumberIn(0, kLargestShift_px);
+  }
   return view;
 }
 
@@ -66,7 +71,10 @@ void WriteRenderedViews(const fs::path& path, const RenderedViews& rendered) {
                      {"render", in_folder(view.render)},
                      {"ground_truth", in_folder(view.truth)},
                      {has_seen ? "seen" : "mask", in_folder_or_null(mask)},
-                     {"depth", in_folder_or_null(view.depth)}});
+                     {"depth", in_folder_or_null(view.depth)},
+                     {"refined", in_folder_or_null(view.refined)},
+                     {"refined_shift_px",
+                      view.refined_shift_px ? json(*view.refined_shift_px) : json(nullptr)}});
   }
   const json value = {{"schema", kSchema},
                       {"background", rendered.background},

@@ -165,7 +165,7 @@ inline void WriteFakeRun(const std::filesystem::path& run, const FakeRun& option
     WriteImage(run / "4_views" / mask, subject);
     const std::filesystem::path folder = run / "4_views";
     rendered.views.push_back(
-        {options.view_names[i], "test", folder / render, folder / gt, {}, {}, {}});
+        {options.view_names[i], "test", folder / render, folder / gt, {}, {}, {}, {}, {}});
     if (options.with_masks) rendered.views.back().mask = folder / mask;
     outputs.insert(outputs.end(), {render, gt});
   }

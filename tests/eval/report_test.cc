@@ -9,6 +9,7 @@
 #include "eval/plot.h"
 #include "expect_error.h"
 #include "paths.h"
+#include "run/camera_corrections.h"
 #include "run/photo_exposures.h"
 #include "scratch_folder.h"
 
@@ -144,6 +145,44 @@ TEST(Report, ExposuresOfTheTrainingPhotosAreListedTheFarthestFirst) {
   EXPECT_EQ(ReadJson(folder / "uneven/metrics.json")["uneven_photos"], 1);
   const std::string even = report({{"a", one, zero}, {"b", one, zero}}, "even");
   EXPECT_THAT(even, HasSubstr("Even: no photo differs"));
+}
+
+TEST(Report, CorrectedCamerasAreListedTheFarthestFirst) {
+  const ScratchFolder folder;
+  WriteFakeRun(folder.path(), {});
+  WriteCameraCorrections(folder / "3_field" / kCameraCorrectionsFile,
+                         {{"near", {}, 0.01, 0.001, 0.2}, {"<far>", {}, 0.5, 0.02, 3.25}});
+  ASSERT_EQ(RunEvaluate({folder / "4_views", "-o", folder / "6_report"}).exit_code, 0);
+  const std::string html = ReadText(folder / "6_report/report.html");
+  EXPECT_THAT(html, HasSubstr("Corrected cameras"));
+  EXPECT_THAT(html, HasSubstr("&lt;far&gt;</td><td class=\"n\">3.25 px"));
+  EXPECT_LT(html.find("&lt;far&gt;"), html.find("<td>near"));
+  EXPECT_EQ(ReadJson(folder / "6_report/metrics.json")["moved_cameras"], 1);
+}
+
+TEST(Report, RefinedCamerasAreJudgedApartFromTheRawOnes) {
+  const ScratchFolder folder;
+  WriteFakeRun(folder.path(), {});
+  ASSERT_EQ(RunEvaluate({folder / "4_views", "-o", folder / "raw"}).exit_code, 0);
+  const nlohmann::json raw = ReadJson(folder / "raw/metrics.json");
+  EXPECT_TRUE(raw["psnr_refined_cameras"].is_null());
+  EXPECT_THAT(ReadText(folder / "raw/report.html"), Not(HasSubstr("refined cameras")));
+
+  // The refined picture of each view is the raw one of the first, which is the best.
+  RenderedViews rendered = ReadRenderedViews(folder / "4_views" / kRenderedViewsFile);
+  for (RenderedView& view : rendered.views) {
+    view.refined = rendered.views[0].render;
+    view.truth = rendered.views[0].truth;
+    view.refined_shift_px = 0.5;
+  }
+  WriteRenderedViews(folder / "4_views" / kRenderedViewsFile, rendered);
+  WriteFakeManifest(folder / "4_views", "render", "../3_field", {kRenderedViewsFile});
+  ASSERT_EQ(RunEvaluate({folder / "4_views", "-o", folder / "refined"}).exit_code, 0);
+  const nlohmann::json refined = ReadJson(folder / "refined/metrics.json");
+  EXPECT_EQ(refined["psnr_refined_cameras"], raw["views"][0]["psnr"]);
+  EXPECT_EQ(refined["views"][0]["psnr"], raw["views"][0]["psnr"]);
+  EXPECT_TRUE(refined["psnr_refined_cameras_color_corrected"].is_number());
+  EXPECT_THAT(ReadText(folder / "refined/report.html"), HasSubstr("PSNR with refined cameras"));
 }
 
 TEST(Report, ATrueSurfaceIsScoredThroughTheCameras) {

@@ -5,6 +5,7 @@
 #include "core/random.h"
 #include "expect_error.h"
 #include "field/extra_attribute.h"
+#include "geometry/small_motion.h"
 #include "mesh/delaunay.h"
 #include "scratch_folder.h"
 
@@ -14,11 +15,14 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECK4", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
+// Where the fields start: "TETRECK5", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
 // bytes, f64 best PSNR, u64 V, u64 T, then the layout: u32 storage, u32 attributes, and of "color"
 // and "density" the length of the name, the name, and 3 u32 each. Positions follow.
 constexpr size_t kSecondsAt = 16, kVertexCountAt = 52, kTetCountAt = 60, kStorageAt = 68,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
+
+constexpr int kPoses = 2;
+constexpr size_t kPosesBytes = 4 + 8 + kPoses * 13 * sizeof(double);
 
 Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   Random random(5);
@@ -48,6 +52,10 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
     checkpoint.exposure.exposures[size_t(view)] = {glm::dvec3(1 + unit(), 1, 0.5),
                                                    glm::dvec3(unit(), 0, -0.1)};
     for (GainOffsetSums& sums : checkpoint.exposure.sums[size_t(view)]) sums.Add(unit(), 1, unit());
+  }
+  checkpoint.poses.sweeps = 2;
+  for (int view = 0; view < kPoses; ++view) {
+    checkpoint.poses.poses.push_back({MotionOf({unit(), 0, 0}, {0, unit(), 1}), 1.5});
   }
   return checkpoint;
 }
@@ -84,6 +92,14 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.state.second_moment, written.state.second_moment);
     EXPECT_EQ(read.exposure.exposures, written.exposure.exposures);
     EXPECT_EQ(read.exposure.sums, written.exposure.sums);
+    EXPECT_EQ(read.poses.sweeps, written.poses.sweeps);
+    ASSERT_EQ(read.poses.poses.size(), written.poses.poses.size());
+    for (size_t i = 0; i < read.poses.poses.size(); ++i) {
+      const CorrectedPose &pose = read.poses.poses[i], &before = written.poses.poses[i];
+      EXPECT_EQ(pose.cam_from_world.rotation, before.cam_from_world.rotation);
+      EXPECT_EQ(pose.cam_from_world.translation, before.cam_from_world.translation);
+      EXPECT_EQ(pose.depth, before.depth);
+    }
   }
 }
 
@@ -104,17 +120,42 @@ TEST(Checkpoint, RefusesExposuresThatAreNotPossible) {
 
 TEST(Checkpoint, RefusesAHugeCountOfExposuresBeforeItTakesMemory) {
   const std::vector<uint8_t> good = BytesOf(MakeCheckpoint());
-  const size_t count_at = good.size() - 3 * (6 + 15) * sizeof(double) - sizeof(uint64_t);
+  const size_t count_at =
+      good.size() - kPosesBytes - 3 * (6 + 15) * sizeof(double) - sizeof(uint64_t);
   for (const uint64_t count : {uint64_t{2}, uint64_t{4}, uint64_t{1} << 60, ~uint64_t{0}}) {
     ExpectError<DataError>([&] { ParseCheckpoint(With(good, count_at, count), "c.bin"); },
                            {"c.bin"});
   }
 }
 
-// Files of the previous version, which had no exposures.
+TEST(Checkpoint, RefusesPosesThatAreNotPossible) {
+  const auto refused = [](auto&& damage, const std::string& what) {
+    Checkpoint checkpoint = MakeCheckpoint();
+    damage(checkpoint.poses.poses);
+    const std::vector<uint8_t> bytes = BytesOf(checkpoint);
+    ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); }, {"c.bin", what});
+  };
+  using Poses = std::vector<CorrectedPose>;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  refused([](Poses& p) { p[1].cam_from_world.rotation[0] *= -1.0; }, "the rotation of pose 1");
+  refused([&](Poses& p) { p[0].cam_from_world.rotation[2][1] = nan; }, "the rotation of pose 0");
+  refused([&](Poses& p) { p[1].cam_from_world.translation.z = nan; }, "the translation of pose 1");
+  refused([](Poses& p) { p[0].depth = -1; }, "the depth of pose 0");
+}
+
+TEST(Checkpoint, RefusesAHugeCountOfPosesBeforeItTakesMemory) {
+  const std::vector<uint8_t> good = BytesOf(MakeCheckpoint());
+  const size_t count_at = good.size() - kPosesBytes + 4;
+  for (const uint64_t count : {uint64_t{1}, uint64_t{3}, uint64_t{1} << 60, ~uint64_t{0}}) {
+    ExpectError<DataError>([&] { ParseCheckpoint(With(good, count_at, count), "c.bin"); },
+                           {"c.bin"});
+  }
+}
+
+// Files of the previous version, which had no poses.
 TEST(Checkpoint, RefusesTheVersionBefore) {
   std::vector<uint8_t> bytes = BytesOf(MakeCheckpoint());
-  bytes[7] = '3';
+  bytes[7] = '4';
   ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); },
                          {"c.bin: is not a checkpoint of this version of Tetrec"});
 }

@@ -17,10 +17,11 @@ nlohmann::json Example() {
     "views": [
       {"name": "test/r_0", "split": "test", "render": "renders/test_r_0.png",
        "ground_truth": "gt/test_r_0.png", "mask": "masks/test_r_0.png",
-       "depth": "depth/test_r_0.exr"},
+       "depth": "depth/test_r_0.exr", "refined": "refined/test_r_0.png",
+       "refined_shift_px": 0.75},
       {"name": "test/r_1", "split": "test", "render": "renders/test_r_1.png",
        "ground_truth": "gt/test_r_1.png", "mask": null,
-       "depth": null}]})");
+       "depth": null, "refined": null, "refined_shift_px": null}]})");
 }
 
 TEST(RenderedViews, WhatWasWrittenIsReadBackForBothKindsOfMasks) {
@@ -37,6 +38,9 @@ TEST(RenderedViews, WhatWasWrittenIsReadBackForBothKindsOfMasks) {
     ASSERT_EQ(rendered.views.size(), 2u);
     const RenderedView& first = rendered.views[0];
     EXPECT_EQ(first.render, folder / "renders/test_r_0.png");
+    EXPECT_EQ(first.refined, folder / "refined/test_r_0.png");
+    EXPECT_EQ(first.refined_shift_px, 0.75);
+    EXPECT_EQ(rendered.views[1].refined, std::nullopt);
     EXPECT_EQ(first.truth, folder / "gt/test_r_0.png");
     EXPECT_EQ(seen ? first.seen : first.mask, folder / "masks/test_r_0.png");
     EXPECT_FALSE(seen ? first.mask : first.seen);

@@ -1,0 +1,81 @@
+// Writes and reads cameras.json (schema 1).
+#include "run/camera_corrections.h"
+
+#include "core/checked_json.h"
+#include "core/file.h"
+#include "geometry/checked_geometry.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+namespace tetrec {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kSchema = 1;
+constexpr double kLargestMove = 1e6, kLargestShift_px = 1e6;
+constexpr double kRotationTolerance = 1e-6;
+
+Rigid3 ReadPose(const CheckedJson& field) {
+  const CheckedJson rotation = field.Field("rotation");
+  return {CheckedRotation(rotation.Matrix3(), kRotationTolerance, rotation),
+          field.Field("translation").Vector3()};
+}
+
+}  // namespace
+
+void WriteCameraCorrections(const std::filesystem::path& path,
+                            const std::vector<CameraCorrection>& corrections) {
+  json views = json::array();
+  for (const CameraCorrection& correction : corrections) {
+    const Rigid3& pose = correction.cam_from_world;
+    views.push_back(
+        {{"name", correction.name},
+         {"rotation_deg", correction.rotation_deg},
+         {"move", correction.move},
+         {"shift_px", correction.shift_px},
+         {"cam_from_world",
+          {{"rotation", ToJson(pose.rotation)}, {"translation", ToJson(pose.translation)}}}});
+  }
+  const json value = {{"schema", kSchema}, {"views", std::move(views)}};
+  ParseCameraCorrections(value, path.string());
+  WriteJson(path, value);
+}
+
+std::vector<CameraCorrection> ParseCameraCorrections(const json& value, const std::string& name) {
+  const CheckedJson file(value, name);
+  file.Field("schema").IntegerIn(kSchema, kSchema);
+  const CheckedJson views = file.Field("views");
+  std::vector<CameraCorrection> corrections;
+  std::set<std::string> names;
+  for (size_t i = 0; i < views.Size(); ++i) {
+    const CheckedJson view = views.Item(i);
+    corrections.push_back({view.Field("name").Text(), ReadPose(view.Field("cam_from_world")),
+                           view.Field("rotation_deg").NumberIn(0, 180),
+                           view.Field("move").NumberIn(0, kLargestMove),
+                           view.Field("shift_px").NumberIn(0, kLargestShift_px)});
+    if (!names.insert(corrections.back().name).second) {
+      view.Field("name").Fail(
+          fmt::format("is \"{}\" for the second time", corrections.back().name));
+    }
+  }
+  return corrections;
+}
+
+std::vector<CameraCorrection> ReadCameraCorrections(const std::filesystem::path& path) {
+  return ParseCameraCorrections(ReadJson(path), path.string());
+}
+
+bool MovedMuch(const CameraCorrection& correction) { return correction.shift_px > kMovedMuch_px; }
+
+std::string MovedMuchWarning(size_t moved, size_t cameras) {
+  return fmt::format(
+      "{} of {} cameras were wrong by so much that their pictures moved by more than {:.1f} px "
+      "when "
+      "they were corrected; cameras from sharper or more photos would be better",
+      moved, cameras, kMovedMuch_px);
+}
+
+}  // namespace tetrec

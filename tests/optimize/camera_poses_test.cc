@@ -1,0 +1,203 @@
+#include "optimize/camera_poses.h"
+
+#include "core/random.h"
+#include "geometry/look_at.h"
+#include "geometry/small_motion.h"
+#include "mesh/delaunay.h"
+#include "render/create_renderer.h"
+#include "render/view_pose.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace tetrec {
+namespace {
+
+// A dense box [-1, 1]^3 whose colours are waves in space; its mesh does not show in its pictures.
+RadianceField WavyBox(double contrast) {
+  std::vector<glm::vec3> points;
+  constexpr int kSide = 9;
+  for (int i = 0; i < kSide * kSide * kSide; ++i) {
+    const glm::ivec3 at(i % kSide, i / kSide % kSide, i / (kSide * kSide));
+    points.push_back(glm::vec3(at) * (2.0f / (kSide - 1)) - 1.0f);
+  }
+  RadianceField field;
+  field.mesh = BuildDelaunay(points).mesh;
+  for (const glm::vec3& p : field.mesh.positions) {
+    field.density.push_back(20.0f);
+    const glm::vec3 wave(std::sin(5 * p.x + 2 * p.y), std::sin(4 * p.y - 3 * p.z),
+                         std::sin(4 * p.z + 3 * p.x));
+    field.color_srgb.push_back(0.5f + float(contrast) * wave);
+  }
+  return field;
+}
+
+RenderView ViewFrom(const glm::dvec3& eye) {
+  return {{48, 48, 50, 50, 24, 24}, CamLookingAt(eye, glm::dvec3(0.1, 0.0, -0.1))};
+}
+
+std::vector<RenderView> Ring(size_t views) {
+  std::vector<RenderView> ring;
+  for (size_t i = 0; i < views; ++i) {
+    const double turn = 2 * std::numbers::pi * double(i) / double(views);
+    ring.push_back(ViewFrom({2.6 * std::cos(turn), 2.6 * std::sin(turn), 1.0}));
+  }
+  return ring;
+}
+
+// The picture of a view as a photo has it.
+TargetImage PhotoOf(Renderer& renderer, const RenderView& view) {
+  const RenderedImage image = renderer.Render(view, 1);
+  TargetImage photo{image.width, image.height, {}};
+  for (size_t i = 0; i < image.color_srgb.size(); ++i) {
+    uint32_t packed = uint32_t(std::lround(255 * (1 - image.transmittance[i]))) << 24;
+    for (int c = 0; c < 3; ++c) {
+      packed |= uint32_t(std::lround(255 * image.color_srgb[i][c])) << (8 * c);
+    }
+    photo.rgba8.push_back(packed);
+  }
+  return photo;
+}
+
+double Shift(const RenderView& from, const Rigid3& to) {
+  return PictureShift(from.camera, to * from.cam_from_world.Inverse(), 2.0);
+}
+
+class CameraPoses : public ::testing::Test {
+ protected:
+  std::unique_ptr<TrainingRenderer> renderer_ = CreateRenderer({.kind = RendererKind::kReference});
+
+  PoseFit Fit(const RenderView& start, const TargetImage& photo, int iterations = 4,
+              const std::optional<ViewExposure>& exposure = ViewExposure{}) {
+    return FitPose(*renderer_, {start, start.cam_from_world, photo, exposure, glm::vec3(0.0f)},
+                   {.pixels = 200, .iterations = iterations});
+  }
+};
+
+// Two of the six numbers, a turn and a move along the picture, do almost the same to it, so the
+// pull towards the start leaves some of their difference. What the picture tells is found.
+TEST_F(CameraPoses, ATurnedAndMovedCameraIsBroughtBack) {
+  renderer_->SetField(WavyBox(0.4));
+  const RenderView truth = ViewFrom({2.2, 1.0, 1.2});
+  RenderView start = truth;
+  start.cam_from_world = MotionOf(glm::radians(glm::dvec3(0.8, -0.6, 0.5)), {0.02, -0.01, 0.02}) *
+                         start.cam_from_world;
+  ASSERT_GT(Shift(truth, start.cam_from_world), 1.0);
+  const PoseFit fit = Fit(start, PhotoOf(*renderer_, truth));
+  EXPECT_TRUE(fit.is_better);
+  EXPECT_LT(Shift(truth, fit.cam_from_world), 0.2);
+}
+
+TEST_F(CameraPoses, ACameraThatIsRightStays) {
+  renderer_->SetField(WavyBox(0.4));
+  const RenderView truth = ViewFrom({2.2, 1.0, 1.2});
+  const PoseFit fit = Fit(truth, PhotoOf(*renderer_, truth));
+  EXPECT_LT(Shift(truth, fit.cam_from_world), 0.02);
+}
+
+TEST_F(CameraPoses, AViewOfOneColourStays) {
+  renderer_->SetField(WavyBox(0.0));
+  RenderView inside = ViewFrom({2.2, 1.0, 1.2});
+  inside.camera.fx = inside.camera.fy = 400;  // sees nothing but the box
+  const PoseFit fit = Fit(inside, PhotoOf(*renderer_, inside));
+  EXPECT_LT(Shift(inside, fit.cam_from_world), 0.001);
+  EXPECT_FALSE(fit.is_better);
+}
+
+TEST_F(CameraPoses, AViewWithoutAnyJudgedPixelStays) {
+  renderer_->SetField(WavyBox(0.4));
+  const RenderView view = ViewFrom({2.2, 1.0, 1.2});
+  TargetImage photo = PhotoOf(*renderer_, view);
+  photo.rgba8.assign(photo.rgba8.size(), kNotJudgedTarget);
+  EXPECT_FALSE(Fit(view, photo).is_better);
+}
+
+// The exposure is not known and is fitted beside the pose.
+TEST_F(CameraPoses, ADarkPhotoIsFittedWithItsExposure) {
+  RadianceField field = WavyBox(0.4);
+  renderer_->SetField(field);
+  const RenderView truth = ViewFrom({2.2, 1.0, 1.2});
+  for (glm::vec3& color : field.color_srgb) color *= 0.7f;
+  renderer_->SetField(field);
+  const TargetImage photo = PhotoOf(*renderer_, truth);
+  renderer_->SetField(WavyBox(0.4));
+  RenderView start = truth;
+  start.cam_from_world =
+      MotionOf(glm::radians(glm::dvec3(0.8, -0.6, 0.5)), glm::dvec3(0.0)) * start.cam_from_world;
+  const PoseFit fit = Fit(start, photo, 5, std::nullopt);
+  EXPECT_TRUE(fit.is_better);
+  EXPECT_LT(Shift(truth, fit.cam_from_world), 0.2);
+}
+
+TEST_F(CameraPoses, ASweepBringsBackTheWrongCameraAndLeavesTheOthers) {
+  renderer_->SetField(WavyBox(0.4));
+  const std::vector<RenderView> truth = Ring(5);
+  std::vector<TargetImage> photos;
+  for (const RenderView& view : truth) photos.push_back(PhotoOf(*renderer_, view));
+  std::vector<RenderView> given = truth;
+  given[2].cam_from_world =
+      MotionOf(glm::radians(glm::dvec3(1.0, 0.0, 0.0)), {0.02, 0, 0}) * given[2].cam_from_world;
+  PoseEstimate estimate(given);
+  for (int sweep = 0; sweep < 2; ++sweep) {
+    estimate.Sweep(*renderer_, {given, photos, {}, glm::vec3(0.0f)}, 1, 150);
+  }
+  ASSERT_GT(Shift(truth[2], given[2].cam_from_world), 0.8);
+  // What the five have in common, a fifth of the correction and less, goes to all.
+  for (size_t i = 0; i < truth.size(); ++i) {
+    EXPECT_LT(Shift(truth[i], estimate.state().poses[i].cam_from_world), i == 2 ? 0.4 : 0.25) << i;
+  }
+}
+
+TEST(CommonMotion, OfAllCamerasIsTakenBack) {
+  const std::vector<RenderView> given = Ring(5);
+  const Similarity3 world{
+      1.01, MotionOf({0.01, -0.02, 0.015}, glm::dvec3(0.0)).rotation, {0.02, 0.01, -0.03}};
+  std::vector<CorrectedPose> poses;
+  for (const RenderView& view : given) {
+    // The camera goes along with its world; lengths in its frame do not change.
+    const glm::dmat3 rotation = view.cam_from_world.rotation * glm::transpose(world.rotation);
+    const glm::dvec3 center = world * view.cam_from_world.Inverse().translation;
+    poses.push_back({{rotation, -(rotation * center)}, 2.0});
+    ASSERT_GT(Shift(view, poses.back().cam_from_world), 0.3);
+  }
+  RemoveCommonMotion(given, poses);
+  for (size_t i = 0; i < given.size(); ++i) {
+    EXPECT_LT(Shift(given[i], poses[i].cam_from_world), 1e-3) << i;
+  }
+}
+
+TEST(CommonMotion, LeavesTheDifferencesOfCameras) {
+  const std::vector<RenderView> given = Ring(12);
+  std::vector<CorrectedPose> poses;
+  for (const RenderView& view : given) poses.push_back({view.cam_from_world, 2.0});
+  poses[3].cam_from_world =
+      MotionOf(glm::dvec3(0.03, 0, 0), glm::dvec3(0.0)) * poses[3].cam_from_world;
+  const double before = Shift(given[3], poses[3].cam_from_world);
+  RemoveCommonMotion(given, poses);
+  // Seven of 72 numbers are common: on average so much of a single camera's motion is lost.
+  EXPECT_GT(Shift(given[3], poses[3].cam_from_world), 0.7 * before);
+}
+
+TEST(CommonMotion, OfCamerasThatSeeNothingIsNone) {
+  const std::vector<RenderView> given = Ring(4);
+  std::vector<CorrectedPose> poses;
+  for (const RenderView& view : given) poses.push_back({view.cam_from_world, 0.0});
+  RemoveCommonMotion(given, poses);
+  for (size_t i = 0; i < given.size(); ++i) {
+    EXPECT_LT(Shift(given[i], poses[i].cam_from_world), 1e-12);
+  }
+}
+
+TEST(PoseEstimate, IsOffForFewerThanThreeCamerasAndAfterItGaveUp) {
+  EXPECT_FALSE(PoseEstimate(Ring(2)).IsDue(0.9));
+  PoseEstimate estimate(Ring(3));
+  EXPECT_FALSE(estimate.IsDue(0.0));
+  EXPECT_TRUE(estimate.IsDue(0.9));
+  estimate.GiveUp();
+  EXPECT_FALSE(estimate.IsDue(0.9));
+}
+
+}  // namespace
+}  // namespace tetrec
