@@ -67,17 +67,17 @@ class StageCase(unittest.TestCase):
         for part in parts:
             self.assertIn(part, errors[0])
 
-    def tiny_scene(self):
-        """Makes the scene folder of the tiny data set."""
-        write_tiny_dataset(self.folder / "ball")
+    def tiny_scene(self, **dataset):
+        """Makes the scene folder of the tiny data set; `dataset` as write_tiny_dataset takes it."""
+        write_tiny_dataset(self.folder / "ball", **dataset)
         scene = self.folder / "run" / "1_scene"
         self.assert_done(self.run_stage("import", self.folder / "ball", "-o", scene))
         return scene
 
-    def tiny_tetrahedra(self):
+    def tiny_tetrahedra(self, **dataset):
         """Makes the tetrahedra folder of the tiny data set: a coarse mesh."""
         tetrahedra = self.folder / "run" / "2_tetrahedra"
-        self.assert_done(self.run_stage("tetrahedralize", self.tiny_scene(), "-o", tetrahedra,
+        self.assert_done(self.run_stage("tetrahedralize", self.tiny_scene(**dataset), "-o", tetrahedra,
                                         "--resolution", 16, "--outer-points", 50))
         return tetrahedra
 

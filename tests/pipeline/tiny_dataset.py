@@ -86,14 +86,25 @@ def eyes(count, offset):
         yield [DISTANCE * flat * math.cos(angle), DISTANCE * flat * math.sin(angle), DISTANCE * z]
 
 
-def write_tiny_dataset(folder, train=40, validation=2, test=4):
-    """Writes transforms_*.json and the images into `folder`."""
+def turned(columns, angle_rad):
+    """The columns of a camera that turned about its own y axis."""
+    right, up, back, eye = columns
+    c, s = math.cos(angle_rad), math.sin(angle_rad)
+    return [[c * r - s * b for r, b in zip(right, back)], up,
+            [s * r + c * b for r, b in zip(right, back)], eye]
+
+
+def write_tiny_dataset(folder, train=40, validation=2, test=4, turned_rad=0.0):
+    """Writes transforms_*.json and the images into `folder`. Every second training camera is said to
+    be turned by `turned_rad`, to the left and to the right by turns."""
     for split, count, offset in (("train", train, 0.5), ("val", validation, 0.3), ("test", test, 0.4)):
         (folder / split).mkdir(parents=True)
         frames = []
         for i, eye in enumerate(eyes(count, offset)):
             write_png(folder / split / f"r_{i}.png", SIZE, SIZE, picture(eye))
             columns = [*world_from_camera(eye), eye]
+            if split == "train" and i % 2 == 1:
+                columns = turned(columns, turned_rad if i % 4 == 1 else -turned_rad)
             matrix = [[column[row] for column in columns] for row in range(3)] + [[0, 0, 0, 1]]
             frames.append({"file_path": f"./{split}/r_{i}", "transform_matrix": matrix})
         (folder / f"transforms_{split}.json").write_text(
