@@ -305,7 +305,6 @@ class Trainer {
   void CorrectPoses() {
     const Timer timer;
     const bool decides = poses_.state().sweeps == 0;
-    const double before = decides ? JudgeField().psnr : 0;
     const std::vector<TargetImage> targets = TargetsToLearn(set_, judging_);
     const size_t changed =
         poses_.Sweep(*renderer_,
@@ -315,7 +314,16 @@ class Trainer {
     UseViews();
     LogInfo("sweep {} over the cameras: {} of {} corrected, {:.1f} s", poses_.state().sweeps,
             changed, set_.views.size(), timer.seconds());
-    if (decides) KeepPosesIf(changed > 0 ? JudgeField().psnr - before : 0);
+    if (decides) KeepPosesIf(changed > 0 ? GainOfPoses() : 0);
+  }
+
+  // What the corrections gain on the judging pictures with the field as it is [dB].
+  double GainOfPoses() {
+    const double corrected = JudgeField().psnr;
+    set_.views = given_views_;
+    const double given = JudgeField().psnr;
+    UseViews();
+    return corrected - given;
   }
 
   void KeepPosesIf(double gain) {
