@@ -27,6 +27,11 @@ struct RayPass {
   ScoreKind score = ScoreKind::kSquaredResidual;       // for scores
 };
 
+// A pass over blocks that are in `rays`; `view` is that of the first block.
+RayPass MakePass(DeviceField& field, RayBatch& rays, const Buffer& views,
+                 std::span<const RayBlock> blocks, const gpu_types::GpuView& view,
+                 const Buffer& counters, float stop_transmittance, const FixedPoint& fixed);
+
 // The mesh, the views and the blocks of a pass, which every kernel that makes rays reads, and
 // `more`.
 inline BoundBuffers MeshAnd(const RayPass& pass, const BoundBuffers& more) {

@@ -15,6 +15,8 @@ struct RayBatch {
   Buffer gradients;       // vec4 per ray: dL/dcolour | dL/dtransmittance
   Buffer partial_losses;  // vec2 per workgroup: loss, squared error
   Buffer exposure_sums;   // vec4 x 4 per block; empty until a batch asks for them
+  // The views of the blocks whose exposure sums are yet to be read.
+  std::vector<uint32_t> summed_views;
   uint32_t capacity = 0;  // rays
   uint32_t count = 0;     // rays
   uint32_t columns = 0;   // TileColumns

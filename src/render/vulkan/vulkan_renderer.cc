@@ -2,18 +2,19 @@
 #include "render/vulkan/vulkan_renderer.h"
 
 #include "core/error.h"
-#include "embedded_shaders.h"
 #include "mesh/locate.h"
-#include "render/adam_push.h"
 #include "render/field_checks.h"
-#include "render/ray_blocks.h"
 #include "render/vulkan/device_memory.h"
-#include "render/vulkan/dssim_loss.h"
+#include "render/vulkan/exposure_gather.h"
+#include "render/vulkan/field_update.h"
 #include "render/vulkan/fixed_point.h"
+#include "render/vulkan/gpu_view.h"
 #include "render/vulkan/march_integrator.h"
+#include "render/vulkan/pass_counters.h"
+#include "render/vulkan/picture_passes.h"
 #include "render/vulkan/ppll_integrator.h"
 #include "render/vulkan/projection_integrator.h"
-#include "shared/loss.glsl.h"
+#include "render/vulkan/ray_loss.h"
 
 #include <fmt/format.h>
 
@@ -24,47 +25,7 @@
 namespace tetrec {
 namespace {
 
-using gpu_types::AdamPush;
 using gpu_types::GpuView;
-using gpu_types::LossPush;
-using gpu_types::RayPush;
-using gpu_types::SpreadPush;
-
-// The number of rays per submit while rendering images. It bounds the ray buffers, the workgroups
-// of a dispatch and the values of the device's 32-bit counters.
-constexpr uint32_t kRaysPerSubmit = 1u << 17;
-
-// `grid` rays per side of a pixel; `start_tet` as FindTet returns it.
-GpuView MakeGpuView(const RenderView& view, int grid, uint32_t first_pixel, uint32_t start_tet) {
-  const Rigid3 world_from_cam = view.cam_from_world.Inverse();
-  const Camera& camera = view.camera;
-  GpuView result;
-  result.right_in_world_fx = glm::vec4(glm::dvec4(world_from_cam.rotation[0], grid * camera.fx));
-  result.down_in_world_fy = glm::vec4(glm::dvec4(world_from_cam.rotation[1], grid * camera.fy));
-  result.forward_in_world_cx = glm::vec4(glm::dvec4(world_from_cam.rotation[2], grid * camera.cx));
-  result.center_in_world_cy = glm::vec4(glm::dvec4(world_from_cam.translation, grid * camera.cy));
-  result.size_pixel_tet = glm::uvec4(uint32_t(grid * camera.width), uint32_t(grid * camera.height),
-                                     first_pixel, start_tet);
-  return result;
-}
-
-Program AdamProgram(const Device& device, const FieldLayout& layout, bool fixed_point) {
-  static_assert(kMostAttributes == kMostLayoutAttributes && kMostComponents < 256);
-  static_assert(kColorOffset == kColorComponent && kDensityOffset == kDensityComponent);
-  std::vector<SpecializationConstant> constants = ConstantsOf(layout);
-  constants.push_back({kConstantAttributeCount, int32_t(layout.attributes.size())});
-  uint32_t id = kConstantAttributes;
-  for (const Attribute& attribute : layout.attributes) {
-    constants.push_back({id++, attribute.components | int32_t(attribute.activation) << 8 |
-                                   int32_t(attribute.rate) << 16});
-  }
-  const std::span<const uint32_t> fixed = kAdamFixed, floats = kAdam;
-  return Program(device, "adam", fixed_point ? fixed : floats, constants);
-}
-
-Program SpreadProgram(const Device& device, const FieldLayout& layout) {
-  return Program(device, "spread", kSpread, ConstantsOf(layout));
-}
 
 double LargestValue(std::span<const glm::vec4> values) {
   float largest = 0.0f;
@@ -93,40 +54,22 @@ std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
   return nullptr;
 }
 
-// A training batch on the device.
-struct BatchSlot {
-  RayBatch rays;
-  DssimBatch dssim;
-  uint32_t uncollected_rays = 0;  // whose losses are yet to be read
-  // The views of the blocks whose exposure sums are yet to be read.
-  std::vector<uint32_t> uncollected_views;
-};
-
-// What the loss leaves in RayBatch::gradients.
-struct RayGradients {
-  float scale = 1;             // of the loss
-  bool are_residuals = false;  // by what is shown, for scores
-};
-
 class VulkanRenderer final : public ProbedRenderer {
  public:
   explicit VulkanRenderer(const RendererOptions& options)
       : options_(options),
         device_(CreateDevice(DeviceOptionsOf(options))),
-        loss_(*device_, "loss", kLoss),
-        exposure_sums_(*device_, "exposure_sums", kExposureSums),
-        adam_(AdamProgram(*device_, layout_, options.deterministic)),
-        spread_(SpreadProgram(*device_, layout_)),
+        update_(*device_, layout_, options.deterministic),
+        loss_(*device_),
+        exposures_(*device_),
+        counters_(*device_),
         march_(*device_, options),
         other_(MakeOtherIntegrator(*device_, options, layout_)),
         integrator_(other_ ? other_.get() : &march_),
         recorders_{std::make_unique<CommandRecorder>(*device_),
                    std::make_unique<CommandRecorder>(*device_)},
-        render_recorder_(*device_),
-        counters_(*device_, "counters", kCounterCount * 4),
-        render_view_(*device_, "view", sizeof(GpuView), VK_FORMAT_R32G32B32A32_UINT) {
-    counters_.FillZero();
-  }
+        part_recorder_(*device_),
+        pictures_(*device_, options_, counters_) {}
 
   // Buffers are destroyed before the recorders, so the device must be done with them.
   ~VulkanRenderer() override { WaitAll(); }
@@ -175,28 +118,21 @@ class VulkanRenderer final : public ProbedRenderer {
       pixels.insert(pixels.end(), targets[i].rgba8.begin(), targets[i].rgba8.end());
     }
     targets_ = MakeBuffer(*device_, "target pictures", pixels, VK_FORMAT_R8G8B8A8_UNORM);
-    if (views.size() != exposed_views_) ForgetExposures();
+    if (views.size() != exposures_.views()) ForgetExposures();
     if (field_.tet_count > 0) UploadViews();
   }
 
   void SetExposures(std::span<const ViewExposure> exposures) override {
     TETREC_CHECK(exposures.size() == views_.size(), "one exposure per view");
     WaitAll();
-    std::vector<glm::vec4> texels;
-    for (const ViewExposure& exposure : exposures) {
-      texels.emplace_back(glm::vec3(exposure.gain), 0.0f);
-      texels.emplace_back(glm::vec3(exposure.offset), 0.0f);
-    }
-    exposed_views_ = exposures.size();
-    exposures_ = MakeBuffer(*device_, "exposures", texels, VK_FORMAT_R32G32B32A32_SFLOAT);
+    exposures_.SetExposures(exposures);
   }
 
   void AddExposureSums(std::span<ExposureSums> sums) override {
     WaitAll();
-    CollectExposureSums(in_flight_[current_ ^ 1]);  // the older one
-    CollectExposureSums(in_flight_[current_]);
-    AddBlockSums(block_sums_, sums);
-    block_sums_.clear();
+    exposures_.Collect(in_flight_[current_ ^ 1].rays);  // the older one
+    exposures_.Collect(in_flight_[current_].rays);
+    exposures_.TakeSums(sums);
   }
 
   // Two steps are in flight: while the device works on one, the host prepares the next.
@@ -206,7 +142,7 @@ class VulkanRenderer final : public ProbedRenderer {
     const StepResult before = InFlightBatch(*integrator_, batch, {ScaleOf(batch)}, fixed,
                                             [&](CommandRecorder& recorder, const RayPass& pass) {
                                               integrator_->Backward(recorder, pass);
-                                              RecordUpdate(recorder, update, fixed);
+                                              update_.Adam(recorder, field_, update, fixed);
                                             });
     ForgetSums();
     return before;
@@ -218,10 +154,10 @@ class VulkanRenderer final : public ProbedRenderer {
     forward_batch_ = batch;
     forward_batch_.blocks = forward_blocks_;
     PutBlocks(part_.rays, batch.blocks);
-    render_recorder_.Begin();
-    RecordForward(render_recorder_, *integrator_, part_, ForwardPass(), batch, {ScaleOf(batch)});
-    render_recorder_.EndAndSubmit();
-    render_recorder_.Wait();
+    part_recorder_.Begin();
+    RecordForward(part_recorder_, *integrator_, part_, ForwardPass(), batch, {ScaleOf(batch)});
+    part_recorder_.EndAndSubmit();
+    part_recorder_.Wait();
     has_forward_ = true;
     return Collect(part_);
   }
@@ -235,10 +171,10 @@ class VulkanRenderer final : public ProbedRenderer {
     }
     RayPass pass = ForwardPass();
     pass.parts = parts;
-    render_recorder_.Begin();
-    integrator_->Backward(render_recorder_, pass);
-    render_recorder_.EndAndSubmit();
-    render_recorder_.Wait();
+    part_recorder_.Begin();
+    integrator_->Backward(part_recorder_, pass);
+    part_recorder_.EndAndSubmit();
+    part_recorder_.Wait();
     has_sums_ = true;
   }
 
@@ -270,10 +206,10 @@ class VulkanRenderer final : public ProbedRenderer {
 
   void Update(const AdamUpdate& update) override {
     WaitAll();
-    render_recorder_.Begin();
-    RecordUpdate(render_recorder_, update, sums_fixed_);
-    render_recorder_.EndAndSubmit();
-    render_recorder_.Wait();
+    part_recorder_.Begin();
+    update_.Adam(part_recorder_, field_, update, sums_fixed_);
+    part_recorder_.EndAndSubmit();
+    part_recorder_.Wait();
     ForgetSums();
   }
 
@@ -325,69 +261,27 @@ class VulkanRenderer final : public ProbedRenderer {
 
   RenderedImage Render(const RenderView& view, int samples) override {
     WaitAll();
-    const int width = view.camera.width, height = view.camera.height;
-    UploadRenderView(view, samples);
-    RenderedImage image{width, height, std::vector<glm::vec3>(size_t(width) * height),
-                        std::vector<float>(size_t(width) * height)};
-    const float share = 1.0f / float(samples * samples);
-    ForEachBatch(CoveringBlocks(width * samples, height * samples),
-                 [&](std::span<const RayBlock> blocks) {
-                   const std::vector<glm::vec4> colors = MarchBatch(blocks);
-                   for (size_t r = 0; r < colors.size(); ++r) {
-                     const glm::ivec2 at = PixelOfRay(blocks, r);
-                     if (at.x >= width * samples || at.y >= height * samples) continue;
-                     const size_t pixel = size_t(at.y / samples) * width + at.x / samples;
-                     image.color_srgb[pixel] += share * glm::vec3(colors[r]);
-                     image.transmittance[pixel] += share * std::exp(-colors[r].a);
-                   }
-                 });
-    return image;
+    has_forward_ = false;
+    return pictures_.Render(*integrator_, field_, view, samples);
   }
 
   DepthMap RenderDepth(const RenderView& view) override {
     WaitAll();
-    const int width = view.camera.width, height = view.camera.height;
-    UploadRenderView(view, 1);
-    DepthMap map = MakeDepthMap(width, height);
-    ForEachBatch(CoveringBlocks(width, height), [&](std::span<const RayBlock> blocks) {
-      const std::vector<float> reaches = ReachesOfBatch(blocks);
-      for (size_t r = 0; r < reaches.size(); ++r) {
-        const glm::ivec2 at = PixelOfRay(blocks, r);
-        if (at.x < width && at.y < height && reaches[r] > 0) {
-          map.At(at.x, at.y) = float(DepthOfDistance(view.camera, at, double(reaches[r])));
-        }
-      }
-    });
-    return map;
+    has_forward_ = false;
+    return pictures_.RenderDepth(march_, field_, view);
   }
 
   FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient,
                               GradientParts parts) override {
     const bool with_positions = parts == GradientParts::kColorDensityPosition;
     WaitAll();
-    const int width = view.camera.width, height = view.camera.height;
-    TETREC_CHECK(pixel_gradient.size() == size_t(width) * height, "one gradient per pixel");
-    UploadRenderView(view, 1);
+    TETREC_CHECK(pixel_gradient.size() == size_t(view.camera.width) * size_t(view.camera.height),
+                 "one gradient per pixel");
     const FixedPoint fixed = FixedPointOf(LargestValue(pixel_gradient), pixel_gradient.size());
     TETREC_CHECK(!has_sums_, "Backpropagate in the middle of a sum");
     if (with_positions) AllocatePositionGradients(*device_, field_);
-    ForEachBatch(CoveringBlocks(width, height), [&](std::span<const RayBlock> blocks) {
-      MarchBatch(blocks);
-      std::vector<glm::vec4> gradients(blocks.size() * kRaysPerBlock, glm::vec4(0.0f));
-      for (size_t r = 0; r < gradients.size(); ++r) {
-        const glm::ivec2 at = PixelOfRay(blocks, r);
-        if (at.x < width && at.y < height) {
-          gradients[r] = pixel_gradient[size_t(at.y) * width + at.x];
-        }
-      }
-      picture_rays_.gradients.Upload(gradients);
-      render_recorder_.Begin();
-      RayPass pass = RenderPass(blocks, fixed);
-      pass.parts = parts;
-      integrator_->Backward(render_recorder_, pass);
-      render_recorder_.EndAndSubmit();
-      render_recorder_.Wait();
-    });
+    has_forward_ = false;
+    pictures_.Backpropagate(*integrator_, field_, view, pixel_gradient, parts, fixed);
     has_position_sums_ = with_positions;
     const GradientSums sums = TakeSums(fixed);
     FieldGradient result;
@@ -406,20 +300,13 @@ class VulkanRenderer final : public ProbedRenderer {
   std::vector<glm::vec4> MarchBlocks(const RenderView& view,
                                      std::span<const RayBlock> blocks) override {
     WaitAll();
-    UploadRenderView(view, 1);
-    std::vector<glm::vec4> rays;
-    rays.reserve(blocks.size() * kRaysPerBlock);
-    ForEachBatch(blocks, [&](std::span<const RayBlock> batch) {
-      const std::vector<glm::vec4> colors = MarchBatch(batch);
-      rays.insert(rays.end(), colors.begin(), colors.end());
-    });
-    return rays;
+    has_forward_ = false;
+    return pictures_.MarchBlocks(*integrator_, field_, view, blocks);
   }
 
   RenderCounts counts() const override {
     WaitAll();
-    RenderCounts counts = counts_;
-    AddCounters(counts);
+    RenderCounts counts = counters_.Counts();
     counts.device_bytes = device_->memory_use->most_bytes;
     return counts;
   }
@@ -461,20 +348,17 @@ class VulkanRenderer final : public ProbedRenderer {
   void UseLayout(const FieldLayout& layout) {
     if (layout == layout_) return;
     layout_ = layout;
-    adam_ = AdamProgram(*device_, layout, options_.deterministic);
-    spread_ = SpreadProgram(*device_, layout);
+    update_ = FieldUpdate(*device_, layout, options_.deterministic);
     other_ = MakeOtherIntegrator(*device_, options_, layout);
     integrator_ = other_ ? other_.get() : &march_;
   }
 
   // Gives the renderers the field of the parameters.
   void SpreadParameters() {
-    render_recorder_.Begin();
-    render_recorder_.DispatchMany(
-        spread_, {{kBindParameters, field_.parameters}, {kBindVertices, field_.vertices}},
-        SpreadPush{field_.row_count, field_.first_cell}, field_.row_count);
-    render_recorder_.EndAndSubmit();
-    render_recorder_.Wait();
+    part_recorder_.Begin();
+    update_.Spread(part_recorder_, field_);
+    part_recorder_.EndAndSubmit();
+    part_recorder_.Wait();
   }
 
   // Gradients are about to be added that count in these quanta.
@@ -504,14 +388,6 @@ class VulkanRenderer final : public ProbedRenderer {
     return sums;
   }
 
-  void AddCounters(RenderCounts& counts) const {
-    const auto counters = counters_.DownloadAs<uint32_t>(kCounterCount);
-    counts.lost_rays += counters[kCounterLostRays];
-    counts.clamped_addends += counters[kCounterClamped];
-    counts.hit_rays += counters[kCounterHitRays];
-    counts.steps += counters[kCounterSteps];
-  }
-
   // Records forward and loss of a batch and whatever `then` records, and submits it. Returns the
   // losses of the batch before last.
   template <class Then>
@@ -524,8 +400,7 @@ class VulkanRenderer final : public ProbedRenderer {
     recorder.Wait();
     const StepResult before = Collect(slot);
     PutBlocks(slot.rays, batch.blocks);
-    const RayPass pass = PassOver(slot.rays, training_views_, batch.blocks,
-                                  gpu_views_[batch.blocks[0].view], batch, fixed);
+    const RayPass pass = PassOver(slot.rays, batch, fixed);
     recorder.Begin();
     RecordForward(recorder, integrator, slot, pass, batch, gradients);
     then(recorder, pass);
@@ -536,56 +411,29 @@ class VulkanRenderer final : public ProbedRenderer {
 
   // The pass over the batch of Forward.
   RayPass ForwardPass() {
-    return PassOver(part_.rays, training_views_, forward_blocks_,
-                    gpu_views_[forward_blocks_[0].view], forward_batch_,
-                    FixedPointOf(forward_batch_));
+    return PassOver(part_.rays, forward_batch_, FixedPointOf(forward_batch_));
   }
 
   void RecordForward(CommandRecorder& recorder, Integrator& integrator, BatchSlot& slot,
                      const RayPass& pass, const TrainingBatch& batch,
                      const RayGradients& gradients) {
     integrator.Forward(recorder, pass);
-    RecordLoss(recorder, slot, batch, gradients);
-    slot.uncollected_rays = slot.rays.count;
+    if (batch.dssim_weight > 0) CheckTiles(batch);
+    loss_.Record(recorder, slot, batch, gradients, training_views_, targets_, exposures_);
   }
 
   // For other views than before.
   void ForgetExposures() {
-    for (BatchSlot* slot : {&in_flight_[0], &in_flight_[1], &part_}) {
-      slot->uncollected_views.clear();
-    }
-    block_sums_.clear();
+    for (BatchSlot* slot : {&in_flight_[0], &in_flight_[1], &part_})
+      slot->rays.summed_views.clear();
+    exposures_.ForgetSums();
     SetExposures(std::vector<ViewExposure>(views_.size()));
-  }
-
-  // Keeps the exposure sums of a batch that the device is done with.
-  void CollectExposureSums(BatchSlot& slot) {
-    const std::vector<uint32_t> views = std::exchange(slot.uncollected_views, {});
-    const auto rows = slot.rays.exposure_sums.DownloadAs<glm::vec4>(views.size() * 4);
-    for (size_t block = 0; block < views.size(); ++block) {
-      BlockExposureSums sums{views[block], {}};
-      for (size_t c = 0; c < 3; ++c) {
-        const glm::dvec4 row(rows[4 * block + c]);
-        sums.sums[c] = {double(rows[4 * block + 3].x), row[0], row[1], row[2], row[3]};
-      }
-      block_sums_.push_back(sums);
-    }
   }
 
   // Sums the losses of a batch that the device is done with, and keeps its exposure sums.
   StepResult Collect(BatchSlot& slot) {
-    CollectExposureSums(slot);
-    const uint32_t rays = std::exchange(slot.uncollected_rays, 0);
-    StepResult result;
-    if (rays == 0) return result;
-    const uint32_t groups = (rays + kWorkgroupSize - 1) / kWorkgroupSize;
-    for (const glm::vec2& partial : slot.rays.partial_losses.DownloadAs<glm::vec2>(groups)) {
-      result.loss += partial.x;
-      result.squared_error += partial.y;
-    }
-    result.loss = slot.dssim.Mix(result.loss / (3.0 * rays));
-    result.squared_error /= 3.0 * rays;
-    return result;
+    exposures_.Collect(slot.rays);
+    return RayLoss::Collect(slot);
   }
 
   void UploadViews() {
@@ -599,61 +447,9 @@ class VulkanRenderer final : public ProbedRenderer {
     training_views_ = MakeBuffer(*device_, "views", gpu_views_, VK_FORMAT_R32G32B32A32_UINT);
   }
 
-  void UploadRenderView(const RenderView& view, int samples) {
-    const uint32_t tet = FindTet(field_.mesh, view.cam_from_world.Inverse().translation, 0,
-                                 field_.not_convex.empty());
-    gpu_render_view_ = MakeGpuView(view, samples, 0, tet);
-    render_view_.Upload(&gpu_render_view_, sizeof(gpu_render_view_));
-  }
-
   void PutBlocks(RayBatch& rays, std::span<const RayBlock> blocks) {
     rays.SetBlocks(*device_, blocks);
-    counts_.rays += rays.count;
-  }
-
-  // Batches of a tile are whole rows of its blocks, so each is a tile, too.
-  template <class Body>
-  void ForEachBatch(std::span<const RayBlock> blocks, const Body& body) {
-    const size_t row = std::max(1u, TileColumns(blocks));
-    const size_t batch = std::max<size_t>(1, kRaysPerSubmit / kRaysPerBlock / row) * row;
-    for (size_t first = 0; first < blocks.size(); first += batch) {
-      body(blocks.subspan(first, std::min(batch, blocks.size() - first)));
-    }
-  }
-
-  // Forward pass over blocks of the render view: colour and optical depth per ray.
-  std::vector<glm::vec4> MarchBatch(std::span<const RayBlock> blocks) {
-    RayBatch& rays = picture_rays_;
-    PutBlocks(rays, blocks);
-    has_forward_ = false;
-    RayPass pass = RenderPass(blocks, {});
-    pass.count_steps = options_.count_steps;
-    render_recorder_.Begin();
-    integrator_->Forward(render_recorder_, pass);
-    render_recorder_.EndAndSubmit();
-    render_recorder_.Wait();
-    // The device's 32-bit counters would overflow in images of many steps.
-    AddCounters(counts_);
-    counters_.FillZero();
-    return rays.colors.DownloadAs<glm::vec4>(rays.count);
-  }
-
-  // Distances from the camera at which rays of the render view have lost half of their light; 0:
-  // nowhere.
-  std::vector<float> ReachesOfBatch(std::span<const RayBlock> blocks) {
-    RayBatch& rays = picture_rays_;
-    PutBlocks(rays, blocks);
-    has_forward_ = false;
-    RayPass pass = RenderPass(blocks, {});
-    pass.push.stop_depth = float(kHalfLightDepth);
-    const Buffer reaches(*device_, "ray reaches", uint64_t{rays.count} * 4);
-    render_recorder_.Begin();
-    march_.ForwardWithReaches(render_recorder_, pass, reaches);
-    render_recorder_.EndAndSubmit();
-    render_recorder_.Wait();
-    AddCounters(counts_);
-    counters_.FillZero();
-    return reaches.DownloadAs<float>(rays.count);
+    counters_.AddRays(rays.count);
   }
 
   static float ScaleOf(const TrainingBatch& batch) {
@@ -670,70 +466,14 @@ class VulkanRenderer final : public ProbedRenderer {
     return ChooseFixedPoint(gradient_scale, rays, field_.most_tets_at_vertex, field_.diagonal);
   }
 
-  RayPass RenderPass(std::span<const RayBlock> blocks, const FixedPoint& fixed) {
-    return PassOver(picture_rays_, render_view_, blocks, gpu_render_view_, {}, fixed);
-  }
-
-  RayPass PassOver(RayBatch& rays, const Buffer& views, std::span<const RayBlock> blocks,
-                   const GpuView& view, const TrainingBatch& batch, const FixedPoint& fixed) {
-    return {field_,
-            rays,
-            views,
-            blocks,
-            view,
-            counters_,
-            RayPush{.ray_count = rays.count,
-                    .jitter_seed = batch.seed,
-                    .jitter_px = batch.jitter_px,
-                    .stop_depth = -std::log(options_.stop_transmittance),
-                    .color_quanta = fixed.color_quanta,
-                    .density_quanta = fixed.density_quanta,
-                    .position_quanta = fixed.position_quanta,
-                    .largest_quanta = fixed.largest_quanta,
-                    .first_cell = field_.first_cell}};
-  }
-
-  void RecordLoss(CommandRecorder& recorder, BatchSlot& slot, const TrainingBatch& batch,
-                  const RayGradients& gradients) {
-    const RayBatch& rays = slot.rays;
-    const LossPush push{.ray_count = rays.count,
-                        .loss = batch.loss == LossKind::kL2 ? uint32_t(kLossL2) : uint32_t(kLossL1),
-                        .gradient_scale = gradients.scale,
-                        .writes_residuals = gradients.are_residuals,
-                        .background = glm::vec4(batch.background_srgb, 0.0f)};
-    if (batch.sums_exposures) RecordExposureSums(recorder, slot, batch, push);
-    slot.dssim.weight = batch.dssim_weight;
-    if (batch.dssim_weight > 0) {
-      CheckTiles(batch);
-      if (!dssim_) dssim_ = std::make_unique<DssimLoss>(*device_);
-      dssim_->Record(recorder, slot.dssim, rays, batch, push, training_views_, exposures_,
-                     targets_);
-      return;
-    }
-    recorder.Dispatch(loss_,
-                      {{kBindViews, training_views_},
-                       {kBindBlocks, rays.blocks},
-                       {kBindRayColors, rays.colors},
-                       {kBindRayGradients, rays.gradients},
-                       {kBindPartialLosses, rays.partial_losses},
-                       {kBindTargets, targets_},
-                       {kBindExposures, exposures_}},
-                      push, rays.count);
-  }
-
-  void RecordExposureSums(CommandRecorder& recorder, BatchSlot& slot, const TrainingBatch& batch,
-                          const LossPush& push) {
-    RayBatch& rays = slot.rays;
-    Grow(*device_, rays.exposure_sums, "exposure sums",
-         batch.blocks.size() * 4 * sizeof(glm::vec4));
-    recorder.Dispatch(exposure_sums_,
-                      {{kBindViews, training_views_},
-                       {kBindBlocks, rays.blocks},
-                       {kBindRayColors, rays.colors},
-                       {kBindTargets, targets_},
-                       {kBindExposureSums, rays.exposure_sums}},
-                      push, batch.blocks.size());
-    for (const RayBlock& block : batch.blocks) slot.uncollected_views.push_back(block.view);
+  // A pass over a batch of the training views.
+  RayPass PassOver(RayBatch& rays, const TrainingBatch& batch, const FixedPoint& fixed) {
+    RayPass pass =
+        MakePass(field_, rays, training_views_, batch.blocks, gpu_views_[batch.blocks[0].view],
+                 counters_.buffer(), options_.stop_transmittance, fixed);
+    pass.push.jitter_seed = batch.seed;
+    pass.push.jitter_px = batch.jitter_px;
+    return pass;
   }
 
   // Windows must not reach beyond an image, where rays have no target.
@@ -746,41 +486,24 @@ class VulkanRenderer final : public ProbedRenderer {
     }
   }
 
-  void RecordUpdate(CommandRecorder& recorder, const AdamUpdate& update, const FixedPoint& fixed) {
-    AdamPush push = MakeAdamPush(update, field_.row_count);
-    push.quanta[kRateColor] = 1.0f / fixed.color_quanta;
-    push.quanta[kRateDensity] = 1.0f / fixed.density_quanta;
-    push.first_cell = field_.first_cell;
-    recorder.DispatchMany(adam_,
-                          {{kBindVertexGradients, field_.gradients},
-                           {kBindParameters, field_.parameters},
-                           {kBindMoments, field_.moments},
-                           {kBindRateShares, field_.rate_shares},
-                           {kBindVertices, field_.vertices}},
-                          push, field_.row_count);
-  }
-
   RendererOptions options_;
   std::unique_ptr<Device> device_;
-  FieldLayout layout_;  // which the kernels below are made for
-  Program loss_, exposure_sums_, adam_, spread_;
+  FieldLayout layout_;
+  FieldUpdate update_;  // made for this layout
+  RayLoss loss_;
+  ExposureGather exposures_;  // of the training views
+  PassCounters counters_;
   MarchIntegrator march_;              // for scores, whichever integrator renders
   std::unique_ptr<Integrator> other_;  // unless the march renders
   Integrator* integrator_;
   std::array<std::unique_ptr<CommandRecorder>, 2> recorders_;
-  CommandRecorder render_recorder_;
-  Buffer counters_, render_view_;
+  CommandRecorder part_recorder_;
   DeviceField field_;
   Buffer targets_, training_views_;
-  Buffer exposures_;  // of the training views
-  size_t exposed_views_ = 0;
-  std::vector<BlockExposureSums> block_sums_;  // since AddExposureSums
   std::vector<RenderView> views_;
   std::vector<GpuView> gpu_views_;  // as in training_views_
-  GpuView gpu_render_view_;         // as in render_view_
   std::vector<uint32_t> first_pixels_;
   std::array<BatchSlot, 2> in_flight_;  // of steps and scores
-  RayBatch picture_rays_;               // apart: the losses of steps are read late
   BatchSlot part_;                      // for Forward and Backward
   TrainingBatch forward_batch_;         // that of the last Forward, with
   std::vector<RayBlock> forward_blocks_;
@@ -789,10 +512,9 @@ class VulkanRenderer final : public ProbedRenderer {
   bool has_position_sums_ = false;  // nor was taken
   bool has_quanta_ = false;         // sums_fixed_ is known since the last update
   FixedPoint sums_fixed_;
-  std::unique_ptr<DssimLoss> dssim_;  // once a batch needs it
   int current_ = 0;
   uint64_t scored_rays_ = 0;  // since ClearScores
-  RenderCounts counts_;       // without those still in counters_
+  PicturePasses pictures_;
 };
 
 }  // namespace

@@ -1,0 +1,56 @@
+// The kernels that change a field on the device.
+#include "render/vulkan/field_update.h"
+
+#include "embedded_shaders.h"
+#include "render/adam_push.h"
+#include "render/vulkan/integrator.h"
+
+namespace tetrec {
+
+using gpu_types::AdamPush;
+using gpu_types::SpreadPush;
+
+namespace {
+
+Program AdamProgram(const Device& device, const FieldLayout& layout, bool fixed_point) {
+  static_assert(kMostAttributes == kMostLayoutAttributes && kMostComponents < 256);
+  static_assert(kColorOffset == kColorComponent && kDensityOffset == kDensityComponent);
+  std::vector<SpecializationConstant> constants = ConstantsOf(layout);
+  constants.push_back({kConstantAttributeCount, int32_t(layout.attributes.size())});
+  uint32_t id = kConstantAttributes;
+  for (const Attribute& attribute : layout.attributes) {
+    constants.push_back({id++, attribute.components | int32_t(attribute.activation) << 8 |
+                                   int32_t(attribute.rate) << 16});
+  }
+  const std::span<const uint32_t> fixed = kAdamFixed, floats = kAdam;
+  return Program(device, "adam", fixed_point ? fixed : floats, constants);
+}
+
+}  // namespace
+
+FieldUpdate::FieldUpdate(const Device& device, const FieldLayout& layout, bool fixed_point)
+    : adam_(AdamProgram(device, layout, fixed_point)),
+      spread_(Program(device, "spread", kSpread, ConstantsOf(layout))) {}
+
+void FieldUpdate::Adam(CommandRecorder& recorder, DeviceField& field, const AdamUpdate& update,
+                       const FixedPoint& fixed) const {
+  AdamPush push = MakeAdamPush(update, field.row_count);
+  push.quanta[kRateColor] = 1.0f / fixed.color_quanta;
+  push.quanta[kRateDensity] = 1.0f / fixed.density_quanta;
+  push.first_cell = field.first_cell;
+  recorder.DispatchMany(adam_,
+                        {{kBindVertexGradients, field.gradients},
+                         {kBindParameters, field.parameters},
+                         {kBindMoments, field.moments},
+                         {kBindRateShares, field.rate_shares},
+                         {kBindVertices, field.vertices}},
+                        push, field.row_count);
+}
+
+void FieldUpdate::Spread(CommandRecorder& recorder, DeviceField& field) const {
+  recorder.DispatchMany(spread_,
+                        {{kBindParameters, field.parameters}, {kBindVertices, field.vertices}},
+                        SpreadPush{field.row_count, field.first_cell}, field.row_count);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,57 @@
+// The loss of a batch on the device, and what becomes of it on the host.
+#include "render/vulkan/ray_loss.h"
+
+#include "embedded_shaders.h"
+#include "shared/loss.glsl.h"
+
+#include <utility>
+
+namespace tetrec {
+
+using gpu_types::LossPush;
+
+RayLoss::RayLoss(const Device& device) : device_(device), program_(device, "loss", kLoss) {}
+
+void RayLoss::Record(CommandRecorder& recorder, BatchSlot& slot, const TrainingBatch& batch,
+                     const RayGradients& gradients, const Buffer& views, const Buffer& targets,
+                     const ExposureGather& exposures) {
+  RayBatch& rays = slot.rays;
+  const LossPush push{.ray_count = rays.count,
+                      .loss = batch.loss == LossKind::kL2 ? uint32_t(kLossL2) : uint32_t(kLossL1),
+                      .gradient_scale = gradients.scale,
+                      .writes_residuals = gradients.are_residuals,
+                      .background = glm::vec4(batch.background_srgb, 0.0f)};
+  slot.uncollected_rays = rays.count;
+  if (batch.sums_exposures) exposures.Record(recorder, rays, batch.blocks, push, views, targets);
+  slot.dssim.weight = batch.dssim_weight;
+  if (batch.dssim_weight > 0) {
+    if (!dssim_) dssim_ = std::make_unique<DssimLoss>(device_);
+    dssim_->Record(recorder, slot.dssim, rays, batch, push, views, exposures.exposures(), targets);
+    return;
+  }
+  recorder.Dispatch(program_,
+                    {{kBindViews, views},
+                     {kBindBlocks, rays.blocks},
+                     {kBindRayColors, rays.colors},
+                     {kBindRayGradients, rays.gradients},
+                     {kBindPartialLosses, rays.partial_losses},
+                     {kBindTargets, targets},
+                     {kBindExposures, exposures.exposures()}},
+                    push, rays.count);
+}
+
+StepResult RayLoss::Collect(BatchSlot& slot) {
+  const uint32_t rays = std::exchange(slot.uncollected_rays, 0);
+  StepResult result;
+  if (rays == 0) return result;
+  const uint32_t groups = (rays + kWorkgroupSize - 1) / kWorkgroupSize;
+  for (const glm::vec2& partial : slot.rays.partial_losses.DownloadAs<glm::vec2>(groups)) {
+    result.loss += partial.x;
+    result.squared_error += partial.y;
+  }
+  result.loss = slot.dssim.Mix(result.loss / (3.0 * rays));
+  result.squared_error /= 3.0 * rays;
+  return result;
+}
+
+}  // namespace tetrec
