@@ -31,6 +31,36 @@ int Shift(Random& random, int size) {
   return int(random.Below(uint32_t(2 * size - 1))) - (size - 1);
 }
 
+// Blocks to draw from: some of TrainingSet::blocks, and those of its subject_blocks among them.
+struct BlockPool {
+  std::span<const RayBlock> all;
+  std::span<const uint32_t> subject;
+};
+
+BlockPool AllBlocks(const TrainingSet& set) { return {set.blocks, set.subject_blocks}; }
+
+BlockPool BlocksOfView(const TrainingSet& set, uint32_t view) {
+  const auto [first, last] = std::ranges::equal_range(set.blocks, view, {}, &RayBlock::view);
+  const auto view_of = [&](uint32_t block) { return set.blocks[block].view; };
+  const auto [first_subject, last_subject] =
+      std::ranges::equal_range(set.subject_blocks, view, {}, view_of);
+  return {{first, last}, {first_subject, last_subject}};
+}
+
+RayBlock DrawBlock(const TrainingSet& set, const BlockPool& pool, double subject_share,
+                   Random& random) {
+  const bool subject = !pool.subject.empty() && random.Uniform() < subject_share;
+  RayBlock block = subject ? set.blocks[pool.subject[random.Below(uint32_t(pool.subject.size()))]]
+                           : pool.all[random.Below(uint32_t(pool.all.size()))];
+  // Offsets need not be aligned, but blocks stay inside the image.
+  const TargetImage& target = set.targets[block.view];
+  const int x = int(block.x) + Shift(random, kRayBlockWidth);
+  const int y = int(block.y) + Shift(random, kRayBlockHeight);
+  block.x = uint32_t(std::clamp(x, 0, target.width - kRayBlockWidth));
+  block.y = uint32_t(std::clamp(y, 0, target.height - kRayBlockHeight));
+  return block;
+}
+
 }  // namespace
 
 RenderView MakeRenderView(const Scene& scene, int view) {
@@ -95,18 +125,22 @@ void ListBlocks(TrainingSet& set, std::span<const uint8_t> left_out) {
 std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double subject_share,
                                  uint64_t seed, uint64_t iteration) {
   Random random(seed, iteration);
+  const BlockPool all = AllBlocks(set);
   std::vector<RayBlock> blocks(count);
-  for (RayBlock& block : blocks) {
-    const bool subject = !set.subject_blocks.empty() && random.Uniform() < subject_share;
-    block = subject
-                ? set.blocks[set.subject_blocks[random.Below(uint32_t(set.subject_blocks.size()))]]
-                : set.blocks[random.Below(uint32_t(set.blocks.size()))];
-    // Offsets need not be aligned, but blocks stay inside the image.
-    const TargetImage& target = set.targets[block.view];
-    const int x = int(block.x) + Shift(random, kRayBlockWidth);
-    const int y = int(block.y) + Shift(random, kRayBlockHeight);
-    block.x = uint32_t(std::clamp(x, 0, target.width - kRayBlockWidth));
-    block.y = uint32_t(std::clamp(y, 0, target.height - kRayBlockHeight));
+  for (RayBlock& block : blocks) block = DrawBlock(set, all, subject_share, random);
+  return blocks;
+}
+
+std::vector<RayBlock> DrawBlocksOfViews(const TrainingSet& set, size_t count, size_t views,
+                                        double subject_share, uint64_t seed, uint64_t iteration) {
+  Random random(seed, iteration);
+  std::vector<BlockPool> pools;
+  for (size_t i = 0; i < views; ++i) {
+    pools.push_back(BlocksOfView(set, DrawBlock(set, AllBlocks(set), subject_share, random).view));
+  }
+  std::vector<RayBlock> blocks(count);
+  for (size_t i = 0; i < count; ++i) {
+    blocks[i] = DrawBlock(set, pools[i * views / count], subject_share, random);
   }
   return blocks;
 }

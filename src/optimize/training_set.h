@@ -34,6 +34,11 @@ RenderView MakeRenderView(const Scene& scene, int view);
 std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double subject_share,
                                  uint64_t seed, uint64_t iteration);
 
+// As DrawBlocks, but of at most `views` views, which are drawn first: as often as DrawBlocks draws
+// their blocks. The blocks come view by view.
+std::vector<RayBlock> DrawBlocksOfViews(const TrainingSet& set, size_t count, size_t views,
+                                        double subject_share, uint64_t seed, uint64_t iteration);
+
 // `tiles` rectangles of about `count` blocks each, all of one shape, around blocks drawn as by
 // DrawBlocks, each with its blocks in row order. Several are no wider or higher than the smallest
 // image, a single one no wider or higher than its own.
