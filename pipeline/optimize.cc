@@ -32,6 +32,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   app.add_option("--color-rate", options.color_rate,
                  "Initial learning rate of colour [display sRGB]")
       ->check(tetrec::AboveZero());
+  app.add_option("--sh-rate", options.harmonics_rate,
+                 "Initial learning rate of the coefficients of harmonics [display sRGB]")
+      ->check(tetrec::AboveZero());
   app.add_option("--density-rate", options.density_rate,
                  "Initial learning rate of the logarithm of density")
       ->check(tetrec::AboveZero());
@@ -65,6 +68,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   tetrec::AddWordOption(app, "--poses", options.poses,
                         "Small corrections of the training cameras, kept if the judging pictures "
                         "gain by them: auto (where cameras were estimated from photos), on or off");
+  tetrec::AddWordOption(
+      app, "--sh", options.harmonics,
+      "Degree of spherical harmonics by which colours depend on the view: 0 (they "
+      "do not) to 3, or auto, as many as the judging pictures gain from");
   app.add_option("--rounds", options.schedule.rounds, "Refinements of the mesh")
       ->check(CLI::Range(0, 100));
   app.add_option("--last-round", options.schedule.last_round,

@@ -1,4 +1,4 @@
-// One step of Adam (shared/adam.glsl.h) on every row of a field's attributes, and the field that the
+// One step of Adam (shared/adam.glsl.h) on colour and density of every row, and the field that the
 // renderers read.
 //
 // A row of parameters, of gradients, and of first and of second moments has kRowComponents floats,
@@ -27,15 +27,6 @@ layout(push_constant) uniform Push { AdamPush push; };
 
 #include "storage.glsl"
 
-layout(constant_id = kConstantAttributeCount) const int kAttributeCount = 2;
-layout(constant_id = kConstantAttributes) const int kAttribute0 = 0;
-layout(constant_id = kConstantAttributes + 1) const int kAttribute1 = 0;
-layout(constant_id = kConstantAttributes + 2) const int kAttribute2 = 0;
-layout(constant_id = kConstantAttributes + 3) const int kAttribute3 = 0;
-layout(constant_id = kConstantAttributes + 4) const int kAttribute4 = 0;
-layout(constant_id = kConstantAttributes + 5) const int kAttribute5 = 0;
-layout(constant_id = kConstantAttributes + 6) const int kAttribute6 = 0;
-layout(constant_id = kConstantAttributes + 7) const int kAttribute7 = 0;
 // Reads a gradient and clears it.
 float TakeGradient(uint at, float quantum) {
 #ifdef TETREC_FIXED_POINT
@@ -52,16 +43,14 @@ float TakeGradient(uint at, float quantum) {
 bool seen = false;
 float log_density = 0.0;
 
-// One component of a row. All but `row` are constants to the compiler for the standard attributes.
-void Update(uint row, int component, int activation, int rate_class) {
+// One component of a row. All but `row` are constants to the compiler.
+void Update(uint row, int component, int rate_class) {
   uint first = row * uint(kRowComponents);
   uint at = first + uint(component), moment = first + at;
   float parameter = parameters[at];
   float gradient = TakeGradient(at, push.quanta[rate_class]);
   if (component == kDensityComponent) {
     gradient *= vertices[DensityRow(row, push.first_cell)].w;
-  } else if (activation == kActivationExp) {
-    gradient *= exp(parameter);
   }
   seen = seen || gradient != 0.0;
   AdamState state =
@@ -73,40 +62,19 @@ void Update(uint row, int component, int activation, int rate_class) {
   if (component == kDensityComponent) {
     log_density = state.parameter;
   } else {
-    parameter = ClampParameter(activation, state.parameter, push.least_log, push.largest_log);
+    parameter = ClampColor(state.parameter);
     parameters[at] = parameter;
-    if (component < kDensityComponent) {
-      vertices[ColorRow(row, push.first_cell)][component] = parameter;
-    }
-  }
-}
-
-// The attributes behind colour and density. A layout without them has no loop, which lavapipe would
-// not unroll.
-void UpdateOthers(uint row) {
-  int kinds[kMostLayoutAttributes] = int[kMostLayoutAttributes](
-      kAttribute0, kAttribute1, kAttribute2, kAttribute3, kAttribute4, kAttribute5, kAttribute6,
-      kAttribute7);
-  int component = kDensityComponent + 1, index = 2;
-  while (index < kAttributeCount) {
-    int kind = kinds[index];
-    int end = component + (kind & 255);
-    while (component < end) {
-      Update(row, component, kind >> 8 & 255, kind >> 16);
-      component += 1;
-    }
-    index += 1;
+    vertices[ColorRow(row, push.first_cell)][component] = parameter;
   }
 }
 
 void main() {
   uint row = ThreadIndex();
   if (row < push.row_count) {
-    Update(row, kColorComponent, kActivationColor, kRateColor);
-    Update(row, kColorComponent + 1, kActivationColor, kRateColor);
-    Update(row, kColorComponent + 2, kActivationColor, kRateColor);
-    Update(row, kDensityComponent, kActivationExp, kRateDensity);
-    if (kAttributeCount > 2) UpdateOthers(row);
+    Update(row, kColorComponent, kRateColor);
+    Update(row, kColorComponent + 1, kRateColor);
+    Update(row, kColorComponent + 2, kRateColor);
+    Update(row, kDensityComponent, kRateDensity);
     // Seen rows tend to empty: what the pictures do not ask for again and again goes.
     if (seen) log_density -= rate_shares[row] * push.density_decay;
     log_density = ClampLog(log_density, push.least_log, push.largest_log);

@@ -116,6 +116,7 @@ void main() {
   bool exists = index < push.rays.ray_count;
   uint read = exists ? index : 0u;
   Ray ray = MakeRay(read);
+  g_first_color = ray.slot * push.row_count;
   vec4 gradient = ray_gradients[read];
   vec4 result = ray_colors[read];
   Entry entry = ray_entries[read];

@@ -18,6 +18,7 @@ void main() {
   uint index = gl_GlobalInvocationID.x;
   bool exists = index < push.rays.ray_count;
   Ray ray = MakeRay(exists ? index : 0u);
+  g_first_color = ray.slot * push.row_count;
   bool go = exists && ray.valid;
   bool inside = ray.start_tet != kNoTet;
   Entry entry = kNoEntry;

@@ -18,6 +18,7 @@ void main() {
   bool exists = index < push.rays.ray_count;
   uint read = exists ? index : 0u;
   Ray ray = MakeRay(read);
+  g_first_color = ray.slot * push.row_count;
   vec3 residual = ray_gradients[read].rgb;
   float error = push.score == kScoreSquaredResidual ? dot(residual, residual)
                                                     : dot(abs(residual), vec3(1.0));

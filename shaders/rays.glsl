@@ -11,6 +11,7 @@ struct Ray {
   bool valid;       // inside the image
   uint start_tet;   // tet that contains the camera, or kNoTet
   uint pixel;       // index into the targets
+  uint slot;        // of its view in the batch
 };
 
 vec2 Jitter(uint index) {
@@ -40,14 +41,17 @@ Ray MakeRayThrough(GpuView view, uint x, uint y, vec2 jitter) {
   ray.valid = x < view.size_pixel_tet.x && y < view.size_pixel_tet.y;
   ray.pixel = view.size_pixel_tet.z + y * view.size_pixel_tet.x + x;
   ray.start_tet = view.size_pixel_tet.w;
+  ray.slot = 0u;
   return ray;
 }
 
 Ray MakeRay(uint index) {
   GpuBlock block = FetchBlock(index / kBlockRays);
   uint lane = index % kBlockRays;
-  return MakeRayThrough(FetchView(block.view), block.x + lane % kBlockWidth,
-                        block.y + lane / kBlockWidth, Jitter(index));
+  Ray ray = MakeRayThrough(FetchView(block.view), block.x + lane % kBlockWidth,
+                           block.y + lane / kBlockWidth, Jitter(index));
+  ray.slot = block.slot;
+  return ray;
 }
 
 // Axes u and v are across the ray, d is along it. Equal positions give equal bits.

@@ -5,9 +5,12 @@
 layout(constant_id = kConstantStorage) const int kStorage = kStorageVertex;
 const bool kCells = kStorage == kStorageCell;
 
-// Components of a row of parameters or gradients (field/layout.h): colour, density, and what these
-// kernels do not know.
-layout(constant_id = kConstantComponents) const int kRowComponents = 4;
+// The number of functions by which colours depend on the view (shared/harmonics.glsl.h); 0: they do
+// not.
+layout(constant_id = kConstantHarmonics) const int kHarmonics = 0;
+
+// Components of a row of parameters or gradients: colour, density.
+const int kRowComponents = 4;
 
 // Where attribute row `r`, of a vertex or of a tet, keeps its density (.w) and its colour (.rgb);
 // `first_cell` is the row of tet 0.

@@ -34,25 +34,26 @@ struct GpuView {
   uvec4 size_pixel_tet;
 };
 
-// A 4 x 2 block of rays of one view; x, y [px] of its first pixel.
+// A 4 x 2 block of rays of one view; x, y [px] of its first pixel; the view's place among those of
+// its batch.
 struct GpuBlock {
-  uint view, x, y, padding;
+  uint view, x, y, slot;
 };
 
 // Specialization constants beside those of integral.glsl.h: whether vertices or tets have density
-// and colour, and how many components a row of their parameters and gradients has.
+// and colour, and by how many harmonics colours depend on the view.
 #define kConstantStorage 3
 #define kStorageVertex 0
 #define kStorageCell 1
-#define kConstantComponents 4
-// For the optimiser: how many attributes a row has, and from kConstantAttributes on each of them as
+#define kConstantHarmonics 4
+// For the optimiser: from kConstantAttributes on each attribute behind colour and density as
 // components | activation << 8 | rate class << 16.
-#define kConstantAttributeCount 5
 #define kConstantAttributes 6
-#define kMostLayoutAttributes 8
+#define kMostOtherAttributes 6
 // As RateClass of field/layout.h.
 #define kRateColor 0
 #define kRateDensity 1
+#define kRateHarmonics 2
 // Components that every row starts with: colour, then the logarithm of density (in gradients:
 // density itself).
 #define kColorComponent 0
@@ -77,6 +78,7 @@ struct MarchPush {
   vec4 mesh_ball;    // centre, radius: contains the mesh
   uint max_steps;    // a ray that needs more is counted as lost
   uint score;        // for scores: kScore...
+  uint row_count;    // of a slot of view-dependent colours
 };
 
 // One pass over a tile of a batch with per-pixel lists. All rays are jittered alike.
@@ -123,6 +125,15 @@ struct AdamPush {
   float least_log, largest_log;    // bounds of exponential attributes' parameters
   float density_decay;             // of the log density of a seen row, per step
   uint first_cell;                 // as in RayPush
+  uint stride;                     // of rows of attributes behind colour and density
+};
+
+// View-dependent colours of the views of a batch.
+struct ViewColorPush {
+  uint row_count;
+  uint first_cell;  // as in RayPush
+  uint slots;
+  uint other_stride;  // of rows of attributes behind colour and density
 };
 
 // Lengths of the runs of values that one thread counts, adds or moves in prefix sums and sorts.
@@ -244,6 +255,14 @@ struct SpreadPush {
 #define kBindExposures 42     // texels vec4, two per view: gain, offset
 #define kBindExposureSums 43  // vec4, four per block (exposure_sums.comp)
 #define kBindRayReaches 44    // float per ray: distance at which it reaches the stop depth, or 0
+// Attributes behind colour and density: gradients by row, and whether a row has any (uint).
+#define kBindOtherGradients 45
+#define kBindHasGradients 46
+#define kBindHarmonics 47       // texels: coefficients of view-dependent colour by row
+#define kBindCenters 48         // texels vec4, one per slot: camera centre
+#define kBindViewColors 49      // vec4, rows [slot][row]: view-dependent colours, to be written
+#define kBindColors 50          // texels vec4: the same, or `vertices`
+#define kBindColorGradients 51  // three values per row [slot][row], or as kBindVertexGradients
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);

@@ -20,6 +20,17 @@ int FieldLayout::Components() const {
   return count;
 }
 
+int FieldLayout::HarmonicsDegree() const {
+  if (IsStandard() || attributes[2].name != kHarmonicsName) return 0;
+  int degree = 1;
+  while (degree < kMostHarmonicsDegree && attributes[2] != HarmonicsAttribute(degree)) ++degree;
+  return degree;
+}
+
+Attribute HarmonicsAttribute(int degree) {
+  return {kHarmonicsName, 3 * HarmonicsCount(degree), Activation::kIdentity, RateClass::kHarmonics};
+}
+
 int FieldLayout::OffsetOf(std::string_view name) const {
   int offset = 0;
   for (const Attribute& attribute : attributes) {
@@ -50,6 +61,24 @@ std::vector<std::string> FieldLayout::ParameterNames() const {
   }
   return names;
 }
+
+namespace {
+
+// Renderers know the harmonics by their place.
+void CheckHarmonics(const FieldLayout& layout) {
+  for (size_t i = 2; i < layout.attributes.size(); ++i) {
+    const Attribute& attribute = layout.attributes[i];
+    if (attribute.name != kHarmonicsName) continue;
+    const int degree = layout.HarmonicsDegree();
+    if (i == 2 && attribute == HarmonicsAttribute(degree)) continue;
+    throw DataError(
+        fmt::format("attribute '{}' is number {} with {} components: it must be number 2, with 9, "
+                    "24 or 45 components, no activation and its own rate class",
+                    kHarmonicsName, i, attribute.components));
+  }
+}
+
+}  // namespace
 
 void CheckLayout(const FieldLayout& layout) {
   const std::vector<Attribute>& attributes = layout.attributes;
@@ -86,6 +115,7 @@ void CheckLayout(const FieldLayout& layout) {
       }
     }
   }
+  CheckHarmonics(layout);
 }
 
 void AppendLayout(ByteWriter& writer, const FieldLayout& layout) {

@@ -33,8 +33,8 @@ enum class Activation : uint32_t {
 
 // Which learning rate an attribute follows. An attribute with a rate of its own needs a class here
 // and its rate in AdamUpdate.
-enum class RateClass : uint32_t { kColor, kDensity };
-constexpr int kRateClasses = 2;
+enum class RateClass : uint32_t { kColor, kDensity, kHarmonics };
+constexpr int kRateClasses = 3;
 
 struct Attribute {
   std::string name;  // 1 .. 32 letters a-z, digits and underscores
@@ -53,6 +53,14 @@ inline const Attribute kColorAttribute{"color", 3, Activation::kColor, RateClass
 inline const Attribute kDensityAttribute{"density", 1, Activation::kExp, RateClass::kDensity};
 constexpr int kColorOffset = 0, kDensityOffset = 3, kStandardComponents = 4;
 
+// View-dependent colour (shared/harmonics.glsl.h): red, green and blue coefficients of each
+// function in turn. It comes right behind the standard attributes.
+inline constexpr const char* kHarmonicsName = "harmonics";
+inline constexpr int kMostHarmonicsDegree = 3;
+// Of degrees 1 to `degree`.
+constexpr int HarmonicsCount(int degree) { return (degree + 1) * (degree + 1) - 1; }
+Attribute HarmonicsAttribute(int degree);
+
 struct FieldLayout {
   FieldStorage storage = FieldStorage::kVertex;
   std::vector<Attribute> attributes = {kColorAttribute, kDensityAttribute};
@@ -61,6 +69,8 @@ struct FieldLayout {
   // First component of the attribute; TETREC_CHECKs that there is one of that name.
   int OffsetOf(std::string_view name) const;
   bool IsStandard() const { return attributes.size() == 2; }
+  // The degree of view-dependent colour; 0: there is none.
+  int HarmonicsDegree() const;
   // The attribute of each component of a row.
   std::vector<const Attribute*> ByComponent() const;
   // "color[0]", "color[1]", "color[2]", "log density": the parameters of a row.
@@ -73,7 +83,8 @@ void CheckLayout(const FieldLayout& layout);
 
 // The form in which files contain a layout, little endian: u32 storage (0 vertex, 1 cell), u32
 // number of attributes, then for each u32 length of its name, the name, u32 components, u32
-// activation (0 identity, 1 colour, 2 exponential), u32 rate class (0 colour, 1 density).
+// activation (0 identity, 1 colour, 2 exponential), u32 rate class (0 colour, 1 density, 2
+// harmonics).
 void AppendLayout(ByteWriter& writer, const FieldLayout& layout);
 // Throws DataError.
 FieldLayout TakeLayout(ByteReader& reader);

@@ -61,7 +61,10 @@ TileShape BatchDrawer::DrawBlocksOrTiles(uint64_t iteration) {
   const size_t count = size_t(options_.rays_per_step) / kRaysPerBlock;
   const bool with_dssim = options_.loss.dssim > 0;
   if (!with_dssim && !needs_tiles_) {
-    blocks_ = DrawBlocks(set_, count, options_.subject_share, options_.seed, iteration);
+    blocks_ = few_views_
+                  ? DrawBlocksOfViews(set_, count, kMostViewsOfBatch, options_.subject_share,
+                                      options_.seed, iteration)
+                  : DrawBlocks(set_, count, options_.subject_share, options_.seed, iteration);
     return {};
   }
   const size_t tiles = needs_tiles_ ? 1 : std::max<size_t>(1, count / kTileBlocks);

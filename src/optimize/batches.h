@@ -20,6 +20,9 @@ class BatchDrawer {
 
   // Its blocks stay valid until the next call.
   TrainingBatch Draw(uint64_t iteration);
+  // Whether batches are of kMostViewsOfBatch views or fewer.
+  void UseFewViews(bool few) { few_views_ = few; }
+  bool few_views() const { return few_views_; }
   // Behind field and targets: random, or the scene's own.
   glm::vec3 Background(uint64_t iteration) const;
 
@@ -28,7 +31,7 @@ class BatchDrawer {
 
   const OptimizeOptions& options_;
   const TrainingSet& set_;
-  bool needs_tiles_;
+  bool needs_tiles_, few_views_ = false;
   glm::vec3 background_srgb_;
   std::vector<RayBlock> blocks_;
 };

@@ -16,7 +16,7 @@ namespace {
 
 // Of the largest entry of R^T R - I. Many small turns add up their rounding.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '5'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '6'};
 
 void CheckFinite(const std::vector<float>& values, const FieldLayout& layout,
                  const std::string& name, const char* what) {
@@ -40,6 +40,7 @@ void CheckNotNegative(const std::vector<float>& second_moment, const FieldLayout
 }
 
 // As they are in the file.
+static_assert(sizeof(HarmonicsState) == 3 * sizeof(uint32_t));
 static_assert(sizeof(ViewExposure) == 6 * sizeof(double));
 static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
 static_assert(sizeof(CorrectedPose) == 13 * sizeof(double));
@@ -73,6 +74,15 @@ void CheckPoses(const PoseState& state, const std::string& name) {
   }
 }
 
+void CheckHarmonics(const HarmonicsState& harmonics, const std::string& name) {
+  if (harmonics.unlocked <= uint32_t(kMostHarmonicsDegree) &&
+      harmonics.judged <= harmonics.unlocked && harmonics.closed <= 1) {
+    return;
+  }
+  throw DataError(fmt::format("{}: {} degrees of harmonics unlocked, {} judged, closed {}", name,
+                              harmonics.unlocked, harmonics.judged, harmonics.closed));
+}
+
 void CheckExposure(const ExposureState& exposure, const std::string& name) {
   const auto fail = [&](size_t view, const char* what) {
     throw DataError(fmt::format("{}: {} of exposure {} is not possible", name, what, view));
@@ -102,6 +112,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   writer.Write(checkpoint.rounds);
   writer.Write(checkpoint.metrics_bytes);
   writer.Write(checkpoint.best_psnr);
+  writer.Write(checkpoint.harmonics);
   writer.Write(uint64_t(checkpoint.mesh.positions.size()));
   writer.Write(uint64_t(checkpoint.mesh.tets.size()));
   AppendLayout(writer, checkpoint.state.layout);
@@ -132,6 +143,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.rounds = reader.Read<uint32_t>("rounds");
   result.metrics_bytes = reader.Read<uint64_t>("metrics bytes");
   result.best_psnr = reader.Read<double>("best PSNR");
+  result.harmonics = reader.Read<HarmonicsState>("harmonics");
   const uint64_t vertices = reader.Read<uint64_t>("vertex count");
   const uint64_t tets = reader.Read<uint64_t>("tet count");
   FieldState& state = result.state;
@@ -153,6 +165,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   if (!std::isfinite(result.best_psnr)) {
     throw DataError(fmt::format("{}: best PSNR {} is not finite", name, result.best_psnr));
   }
+  CheckHarmonics(result.harmonics, name);
   CheckFinite(state.parameters, layout, name, "a parameter");
   CheckFinite(state.first_moment, layout, name, "a first moment");
   CheckFinite(state.second_moment, layout, name, "a second moment");

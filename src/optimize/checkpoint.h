@@ -5,6 +5,7 @@
 #include "mesh/tet_mesh.h"
 #include "optimize/camera_poses.h"
 #include "optimize/exposure.h"
+#include "optimize/harmonics.h"
 
 #include <filesystem>
 #include <span>
@@ -18,19 +19,21 @@ struct Checkpoint {
   uint32_t rounds = 0;         // refinements done
   uint64_t metrics_bytes = 0;  // length of metrics.csv at that time
   double best_psnr = 0;        // of the judging pictures, before a refinement
+  HarmonicsState harmonics;
   TetMesh mesh;
   FieldState state;
   ExposureState exposure;
   PoseState poses;
 };
 
-// Own format, little endian: "TETRECK5", u64 iteration, f64 seconds, u64 rays, u32 rounds,
-// u64 metrics bytes, f64 best PSNR, u64 V, u64 T, the layout (AppendLayout), positions f32 x 3 V,
-// tets and neighbours u32 x 4 T each, then parameters, first moments and second moments, each f32 x
-// rows x components; then u64 exposures E, for each gains and offsets, f64 x 3 each, and for each
-// the sums of its three channels, f64 x 5 each (GainOffsetSums); then u32 sweeps over the cameras,
-// u64 poses P, and for each cam_from_world, f64 x 9 of the rotation by columns and x 3 of the
-// translation, and the depth, f64. Written by rename.
+// Own format, little endian: "TETRECK6", u64 iteration, f64 seconds, u64 rays, u32 rounds,
+// u64 metrics bytes, f64 best PSNR, harmonics unlocked, judged and closed u32 x 3, u64 V, u64 T,
+// the layout (AppendLayout), positions f32 x 3 V, tets and neighbours u32 x 4 T each, then
+// parameters, first moments and second moments, each f32 x rows x components; then u64 exposures E,
+// for each gains and offsets, f64 x 3 each, and for each the sums of its three channels, f64 x 5
+// each (GainOffsetSums); then u32 sweeps over the cameras, u64 poses P, and for each
+// cam_from_world, f64 x 9 of the rotation by columns and x 3 of the translation, and the depth,
+// f64. Written by rename.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 // Throws DataError if the file is truncated or inconsistent.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);

@@ -4,6 +4,7 @@
 #include "field/layout.h"
 #include "optimize/camera_poses.h"
 #include "optimize/exposure.h"
+#include "optimize/harmonics.h"
 #include "optimize/schedule.h"
 #include "render/loss.h"
 #include "render/training_renderer.h"
@@ -38,7 +39,8 @@ struct OptimizeOptions {
   LossOptions loss;
   double color_rate = AdamUpdate().color_rate;      // Adam's first step on colour [display sRGB]
   double density_rate = AdamUpdate().density_rate;  // on the logarithm of density
-  double max_density = AdamUpdate().max_density;    // [1 / world unit]
+  double harmonics_rate = AdamUpdate().harmonics_rate;  // on coefficients [display sRGB]
+  double max_density = AdamUpdate().max_density;        // [1 / world unit]
   // Pull of seen vertices towards empty, as a share of Adam's largest step: without it, fog in
   // front of the cameras explains why photos differ in exposure.
   double density_decay = 0.05;
@@ -47,9 +49,10 @@ struct OptimizeOptions {
   bool random_background = true;  // behind field and target; false: the scene's own
   ExposureMode exposure = ExposureMode::kAuto;  // of the training photos
   PoseMode poses = PoseMode::kAuto;             // corrections of the training cameras
-  uint64_t max_vertices = 0;                    // 0: as many as the time affords
-  double score_rays_per_tet = 1;                // by which a refinement judges the tets
-  int watched_views = 4;                        // held-out views whose PSNR goes into metrics.csv
+  HarmonicsChoice harmonics = HarmonicsChoice::kAuto;
+  uint64_t max_vertices = 0;      // 0: as many as the time affords
+  double score_rays_per_tet = 1;  // by which a refinement judges the tets
+  int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv
   double checkpoint_interval_s = 30;
   CameraSpace camera_space = CameraSpace::kEmpty;
   JudgingPictures judging_pictures = JudgingPictures::kKept;

@@ -16,6 +16,7 @@
 #include "optimize/checkpoint.h"
 #include "optimize/error_look.h"
 #include "optimize/exposure.h"
+#include "optimize/harmonics.h"
 #include "optimize/judging.h"
 #include "optimize/refine.h"
 #include "optimize/training_set.h"
@@ -23,6 +24,7 @@
 #include "render/create_renderer.h"
 #include "render/kernel_table.h"
 #include "render/picture.h"
+#include "render/seen_colors.h"
 #include "run/camera_corrections.h"
 #include "run/field_world.h"
 #include "run/photo_exposures.h"
@@ -107,6 +109,7 @@ class Trainer {
         continue;
       }
       if (poses_.IsDue(done)) CorrectPoses();
+      if (StepHarmonics(done)) continue;
       if (!learns_all_ && !KeepsJudgingPictures(done)) UseTargets(done);
       TrainingBatch batch = batches_.Draw(state_.iteration);
       batch.sums_exposures = exposure_.Gathers(done);
@@ -213,7 +216,7 @@ class Trainer {
     } else {
       if (stage_.resume()) LogInfo("no checkpoint was saved: starts at the first iteration");
       mesh_ = start.mesh;
-      state = StateOf(WithStorage(start, options_.storage));
+      state = WithHarmonics(StateOf(WithStorage(start, options_.storage)), 0);
       if (EstimatesExposure()) exposure_ = ExposureEstimate(set_.views.size());
       if (CorrectsPoses()) poses_ = PoseEstimate(given_views_);
     }
@@ -238,6 +241,8 @@ class Trainer {
     }
     renderer_->SetState(mesh_, state);
     renderer_->SetRateShares(rate_shares);
+    degree_ = state.layout.HarmonicsDegree();
+    batches_.UseFewViews(degree_ > 0);
   }
 
   bool KeepsJudgingPictures(double done) const {
@@ -291,11 +296,14 @@ class Trainer {
   }
 
   // Counts the step.
-  AdamUpdate NextUpdate(double done) {
+  AdamUpdate NextUpdate(double done) { return UpdateAt(++state_.iteration, done); }
+
+  AdamUpdate UpdateAt(uint64_t iteration, double done) const {
     const double share = RateShare(options_.schedule, done);
-    return {.step = uint32_t(std::min<uint64_t>(++state_.iteration, 1u << 30)),
+    return {.step = uint32_t(std::min<uint64_t>(iteration, 1u << 30)),
             .color_rate = options_.color_rate * share,
             .density_rate = options_.density_rate * share,
+            .harmonics_rate = options_.harmonics_rate * share,
             .max_density = options_.max_density,
             .density_decay = options_.density_decay};
   }
@@ -378,7 +386,7 @@ class Trainer {
         "more",
         state_.rounds, state_.best_psnr - now.psnr, WithThousands(best.mesh.positions.size()));
     mesh_ = std::move(best.mesh);
-    PutState(std::move(best.state));
+    PutState(WithHarmonics(best.state, degree_));
     state_.rounds = uint32_t(options_.schedule.rounds);
     return false;
   }
@@ -389,6 +397,51 @@ class Trainer {
     best.mesh = mesh_;
     best.state = renderer_->ReadState();
     WriteCheckpoint(best_path_, best);
+  }
+
+  // Unlocks a degree of view-dependent colour, or judges one, if that is due.
+  bool StepHarmonics(double done) {
+    const HarmonicsStep step = NextHarmonicsStep(options_.harmonics, state_.harmonics, done);
+    if (step == HarmonicsStep::kUnlock) UnlockHarmonics();
+    if (step == HarmonicsStep::kJudge) JudgeHarmonics(done);
+    return step != HarmonicsStep::kNone;
+  }
+
+  void UnlockHarmonics() {
+    if (options_.harmonics == HarmonicsChoice::kAuto && learns_all_) {
+      LogInfo("colours do not depend on the view: no judging pictures are kept that could tell");
+      state_.harmonics.closed = 1;
+      return;
+    }
+    ++state_.harmonics.unlocked;
+    PutState(WithHarmonics(renderer_->ReadState(), degree_ + 1));
+    LogInfo("colours depend on the view by harmonics of degree {}", degree_);
+  }
+
+  // Compares the field with what it becomes when it is trained for a while without its highest
+  // degree. These steps do not count.
+  void JudgeHarmonics(double done) {
+    state_.harmonics.judged = state_.harmonics.unlocked;
+    if (learns_all_) return;  // too late to judge: the degree stays
+    const int degree = degree_;
+    const double with = JudgeField().psnr;
+    FieldState state = renderer_->ReadState();
+    PutState(WithoutHighestDegree(mesh_, state, set_.views));
+    const uint64_t steps = TrialSteps(state_.iteration);
+    for (uint64_t i = 1; i <= steps; ++i) {
+      renderer_->Step(batches_.Draw(state_.iteration + i), UpdateAt(state_.iteration + i, done));
+    }
+    const double without = JudgeField().psnr;
+    const bool stays = with > without + kLeastHarmonicsGain;
+    LogInfo(
+        "judging pictures: {:.2f} dB with harmonics of degree {}, {:.2f} dB after {} steps "
+        "without: {}",
+        with, degree, without, steps, stays ? "they stay" : "they are dropped");
+    if (stays) {
+      PutState(std::move(state));
+    } else {
+      state_.harmonics.closed = 1;
+    }
   }
 
   void RefineOnce() {
@@ -451,6 +504,7 @@ class Trainer {
     stage_.Count("vertices", mesh_.positions.size());
     stage_.Count("rounds", state_.rounds);
     stage_.Count("emptied_rows", emptied_rows_);
+    stage_.Count("harmonics_degree", degree_);
     stage_.Count("rays", counts.rays);
     if (ChecksRays(options_.renderer)) stage_.Count("lost_rays", counts.lost_rays);
     if (options_.renderer.deterministic) stage_.Count("clamped_addends", counts.clamped_addends);
@@ -486,6 +540,7 @@ class Trainer {
   uint64_t emptied_rows_ = 0;  // in the camera space
   JudgingSet judging_;
   bool learns_all_ = true;  // the judging pictures, too
+  int degree_ = 0;          // of harmonics
   fs::path checkpoint_path_, best_path_;
   uint64_t max_vertices_ = 0;
   uint64_t round_iteration_ = 0;  // at the last refinement

@@ -13,7 +13,8 @@ static_assert(uint32_t(Activation::kIdentity) == kActivationIdentity &&
               uint32_t(Activation::kColor) == kActivationColor &&
               uint32_t(Activation::kExp) == kActivationExp);
 static_assert(uint32_t(RateClass::kColor) == kRateColor &&
-              uint32_t(RateClass::kDensity) == kRateDensity && kRateClasses <= 4);
+              uint32_t(RateClass::kDensity) == kRateDensity &&
+              uint32_t(RateClass::kHarmonics) == kRateHarmonics && kRateClasses <= 4);
 
 // Quanta of fixed-point gradients are 1.
 inline gpu_types::AdamPush MakeAdamPush(const AdamUpdate& update, uint32_t row_count) {
@@ -22,6 +23,7 @@ inline gpu_types::AdamPush MakeAdamPush(const AdamUpdate& update, uint32_t row_c
   glm::vec4 rates(0.0f);
   rates[kRateColor] = float(update.color_rate) * first_correction;
   rates[kRateDensity] = float(update.density_rate) * first_correction;
+  rates[kRateHarmonics] = float(update.harmonics_rate) * first_correction;
   return {.rates = rates,
           .quanta = glm::vec4(1.0f),
           .row_count = row_count,

@@ -23,9 +23,10 @@ struct TargetImage {
 // (shared/loss.glsl.h).
 inline constexpr uint32_t kNotJudgedTarget = 0x00FFFFFF;
 
-// 4 x 2 rays through neighbouring pixels of view `view`, the first at (x, y).
+// 4 x 2 rays through neighbouring pixels of view `view`, the first at (x, y). Renderers set `slot`,
+// the view's place among those of the batch.
 struct RayBlock {
-  uint32_t view, x, y, padding = 0;
+  uint32_t view, x, y, slot = 0;
 };
 constexpr int kRayBlockWidth = 4, kRayBlockHeight = 2, kRaysPerBlock = 8;
 
@@ -33,6 +34,10 @@ constexpr int kRayBlockWidth = 4, kRayBlockHeight = 2, kRaysPerBlock = 8;
 struct TileShape {
   uint32_t columns = 0, rows = 0;
 };
+
+// If colours depend on the view, renderers compute them for each view of a batch: the fewer, the
+// less work and memory. A batch may have more than this, but memory is set aside for no more.
+inline constexpr size_t kMostViewsOfBatch = 8;
 
 // Rays and what they are compared by.
 struct TrainingBatch {
@@ -59,9 +64,9 @@ struct TrainingBatch {
 struct AdamUpdate {
   uint32_t step = 1;  // counts from 1
   float beta1 = 0.9f, beta2 = 0.99f;
-  float epsilon = 1e-12f;                        // gradients of a mean over many rays are tiny
-  double color_rate = 0.02, density_rate = 0.2;  // by RateClass
-  double max_density = 1e5;                      // bound of kExp [1 / world unit]
+  float epsilon = 1e-12f;  // gradients of a mean over many rays are tiny
+  double color_rate = 0.02, density_rate = 0.2, harmonics_rate = 0.005;  // by RateClass
+  double max_density = 1e5;  // bound of kExp [1 / world unit]
   // Pull of seen rows towards empty, as a share of Adam's largest step.
   double density_decay = 0.0;
 };

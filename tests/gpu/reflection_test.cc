@@ -42,7 +42,7 @@ TEST(ReflectionTest, BackwardMarchWithPositions) {
   EXPECT_EQ(march.push_bytes, sizeof(gpu_types::MarchPush));
   EXPECT_THAT(march.local_size, ElementsAre(kWorkgroupSize, 1, 1));
   EXPECT_THAT(march.constant_ids,
-              ElementsAre(0, 1, kConstantAnyBoundary, kConstantStorage, kConstantComponents));
+              ElementsAre(0, 1, kConstantAnyBoundary, kConstantStorage, kConstantHarmonics));
 }
 
 // Only fixed-point sums count addends that are too large.

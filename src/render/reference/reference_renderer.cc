@@ -8,6 +8,7 @@
 #include "render/ray_blocks.h"
 #include "render/reference/batch.h"
 #include "render/reference/dssim.h"
+#include "render/seen_colors.h"
 #include "shared/adam.glsl.h"
 #include "shared/exposure.glsl.h"
 #include "shared/loss.glsl.h"
@@ -19,6 +20,8 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <map>
+#include <memory>
 #include <optional>
 #include <thread>
 
@@ -116,9 +119,17 @@ class ReferenceRenderer final : public ProbedRenderer {
     TETREC_CHECK(forward_, "Backward follows Forward");
     const Batch rays = ForwardBatch();
     const bool with_positions = parts == GradientParts::kColorDensityPosition;
-    AddGradientsOfRays(
-        rays.rays(), [&](size_t i) { return RayOf(rays, i); },
-        [&](size_t i) { return forward_->gradients[i]; }, with_positions, sums_);
+    for (const auto& [view, seen] : SeenBy(rays)) {
+      ReferenceGradient sum(field_);
+      AddGradientsOfRays(
+          *seen, rays.rays(), [&](size_t i) { return RayOf(rays, i); },
+          [&](size_t i) {
+            return seen.get() == &field_ || rays.IndexOfView(i) == view ? forward_->gradients[i]
+                                                                        : Vec4<Real>(Real(0));
+          },
+          with_positions, sum);
+      AddToSums(sum, CenterOf(views_[view]));
+    }
     has_position_sums_ |= with_positions;
   }
 
@@ -162,13 +173,19 @@ class ReferenceRenderer final : public ProbedRenderer {
     const size_t components = attributes.size();
     std::vector<Real> by_parameter(components);
     for (size_t row = 0; row < state_.rows(); ++row) {
-      bool is_seen = false;
+      bool is_seen = false, others_have_gradients = false;
       for (size_t c = 0; c < components; ++c) {
         const Activation activation = attributes[c]->activation;
         by_parameter[c] = Real(SumAt(row, c)) * ActivationSlope(activation, Real(ValueAt(row, c)));
-        is_seen |= by_parameter[c] != Real(0);
+        if (c < kStandardComponents) {
+          is_seen |= by_parameter[c] != Real(0);
+        } else {
+          others_have_gradients |= SumAt(row, c) != 0.0;
+        }
       }
-      for (size_t c = 0; c < components; ++c) {
+      // As adam_others.comp.
+      const size_t moving = others_have_gradients ? components : size_t(kStandardComponents);
+      for (size_t c = 0; c < moving; ++c) {
         const size_t at = row * components + c;
         float &parameter = state_.parameters[at], &first = state_.first_moment[at],
               &second = state_.second_moment[at];
@@ -217,6 +234,7 @@ class ReferenceRenderer final : public ProbedRenderer {
   RenderedImage Render(const RenderView& view, int samples) override {
     const int width = view.camera.width, height = view.camera.height;
     const size_t pixels = size_t(width) * size_t(height);
+    const RadianceField seen = FieldSeenFrom(field_, CenterOf(view));
     RenderedImage image{width, height, std::vector<glm::vec3>(pixels), std::vector<float>(pixels)};
     ParallelFor(pixels, kRaysPerTask, [&](size_t first, size_t last) {
       for (size_t i = first; i < last; ++i) {
@@ -226,7 +244,7 @@ class ReferenceRenderer final : public ProbedRenderer {
         for (int sample = 0; sample < samples * samples; ++sample) {
           const glm::dvec2 inside =
               (glm::dvec2(sample % samples, sample / samples) + 0.5) / double(samples);
-          const RayResult<Real> ray = Integrate(RayThrough<Real>(view, corner + inside));
+          const RayResult<Real> ray = Integrate(seen, RayThrough<Real>(view, corner + inside));
           color += ray.color_srgb;
           transmittance += std::exp(-ray.optical_depth);
         }
@@ -262,7 +280,7 @@ class ReferenceRenderer final : public ProbedRenderer {
     const bool with_positions = parts == GradientParts::kColorDensityPosition;
     ReferenceGradient sum(field_);
     AddGradientsOfRays(
-        pixels,
+        FieldSeenFrom(field_, CenterOf(view)), pixels,
         [&](size_t i) {
           return RayThrough<Real>(view, {double(i % width) + 0.5, double(i / width) + 0.5});
         },
@@ -308,7 +326,8 @@ class ReferenceRenderer final : public ProbedRenderer {
     uint32_t seed;
 
     size_t rays() const { return blocks.size() * kRaysPerBlock; }
-    const RenderView& ViewOf(size_t ray) const { return views[blocks[ray / kRaysPerBlock].view]; }
+    uint32_t IndexOfView(size_t ray) const { return blocks[ray / kRaysPerBlock].view; }
+    const RenderView& ViewOf(size_t ray) const { return views[IndexOfView(ray)]; }
     bool InPicture(size_t ray) const {
       const glm::ivec2 at = PixelOfRay(blocks, ray);
       return at.x < ViewOf(ray).camera.width && at.y < ViewOf(ray).camera.height;
@@ -328,10 +347,56 @@ class ReferenceRenderer final : public ProbedRenderer {
   }
 
   template <class RayOf, class GradientOf>
-  void AddGradientsOfRays(size_t count, const RayOf& ray, const GradientOf& gradient,
-                          bool with_positions, ReferenceGradient& sum) const {
-    tetrec::AddGradients<Real>(field_, boxes_, count, ray, gradient, stop_depth_, options_.integral,
+  void AddGradientsOfRays(const RadianceField& seen, size_t count, const RayOf& ray,
+                          const GradientOf& gradient, bool with_positions,
+                          ReferenceGradient& sum) const {
+    tetrec::AddGradients<Real>(seen, boxes_, count, ray, gradient, stop_depth_, options_.integral,
                                with_positions, sum);
+  }
+
+  static glm::dvec3 CenterOf(const RenderView& view) {
+    return view.cam_from_world.Inverse().translation;
+  }
+
+  // The field as each view of a batch sees it. If colours do not depend on the view, one entry that
+  // is the field itself, for all views.
+  using SeenFields = std::map<uint32_t, std::shared_ptr<const RadianceField>>;
+  SeenFields SeenBy(const Batch& batch) const {
+    const auto itself = std::shared_ptr<const RadianceField>(std::shared_ptr<void>(), &field_);
+    SeenFields seen;
+    if (state_.layout.HarmonicsDegree() == 0) {
+      seen[batch.blocks[0].view] = itself;
+      return seen;
+    }
+    for (const RayBlock& block : batch.blocks) {
+      if (seen.contains(block.view)) continue;
+      seen[block.view] = std::make_shared<const RadianceField>(
+          FieldSeenFrom(field_, CenterOf(batch.views[block.view])));
+    }
+    return seen;
+  }
+
+  static const RadianceField& FieldFor(const SeenFields& seen, const Batch& batch, size_t ray) {
+    return *(seen.size() == 1 ? seen.begin()->second : seen.at(batch.IndexOfView(ray)));
+  }
+
+  // Adds gradients by the colours that a camera at `center` sees, and all others.
+  void AddToSums(const ReferenceGradient& sum, const glm::dvec3& center) {
+    const size_t others = size_t(state_.layout.Components()) - kStandardComponents;
+    const size_t count = size_t(HarmonicsCount(state_.layout.HarmonicsDegree()));
+    const std::vector<glm::vec3> places = PlacesOfRows(field_.mesh, field_.storage);
+    for (size_t row = 0; row < places.size(); ++row) {
+      sums_.color_srgb[row] += sum.color_srgb[row];
+      sums_.density[row] += sum.density[row];
+      const auto basis = HarmonicsAt(DirectionTo(glm::dvec3(places[row]), center));
+      for (size_t i = 0; i < 3 * count; ++i) {
+        other_sums_[row * others + i] += basis[i / 3] * sum.color_srgb[row][int(i % 3)];
+      }
+    }
+    for (size_t v = 0; v < sum.position.size(); ++v) {
+      sums_.position[v] += sum.position[v];
+      sums_.absolute_position[v] += sum.absolute_position[v];
+    }
   }
 
   void ClearSums() {
@@ -371,9 +436,9 @@ class ReferenceRenderer final : public ProbedRenderer {
     return RayThrough<Real>(batch.ViewOf(i), glm::dvec2(PixelOfRay(batch.blocks, i)) + in_pixel);
   }
 
-  RayResult<Real> Integrate(const WorldRay<Real>& ray) {
-    const auto result = IntegrateRay<Real>(field_, CutMesh<Real>(field_, boxes_, ray, stop_depth_),
-                                           options_.integral);
+  RayResult<Real> Integrate(const RadianceField& seen, const WorldRay<Real>& ray) {
+    const auto result =
+        IntegrateRay<Real>(seen, CutMesh<Real>(seen, boxes_, ray, stop_depth_), options_.integral);
     if (options_.count_steps && result.tets > 0) {
       ++hit_rays_;
       steps_ += result.tets;
@@ -384,10 +449,11 @@ class ReferenceRenderer final : public ProbedRenderer {
   // Colour before the background and optical depth of every ray; 0 outside the image.
   std::vector<Vec4<Real>> March(const Batch& batch) {
     std::vector<Vec4<Real>> colors(batch.rays(), Vec4<Real>(Real(0)));
+    const SeenFields seen = SeenBy(batch);
     ParallelFor(batch.rays(), kRaysPerTask, [&](size_t first, size_t last) {
       for (size_t i = first; i < last; ++i) {
         if (!batch.InPicture(i)) continue;
-        const RayResult<Real> ray = Integrate(RayOf(batch, i));
+        const RayResult<Real> ray = Integrate(FieldFor(seen, batch, i), RayOf(batch, i));
         colors[i] = Vec4<Real>(ray.color_srgb, ray.optical_depth);
       }
     });

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "geometry/bounds3.h"
 #include "mesh/boundary.h"
+#include "render/training_renderer.h"
 #include "shared/gpu_types.glsl.h"
 
 #include <algorithm>
@@ -38,7 +39,6 @@ std::vector<glm::vec4> VertexRows(const TetMesh& mesh, FieldStorage storage) {
 
 // Bytes of one sum.
 uint64_t SumBytes(bool fixed_point) { return fixed_point ? 8 : 4; }
-uint64_t SumBytes(const DeviceField& field) { return SumBytes(field.fixed_point); }
 
 // A convex boundary with more faces is searched by its tree of boxes, too.
 constexpr size_t kFewFaces = 64;
@@ -115,17 +115,146 @@ void UploadBoundary(const Device& device, DeviceField& field) {
   field.hull = MakeBuffer(device, "hull", rows, VK_FORMAT_R32G32B32A32_SFLOAT);
 }
 
+// A part of a row: `count` of its components from `first` on, in rows of `stride` on the device.
+struct RowPart {
+  size_t first, count, stride;
+};
+
+constexpr RowPart kStandardPart{0, kStandardComponents, kStandardComponents};
+
+RowPart OtherPart(const FieldLayout& layout) {
+  const size_t count = size_t(layout.Components() - kStandardComponents);
+  return {kStandardComponents, count, (count + 3) / 4 * 4};
+}
+
+// A part of rows of `components`, padded with 0.
+template <class T>
+std::vector<T> PartOf(std::span<const T> rows, size_t components, const RowPart& part) {
+  std::vector<T> result(rows.size() / components * part.stride, T(0));
+  for (size_t row = 0; row * components < rows.size(); ++row) {
+    const auto from = rows.begin() + long(row * components + part.first);
+    std::copy(from, from + long(part.count), result.begin() + long(row * part.stride));
+  }
+  return result;
+}
+
+// Puts a part back in its place.
+template <class T>
+void PutPart(std::span<const T> part_rows, size_t components, const RowPart& part,
+             std::vector<T>& rows) {
+  for (size_t row = 0; row * part.stride < part_rows.size(); ++row) {
+    const auto from = part_rows.begin() + long(row * part.stride);
+    std::copy(from, from + long(part.count), rows.begin() + long(row * components + part.first));
+  }
+}
+
 // All first moments of a row, then all second ones.
-std::vector<float> MomentRows(const FieldState& state) {
-  const long components = state.layout.Components();
+std::vector<float> MomentRows(const FieldState& state, const RowPart& part) {
+  const size_t components = size_t(state.layout.Components());
+  const std::vector<float> first = PartOf<float>(std::span(state.first_moment), components, part);
+  const std::vector<float> second = PartOf<float>(std::span(state.second_moment), components, part);
   std::vector<float> rows;
-  rows.reserve(2 * state.parameters.size());
-  for (long first = 0; first < long(state.parameters.size()); first += components) {
-    for (const auto* moments : {&state.first_moment, &state.second_moment}) {
-      rows.insert(rows.end(), moments->begin() + first, moments->begin() + first + components);
+  rows.reserve(2 * first.size());
+  for (size_t at = 0; at < first.size(); at += part.stride) {
+    for (const auto* moments : {&first, &second}) {
+      rows.insert(rows.end(), moments->begin() + long(at),
+                  moments->begin() + long(at + part.stride));
     }
   }
   return rows;
+}
+
+// The opposite: puts the part of moments back.
+void PutMoments(const Buffer& buffer, size_t count, const RowPart& part, FieldState& state) {
+  const std::vector<float> rows = buffer.DownloadAs<float>(2 * count * part.stride);
+  std::vector<float> first, second;
+  for (size_t at = 0; at < rows.size(); at += 2 * part.stride) {
+    const auto from = rows.begin() + long(at), middle = from + long(part.stride);
+    first.insert(first.end(), from, middle);
+    second.insert(second.end(), middle, middle + long(part.stride));
+  }
+  const size_t components = size_t(state.layout.Components());
+  PutPart<float>(first, components, part, state.first_moment);
+  PutPart<float>(second, components, part, state.second_moment);
+}
+
+OtherAttributes UploadOthers(const Device& device, const FieldState& state, bool fixed_point) {
+  const RowPart part = OtherPart(state.layout);
+  const uint64_t rows = state.rows();
+  OtherAttributes others{.components = uint32_t(part.count), .stride = uint32_t(part.stride)};
+  others.parameters = MakeBuffer(
+      device, "other parameters",
+      PartOf<float>(std::span(state.parameters), size_t(state.layout.Components()), part),
+      VK_FORMAT_R32G32B32A32_SFLOAT);
+  others.moments = MakeBuffer(device, "other moments", MomentRows(state, part));
+  others.gradients = Buffer(device, "other gradients", rows * part.stride * SumBytes(fixed_point));
+  others.gradients.FillZero();
+  others.has_gradients = Buffer(device, "rows with gradients", rows * 4);
+  others.has_gradients.FillZero();
+  return others;
+}
+
+// The quanta of each component of a row of gradients (FixedPoint), by rate class.
+std::vector<double> QuantaOf(const FieldLayout& layout, const FixedPoint& fixed) {
+  std::vector<double> quanta;
+  for (const Attribute* attribute : layout.ByComponent()) {
+    quanta.push_back(attribute->rate == RateClass::kDensity ? fixed.density_quanta
+                                                            : fixed.color_quanta);
+  }
+  return quanta;
+}
+
+// Sums in units of value. `quanta`: of a row's sums, in turn; floats are not counted in quanta.
+std::vector<double> DownloadSums(bool fixed_point, const Buffer& sums,
+                                 std::span<const double> quanta) {
+  const uint64_t count = sums.bytes() / SumBytes(fixed_point);
+  std::vector<double> values;
+  values.reserve(count);
+  if (!fixed_point) {
+    for (const float sum : sums.DownloadAs<float>(count)) values.push_back(double(sum));
+    return values;
+  }
+  for (const int64_t sum : sums.DownloadAs<int64_t>(count)) {
+    values.push_back(double(sum) / quanta[values.size() % quanta.size()]);
+  }
+  return values;
+}
+
+// Adds `values` to the sums, in the same units.
+void AddToSums(bool fixed_point, Buffer& sums, std::span<const double> values,
+               std::span<const double> quanta) {
+  TETREC_CHECK(values.size() == sums.bytes() / SumBytes(fixed_point), "one value per sum");
+  if (fixed_point) {
+    auto all = sums.DownloadAs<int64_t>(values.size());
+    for (size_t i = 0; i < all.size(); ++i) {
+      const double count = values[i] * quanta[i % quanta.size()];
+      TETREC_CHECK(std::abs(count) <= 0x1p62, "a gradient is too large for the fixed-point sums");
+      all[i] += std::llround(count);
+    }
+    sums.Upload(all);
+  } else {
+    auto all = sums.DownloadAs<float>(values.size());
+    for (size_t i = 0; i < all.size(); ++i) all[i] += float(values[i]);
+    sums.Upload(all);
+  }
+}
+
+// Of the rows of a part; 1 where they are padded.
+std::vector<double> QuantaOf(const FieldLayout& layout, const FixedPoint& fixed,
+                             const RowPart& part) {
+  const std::vector<double> all = QuantaOf(layout, fixed);
+  std::vector<double> quanta(part.stride, 1.0);
+  std::copy_n(all.begin() + long(part.first), part.count, quanta.begin());
+  return quanta;
+}
+
+// Rows whose other attributes have gradients move.
+void MarkRowsWithGradients(DeviceField& field, std::span<const double> padded) {
+  auto marks = field.others.has_gradients.DownloadAs<uint32_t>(field.row_count);
+  for (size_t i = 0; i < padded.size(); ++i) {
+    if (padded[i] != 0.0) marks[i / field.others.stride] = 1;
+  }
+  field.others.has_gradients.Upload(marks);
 }
 
 }  // namespace
@@ -134,9 +263,13 @@ DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point) {
   const uint64_t sum = SumBytes(fixed_point);
   const bool cells = layout.storage == FieldStorage::kCell;
   // Rows of 16 bytes: 2 per tet; 2 per vertex and 4 sums; for what has attributes a parameter, two
-  // moments and a sum per component, and one row more if that is a tet; 2 per face, and twice as
-  // many nodes of 2 as there are faces, at most.
-  const uint64_t attributes = uint64_t(layout.Components()) * (3 * 4 + sum) + 4;
+  // moments and a sum per component (others than the standard ones padded to 4), a rate share, and
+  // one row more if that is a tet; 2 per face, and twice as many nodes of 2 as there are faces, at
+  // most. View-dependent colours of a row and their sums for each view of a batch.
+  const RowPart others = OtherPart(layout);
+  const uint64_t views = layout.HarmonicsDegree() > 0 ? kMostViewsOfBatch : 0;
+  const uint64_t attributes = (kStandardComponents + others.stride) * (3 * 4 + sum) + 4 +
+                              (others.count > 0 ? 4 : 0) + views * (16 + 3 * sum);
   return {.of_tet = 2 * 16 + sum + (cells ? 16 + attributes : 0),
           .of_vertex = 2 * 16 + 4 * sum + (cells ? 0 : attributes),
           .of_face = 2 * 16 + 2 * 2 * 16};
@@ -163,12 +296,15 @@ DeviceField UploadField(const Device& device, const TetMesh& mesh, const FieldSt
   field.vertices = MakeBuffer(device, "vertices", VertexRows(mesh, state.layout.storage),
                               VK_FORMAT_R32G32B32A32_SFLOAT);
   UploadBoundary(device, field);
-  field.parameters = MakeBuffer(device, "parameters", state.parameters);
-  field.moments = MakeBuffer(device, "moments", MomentRows(state));
+  field.parameters = MakeBuffer(
+      device, "parameters", PartOf<float>(std::span(state.parameters), components, kStandardPart));
+  field.moments = MakeBuffer(device, "moments", MomentRows(state, kStandardPart));
+  if (!state.layout.IsStandard()) field.others = UploadOthers(device, state, fixed_point);
   field.rate_shares = MakeBuffer(device, "rate shares", std::vector<float>(field.row_count, 1.0f));
-  field.gradients = Buffer(device, "field gradients", state.parameters.size() * SumBytes(field));
+  field.gradients = Buffer(device, "field gradients",
+                           uint64_t{field.row_count} * kStandardComponents * SumBytes(fixed_point));
   field.gradients.FillZero();
-  field.tet_scores = Buffer(device, "tet scores", field.tet_count * SumBytes(field));
+  field.tet_scores = Buffer(device, "tet scores", field.tet_count * SumBytes(fixed_point));
   field.tet_scores.FillZero();
   return field;
 }
@@ -176,49 +312,57 @@ DeviceField UploadField(const Device& device, const TetMesh& mesh, const FieldSt
 void AllocatePositionGradients(const Device& device, DeviceField& field) {
   if (field.position_gradients.handle() != VK_NULL_HANDLE) return;
   field.position_gradients =
-      Buffer(device, "position gradients", 4 * field.vertex_count * SumBytes(field));
+      Buffer(device, "position gradients", 4 * field.vertex_count * SumBytes(field.fixed_point));
   field.position_gradients.FillZero();
 }
 
-std::vector<double> QuantaOf(const FieldLayout& layout, const FixedPoint& fixed) {
-  std::vector<double> quanta;
-  for (const Attribute* attribute : layout.ByComponent()) {
-    quanta.push_back(attribute->rate == RateClass::kDensity ? fixed.density_quanta
-                                                            : fixed.color_quanta);
-  }
-  return quanta;
-}
-
-std::vector<double> DownloadSums(const DeviceField& field, const Buffer& sums,
-                                 std::span<const double> quanta) {
-  const uint64_t count = sums.bytes() / SumBytes(field);
-  std::vector<double> values;
-  values.reserve(count);
-  if (!field.fixed_point) {
-    for (const float sum : sums.DownloadAs<float>(count)) values.push_back(double(sum));
-    return values;
-  }
-  for (const int64_t sum : sums.DownloadAs<int64_t>(count)) {
-    values.push_back(double(sum) / quanta[values.size() % quanta.size()]);
-  }
+std::vector<double> DownloadGradients(const DeviceField& field, const FixedPoint& fixed) {
+  const size_t components = size_t(field.layout.Components());
+  std::vector<double> values(field.row_count * components);
+  const auto put = [&](const Buffer& sums, const RowPart& part) {
+    PutPart<double>(DownloadSums(field.fixed_point, sums, QuantaOf(field.layout, fixed, part)),
+                    components, part, values);
+  };
+  put(field.gradients, kStandardPart);
+  if (field.others) put(field.others.gradients, OtherPart(field.layout));
   return values;
 }
 
-void AddToSums(const DeviceField& field, Buffer& sums, std::span<const double> values,
-               std::span<const double> quanta) {
-  TETREC_CHECK(values.size() == sums.bytes() / SumBytes(field), "one value per sum");
-  if (field.fixed_point) {
-    auto all = sums.DownloadAs<int64_t>(values.size());
-    for (size_t i = 0; i < all.size(); ++i) {
-      const double count = values[i] * quanta[i % quanta.size()];
-      TETREC_CHECK(std::abs(count) <= 0x1p62, "a gradient is too large for the fixed-point sums");
-      all[i] += std::llround(count);
-    }
-    sums.Upload(all);
-  } else {
-    auto all = sums.DownloadAs<float>(values.size());
-    for (size_t i = 0; i < all.size(); ++i) all[i] += float(values[i]);
-    sums.Upload(all);
+void AddToGradients(DeviceField& field, std::span<const double> values, const FixedPoint& fixed) {
+  const size_t components = size_t(field.layout.Components());
+  TETREC_CHECK(values.size() == field.row_count * components, "one gradient per component");
+  AddToSums(field.fixed_point, field.gradients, PartOf(values, components, kStandardPart),
+            QuantaOf(field.layout, fixed, kStandardPart));
+  if (!field.others) return;
+  const RowPart part = OtherPart(field.layout);
+  const std::vector<double> rows = PartOf(values, components, part);
+  AddToSums(field.fixed_point, field.others.gradients, rows, QuantaOf(field.layout, fixed, part));
+  MarkRowsWithGradients(field, rows);
+}
+
+void ClearGradients(DeviceField& field) {
+  field.gradients.FillZero();
+  if (!field.others) return;
+  field.others.gradients.FillZero();
+  field.others.has_gradients.FillZero();
+}
+
+std::vector<double> DownloadPositionGradients(const DeviceField& field, const FixedPoint& fixed) {
+  return DownloadSums(field.fixed_point, field.position_gradients,
+                      std::vector<double>{fixed.position_quanta});
+}
+
+void AddToPositionGradients(DeviceField& field, std::span<const double> values,
+                            const FixedPoint& fixed) {
+  AddToSums(field.fixed_point, field.position_gradients, values,
+            std::vector<double>{fixed.position_quanta});
+}
+
+void UploadParameters(DeviceField& field, std::span<const float> parameters) {
+  const size_t components = size_t(field.layout.Components());
+  field.parameters.Upload(PartOf(parameters, components, kStandardPart));
+  if (field.others) {
+    field.others.parameters.Upload(PartOf(parameters, components, OtherPart(field.layout)));
   }
 }
 
@@ -232,14 +376,16 @@ std::vector<float> DownloadScores(const DeviceField& field) {
 }
 
 FieldState DownloadState(const DeviceField& field) {
-  const size_t components = size_t(field.layout.Components());
-  FieldState state{.layout = field.layout};
-  state.parameters = field.parameters.DownloadAs<float>(field.row_count * components);
-  const auto moments = field.moments.DownloadAs<float>(2 * state.parameters.size());
-  for (size_t i = 0; i < moments.size(); ++i) {
-    const bool is_first = i / components % 2 == 0;
-    (is_first ? state.first_moment : state.second_moment).push_back(moments[i]);
-  }
+  const size_t components = size_t(field.layout.Components()), rows = field.row_count;
+  const std::vector<float> zeros(rows * components);
+  FieldState state{field.layout, zeros, zeros, zeros};
+  const auto put = [&](const Buffer& parameters, const Buffer& moments, const RowPart& part) {
+    PutPart<float>(parameters.DownloadAs<float>(rows * part.stride), components, part,
+                   state.parameters);
+    PutMoments(moments, rows, part, state);
+  };
+  put(field.parameters, field.moments, kStandardPart);
+  if (field.others) put(field.others.parameters, field.others.moments, OtherPart(field.layout));
   return state;
 }
 

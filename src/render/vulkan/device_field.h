@@ -10,6 +10,17 @@
 
 namespace tetrec {
 
+// What rows have behind colour and density, apart from them so that steps without it pay nothing.
+// Rows have `stride` values, a multiple of 4 and as many as there are components or more.
+struct OtherAttributes {
+  uint32_t components = 0, stride = 0;
+  Buffer parameters, gradients;  // rows
+  Buffer moments;                // two rows each, as DeviceField::moments
+  Buffer has_gradients;          // uint per row: whether it has gradients
+
+  explicit operator bool() const { return components > 0; }
+};
+
 // 32 bytes per tet, 32 per vertex, and 16 more per component of a row of attributes to learn (20 in
 // fixed point); 16 more per tet if cells have the attributes; one plane and one triangle per
 // boundary face, and over them the planes of a convex boundary of few faces, or a tree of boxes.
@@ -18,10 +29,11 @@ struct DeviceField {
   std::string not_convex;  // why the boundary is not convex; empty if it is convex
   glm::vec4 ball{0.0f};    // centre, radius: contains the mesh
   Buffer tets, vertices, hull;
-  Buffer parameters, gradients;  // rows of layout.Components()
+  Buffer parameters, gradients;  // rows of kStandardComponents
   Buffer moments;                // rows: all first moments of a row, then all second ones
-  Buffer rate_shares;            // float per row
-  Buffer position_gradients;     // vec4 per vertex: xyz | absolute sum; absent until asked for
+  OtherAttributes others;
+  Buffer rate_shares;         // float per row
+  Buffer position_gradients;  // vec4 per vertex: xyz | absolute sum; absent until asked for
   Buffer tet_scores;
   uint32_t vertex_count = 0, tet_count = 0, hull_faces = 0, hull_planes = 0;
   FieldLayout layout;
@@ -45,14 +57,16 @@ DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point);
 DeviceField UploadField(const Device& device, const TetMesh& mesh, const FieldState& state,
                         bool fixed_point);
 
-// The quanta of each component of a row of gradients (FixedPoint), by rate class.
-std::vector<double> QuantaOf(const FieldLayout& layout, const FixedPoint& fixed);
-// Sums in units of value. `quanta`: of a row's sums, in turn; floats are not counted in quanta.
-std::vector<double> DownloadSums(const DeviceField& field, const Buffer& sums,
-                                 std::span<const double> quanta);
-// Adds `values` to the sums, in the same units.
-void AddToSums(const DeviceField& field, Buffer& sums, std::span<const double> values,
-               std::span<const double> quanta);
+// Sums of gradients, by value: rows x layout.Components().
+std::vector<double> DownloadGradients(const DeviceField& field, const FixedPoint& fixed);
+void AddToGradients(DeviceField& field, std::span<const double> values, const FixedPoint& fixed);
+void ClearGradients(DeviceField& field);
+// The same of position_gradients: rows of four.
+std::vector<double> DownloadPositionGradients(const DeviceField& field, const FixedPoint& fixed);
+void AddToPositionGradients(DeviceField& field, std::span<const double> values,
+                            const FixedPoint& fixed);
+// Replaces the parameters: rows x layout.Components().
+void UploadParameters(DeviceField& field, std::span<const float> parameters);
 // Tet scores.
 std::vector<float> DownloadScores(const DeviceField& field);
 

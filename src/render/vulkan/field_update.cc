@@ -13,29 +13,38 @@ using gpu_types::SpreadPush;
 namespace {
 
 Program AdamProgram(const Device& device, const FieldLayout& layout, bool fixed_point) {
-  static_assert(kMostAttributes == kMostLayoutAttributes && kMostComponents < 256);
   static_assert(kColorOffset == kColorComponent && kDensityOffset == kDensityComponent);
-  std::vector<SpecializationConstant> constants = ConstantsOf(layout);
-  constants.push_back({kConstantAttributeCount, int32_t(layout.attributes.size())});
-  uint32_t id = kConstantAttributes;
-  for (const Attribute& attribute : layout.attributes) {
-    constants.push_back({id++, attribute.components | int32_t(attribute.activation) << 8 |
-                                   int32_t(attribute.rate) << 16});
-  }
   const std::span<const uint32_t> fixed = kAdamFixed, floats = kAdam;
-  return Program(device, "adam", fixed_point ? fixed : floats, constants);
+  return Program(device, "adam", fixed_point ? fixed : floats, ConstantsOf(layout));
+}
+
+// For the attributes behind colour and density; none if there are none.
+Program AdamOthersProgram(const Device& device, const FieldLayout& layout, bool fixed_point) {
+  static_assert(kMostAttributes == kMostOtherAttributes + 2 && kMostComponents < 256);
+  if (layout.IsStandard()) return {};
+  std::vector<SpecializationConstant> constants;
+  for (size_t i = 2; i < layout.attributes.size(); ++i) {
+    const Attribute& attribute = layout.attributes[i];
+    constants.push_back({kConstantAttributes + uint32_t(constants.size()),
+                         attribute.components | int32_t(attribute.activation) << 8 |
+                             int32_t(attribute.rate) << 16});
+  }
+  const std::span<const uint32_t> fixed = kAdamOthersFixed, floats = kAdamOthers;
+  return Program(device, "adam_others", fixed_point ? fixed : floats, constants);
 }
 
 }  // namespace
 
 FieldUpdate::FieldUpdate(const Device& device, const FieldLayout& layout, bool fixed_point)
     : adam_(AdamProgram(device, layout, fixed_point)),
+      adam_others_(AdamOthersProgram(device, layout, fixed_point)),
       spread_(Program(device, "spread", kSpread, ConstantsOf(layout))) {}
 
 void FieldUpdate::Adam(CommandRecorder& recorder, DeviceField& field, const AdamUpdate& update,
                        const FixedPoint& fixed) const {
   AdamPush push = MakeAdamPush(update, field.row_count);
   push.quanta[kRateColor] = 1.0f / fixed.color_quanta;
+  push.quanta[kRateHarmonics] = 1.0f / fixed.color_quanta;
   push.quanta[kRateDensity] = 1.0f / fixed.density_quanta;
   push.first_cell = field.first_cell;
   recorder.DispatchMany(adam_,
@@ -44,6 +53,15 @@ void FieldUpdate::Adam(CommandRecorder& recorder, DeviceField& field, const Adam
                          {kBindMoments, field.moments},
                          {kBindRateShares, field.rate_shares},
                          {kBindVertices, field.vertices}},
+                        push, field.row_count);
+  if (!field.others) return;
+  push.stride = field.others.stride;
+  recorder.DispatchMany(adam_others_,
+                        {{kBindOtherGradients, field.others.gradients},
+                         {kBindHasGradients, field.others.has_gradients},
+                         {kBindParameters, field.others.parameters},
+                         {kBindMoments, field.others.moments},
+                         {kBindRateShares, field.rate_shares}},
                         push, field.row_count);
 }
 

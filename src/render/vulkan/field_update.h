@@ -20,7 +20,7 @@ class FieldUpdate {
   void Spread(CommandRecorder& recorder, DeviceField& field) const;
 
  private:
-  Program adam_, spread_;
+  Program adam_, adam_others_, spread_;
 };
 
 }  // namespace tetrec

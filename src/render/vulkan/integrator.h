@@ -22,6 +22,10 @@ struct RayPass {
   const gpu_types::GpuView& view;    // and of the first block's view
   const Buffer& counters;            // of kCounterCount
   gpu_types::RayPush push;
+  // Where kernels find colours and add their gradients (view_colors.h); those of the field itself
+  // if they do not depend on the view.
+  const Buffer* colors = &field.vertices;
+  const Buffer* color_gradients = &field.gradients;
   GradientParts parts = GradientParts::kColorDensity;  // for Backward
   bool count_steps = false;                            // for Forward: also count hit rays and steps
   ScoreKind score = ScoreKind::kSquaredResidual;       // for scores
@@ -37,6 +41,7 @@ RayPass MakePass(DeviceField& field, RayBatch& rays, const Buffer& views,
 inline BoundBuffers MeshAnd(const RayPass& pass, const BoundBuffers& more) {
   BoundBuffers all = {{kBindTets, pass.field.tets},
                       {kBindVertices, pass.field.vertices},
+                      {kBindColors, *pass.colors},
                       {kBindViews, pass.views},
                       {kBindBlocks, pass.rays.blocks}};
   all.insert(all.end(), more.begin(), more.end());
@@ -47,7 +52,7 @@ inline BoundBuffers MeshAnd(const RayPass& pass, const BoundBuffers& more) {
 inline std::vector<SpecializationConstant> ConstantsOf(const FieldLayout& layout) {
   const bool has_cells = layout.storage == FieldStorage::kCell;
   return {{kConstantStorage, has_cells ? kStorageCell : kStorageVertex},
-          {kConstantComponents, layout.Components()}};
+          {kConstantHarmonics, HarmonicsCount(layout.HarmonicsDegree())}};
 }
 
 // For programs whose kernels include shaders/integral.glsl.

@@ -22,15 +22,18 @@ MarchIntegrator::MarchIntegrator(const Device& device, const RendererOptions& op
 
 void MarchIntegrator::SetField(const DeviceField& field) {
   const bool any_boundary = field.tree_leaves > 0;
-  const std::tuple key(field.layout.storage == FieldStorage::kCell, field.layout.Components(),
-                       any_boundary);
+  const std::tuple key(field.layout.storage == FieldStorage::kCell,
+                       field.layout.HarmonicsDegree() > 0, any_boundary);
   if (!kernels_.contains(key)) kernels_.emplace(key, MakeKernels(field.layout, any_boundary));
   current_ = &kernels_.at(key);
 }
 
 MarchIntegrator::Kernels MarchIntegrator::MakeKernels(const FieldLayout& layout,
                                                       bool any_boundary) const {
-  std::vector<SpecializationConstant> constants = ConstantsOf(integral_, layout);
+  // Kernels that follow rays only ask whether colours depend on the view.
+  FieldLayout kind{.storage = layout.storage};
+  if (layout.HarmonicsDegree() > 0) kind.attributes.push_back(HarmonicsAttribute(1));
+  std::vector<SpecializationConstant> constants = ConstantsOf(integral_, kind);
   constants.push_back({kConstantAnyBoundary, any_boundary});
   const auto make = [&](const char* name, std::span<const uint32_t> spirv) {
     return Program(device_, name, spirv, constants);
@@ -62,7 +65,8 @@ void MarchIntegrator::Dispatch(CommandRecorder& recorder, const Program& program
                                   .max_steps = max_steps_,
                                   .score = pass.score == ScoreKind::kSquaredResidual
                                                ? uint32_t(kScoreSquaredResidual)
-                                               : uint32_t(kScoreAbsoluteResidual)};
+                                               : uint32_t(kScoreAbsoluteResidual),
+                                  .row_count = pass.field.row_count};
   recorder.Dispatch(program, buffers, push, pass.push.ray_count);
 }
 
@@ -84,7 +88,8 @@ void MarchIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
   BoundBuffers buffers = {{kBindRayColors, pass.rays.colors},
                           {kBindRayEntries, pass.rays.entries},
                           {kBindRayGradients, pass.rays.gradients},
-                          {kBindVertexGradients, pass.field.gradients}};
+                          {kBindVertexGradients, pass.field.gradients},
+                          {kBindColorGradients, *pass.color_gradients}};
   if (with_positions) {
     buffers.emplace_back(kBindPositionGradients, pass.field.position_gradients);
   }

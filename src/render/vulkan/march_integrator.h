@@ -34,9 +34,9 @@ class MarchIntegrator final : public Integrator {
   IntegralOptions integral_;
   bool fixed_point_;  // sums as in DeviceField::fixed_point
   uint32_t max_steps_;
-  // By whether cells have the attributes, components, and whether the boundary may have any shape
-  // (or is convex, of few faces); made when first needed.
-  std::map<std::tuple<bool, int, bool>, Kernels> kernels_;
+  // By whether cells have the attributes, whether colours depend on the view, and whether the
+  // boundary may have any shape (or is convex, of few faces); made when first needed.
+  std::map<std::tuple<bool, bool, bool>, Kernels> kernels_;
   const Kernels* current_ = nullptr;
 };
 

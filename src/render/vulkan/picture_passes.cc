@@ -44,10 +44,11 @@ std::vector<glm::vec4> GradientsOfRays(std::span<const RayBlock> blocks, const C
 }  // namespace
 
 PicturePasses::PicturePasses(const Device& device, const RendererOptions& options,
-                             PassCounters& counters)
+                             PassCounters& counters, ViewColors& view_colors)
     : device_(device),
       options_(options),
       counters_(counters),
+      view_colors_(view_colors),
       recorder_(device),
       view_(device, "view", sizeof(GpuView), VK_FORMAT_R32G32B32A32_UINT) {}
 
@@ -112,7 +113,10 @@ void PicturePasses::Backpropagate(Integrator& integrator, DeviceField& field,
                  rays_.gradients.Upload(GradientsOfRays(blocks, view.camera, pixel_gradient));
                  RayPass pass = PassOver(field, blocks, fixed);
                  pass.parts = parts;
-                 Submit([&] { integrator.Backward(recorder_, pass); });
+                 Submit([&] {
+                   integrator.Backward(recorder_, pass);
+                   view_colors_.RecordBackward(recorder_, pass);
+                 });
                });
 }
 
@@ -125,8 +129,11 @@ void PicturePasses::SetView(const DeviceField& field, const RenderView& view, in
 
 RayPass PicturePasses::PassOver(DeviceField& field, std::span<const RayBlock> blocks,
                                 const FixedPoint& fixed) {
-  return MakePass(field, rays_, view_, blocks, gpu_view_, counters_.buffer(),
-                  options_.stop_transmittance, fixed);
+  RayPass pass = MakePass(field, rays_, view_, blocks, gpu_view_, counters_.buffer(),
+                          options_.stop_transmittance, fixed);
+  view_colors_.MakeRoom(field, 1);
+  view_colors_.Bind(pass);
+  return pass;
 }
 
 template <class Record>
@@ -140,11 +147,14 @@ void PicturePasses::Submit(const Record& record) {
 // Colour and optical depth per ray of the view.
 std::vector<glm::vec4> PicturePasses::MarchBatch(Integrator& integrator, DeviceField& field,
                                                  std::span<const RayBlock> blocks) {
-  rays_.SetBlocks(device_, blocks);
+  rays_.SetBlocks(device_, blocks, std::span(&gpu_view_, 1));
   counters_.AddRays(rays_.count);
   RayPass pass = PassOver(field, blocks, {});
   pass.count_steps = options_.count_steps;
-  Submit([&] { integrator.Forward(recorder_, pass); });
+  Submit([&] {
+    view_colors_.Record(recorder_, pass);
+    integrator.Forward(recorder_, pass);
+  });
   counters_.Collect();
   return rays_.colors.DownloadAs<glm::vec4>(rays_.count);
 }
@@ -152,7 +162,7 @@ std::vector<glm::vec4> PicturePasses::MarchBatch(Integrator& integrator, DeviceF
 // Distances from the camera at which rays of the view have lost half of their light; 0: nowhere.
 std::vector<float> PicturePasses::ReachesOfBatch(MarchIntegrator& march, DeviceField& field,
                                                  std::span<const RayBlock> blocks) {
-  rays_.SetBlocks(device_, blocks);
+  rays_.SetBlocks(device_, blocks, std::span(&gpu_view_, 1));
   counters_.AddRays(rays_.count);
   RayPass pass = PassOver(field, blocks, {});
   pass.push.stop_depth = float(kHalfLightDepth);

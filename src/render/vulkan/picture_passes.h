@@ -5,6 +5,7 @@
 #include "render/probe.h"
 #include "render/vulkan/march_integrator.h"
 #include "render/vulkan/pass_counters.h"
+#include "render/vulkan/view_colors.h"
 
 #include <span>
 #include <vector>
@@ -14,7 +15,8 @@ namespace tetrec {
 // Every call returns when the device is done, which must be idle before.
 class PicturePasses {
  public:
-  PicturePasses(const Device& device, const RendererOptions& options, PassCounters& counters);
+  PicturePasses(const Device& device, const RendererOptions& options, PassCounters& counters,
+                ViewColors& view_colors);
 
   // As Renderer and RendererProbe describe them.
   RenderedImage Render(Integrator& integrator, DeviceField& field, const RenderView& view,
@@ -41,6 +43,7 @@ class PicturePasses {
   const Device& device_;
   const RendererOptions& options_;
   PassCounters& counters_;
+  ViewColors& view_colors_;
   CommandRecorder recorder_;
   Buffer view_;
   gpu_types::GpuView gpu_view_;  // as in view_

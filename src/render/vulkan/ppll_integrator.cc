@@ -342,7 +342,8 @@ void PpllIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
                                         {kBindRayEntries, pass.rays.entries},
                                         {kBindRayGradients, pass.rays.gradients},
                                         {kBindCounters, pass.counters},
-                                        {kBindVertexGradients, pass.field.gradients}});
+                                        {kBindVertexGradients, pass.field.gradients},
+                                        {kBindColorGradients, *pass.color_gradients}});
   if (with_positions) {
     buffers.emplace_back(kBindPositionGradients, pass.field.position_gradients);
   }

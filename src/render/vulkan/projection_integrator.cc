@@ -387,7 +387,8 @@ void ProjectionIntegrator::RecordBackward(CommandRecorder& recorder, const RayPa
                                         {kBindRayGradients, pass.rays.gradients},
                                         {kBindRayStates, ray_states_},
                                         {kBindCounters, pass.counters},
-                                        {kBindVertexGradients, pass.field.gradients}});
+                                        {kBindVertexGradients, pass.field.gradients},
+                                        {kBindColorGradients, *pass.color_gradients}});
   if (with_positions) {
     buffers.emplace_back(kBindPositionGradients, pass.field.position_gradients);
   }

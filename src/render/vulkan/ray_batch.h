@@ -3,6 +3,7 @@
 
 #include "gpu/buffer.h"
 #include "render/training_renderer.h"
+#include "shared/gpu_types.glsl.h"
 
 #include <vector>
 
@@ -20,9 +21,13 @@ struct RayBatch {
   uint32_t capacity = 0;  // rays
   uint32_t count = 0;     // rays
   uint32_t columns = 0;   // TileColumns
+  Buffer centers;         // vec4 per slot: camera centre of its view
+  uint32_t slots = 0;     // views in the batch
 
-  // Grows buffers that are too small. The device must not be using them.
-  void SetBlocks(const Device& device, std::span<const RayBlock> ray_blocks);
+  // Grows buffers that are too small. The device must not be using them. `views` has those to which
+  // the blocks refer.
+  void SetBlocks(const Device& device, std::span<const RayBlock> ray_blocks,
+                 std::span<const gpu_types::GpuView> views);
 };
 
 }  // namespace tetrec

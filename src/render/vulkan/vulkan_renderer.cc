@@ -15,6 +15,7 @@
 #include "render/vulkan/ppll_integrator.h"
 #include "render/vulkan/projection_integrator.h"
 #include "render/vulkan/ray_loss.h"
+#include "render/vulkan/view_colors.h"
 
 #include <fmt/format.h>
 
@@ -63,13 +64,14 @@ class VulkanRenderer final : public ProbedRenderer {
         loss_(*device_),
         exposures_(*device_),
         counters_(*device_),
+        view_colors_(*device_, layout_, options.deterministic),
         march_(*device_, options),
         other_(MakeOtherIntegrator(*device_, options, layout_)),
         integrator_(other_ ? other_.get() : &march_),
         recorders_{std::make_unique<CommandRecorder>(*device_),
                    std::make_unique<CommandRecorder>(*device_)},
         part_recorder_(*device_),
-        pictures_(*device_, options_, counters_) {}
+        pictures_(*device_, options_, counters_, view_colors_) {}
 
   // Buffers are destroyed before the recorders, so the device must be done with them.
   ~VulkanRenderer() override { WaitAll(); }
@@ -88,6 +90,7 @@ class VulkanRenderer final : public ProbedRenderer {
       free.bytes += FieldBytes(field_.mesh, layout_, options_.deterministic);
     CheckMemory(mesh, BytesFor(mesh, state.layout), free);
     field_ = {};  // frees the old mesh before the new one takes memory
+    view_colors_.Clear();
     UseLayout(state.layout);
     field_ = UploadField(*device_, mesh, state, options_.deterministic);
     SpreadParameters();
@@ -141,7 +144,7 @@ class VulkanRenderer final : public ProbedRenderer {
     ExpectSums(fixed);
     const StepResult before = InFlightBatch(*integrator_, batch, {ScaleOf(batch)}, fixed,
                                             [&](CommandRecorder& recorder, const RayPass& pass) {
-                                              integrator_->Backward(recorder, pass);
+                                              RecordBackward(recorder, pass);
                                               update_.Adam(recorder, field_, update, fixed);
                                             });
     ForgetSums();
@@ -172,7 +175,7 @@ class VulkanRenderer final : public ProbedRenderer {
     RayPass pass = ForwardPass();
     pass.parts = parts;
     part_recorder_.Begin();
-    integrator_->Backward(part_recorder_, pass);
+    RecordBackward(part_recorder_, pass);
     part_recorder_.EndAndSubmit();
     part_recorder_.Wait();
     has_sums_ = true;
@@ -190,7 +193,7 @@ class VulkanRenderer final : public ProbedRenderer {
       for (const double value : sums.values) largest = std::max(largest, std::abs(value));
       ExpectSums(FixedPointOf(largest, 1));
     }
-    AddToSums(field_, field_.gradients, sums.values, QuantaOf(layout_, sums_fixed_));
+    AddToGradients(field_, sums.values, sums_fixed_);
     has_sums_ = true;
     if (sums.position.empty()) return;
     AllocatePositionGradients(*device_, field_);
@@ -199,8 +202,7 @@ class VulkanRenderer final : public ProbedRenderer {
       for (int i = 0; i < 3; ++i) rows.push_back(sums.position[v][i]);
       rows.push_back(sums.absolute_position[v]);
     }
-    const double quanta[] = {double(sums_fixed_.position_quanta)};
-    AddToSums(field_, field_.position_gradients, rows, quanta);
+    AddToPositionGradients(field_, rows, sums_fixed_);
     has_position_sums_ = true;
   }
 
@@ -216,7 +218,7 @@ class VulkanRenderer final : public ProbedRenderer {
   void WriteParameters(std::span<const float> parameters) override {
     CheckRows(parameters, layout_, field_.row_count, "parameters");
     WaitAll();
-    field_.parameters.Upload(parameters.data(), parameters.size_bytes());
+    UploadParameters(field_, parameters);
     SpreadParameters();
   }
 
@@ -349,6 +351,7 @@ class VulkanRenderer final : public ProbedRenderer {
     if (layout == layout_) return;
     layout_ = layout;
     update_ = FieldUpdate(*device_, layout, options_.deterministic);
+    view_colors_ = ViewColors(*device_, layout, options_.deterministic);
     other_ = MakeOtherIntegrator(*device_, options_, layout);
     integrator_ = other_ ? other_.get() : &march_;
   }
@@ -374,12 +377,11 @@ class VulkanRenderer final : public ProbedRenderer {
 
   GradientSums TakeSums(const FixedPoint& fixed) {
     GradientSums sums;
-    sums.values = DownloadSums(field_, field_.gradients, QuantaOf(layout_, fixed));
-    field_.gradients.FillZero();
+    sums.values = DownloadGradients(field_, fixed);
+    ClearGradients(field_);
     has_sums_ = false;
     if (!std::exchange(has_position_sums_, false)) return sums;
-    const double quanta[] = {double(fixed.position_quanta)};
-    const std::vector<double> rows = DownloadSums(field_, field_.position_gradients, quanta);
+    const std::vector<double> rows = DownloadPositionGradients(field_, fixed);
     for (size_t at = 0; at < rows.size(); at += 4) {
       sums.position.emplace_back(rows[at], rows[at + 1], rows[at + 2]);
       sums.absolute_position.push_back(rows[at + 3]);
@@ -417,9 +419,15 @@ class VulkanRenderer final : public ProbedRenderer {
   void RecordForward(CommandRecorder& recorder, Integrator& integrator, BatchSlot& slot,
                      const RayPass& pass, const TrainingBatch& batch,
                      const RayGradients& gradients) {
+    view_colors_.Record(recorder, pass);
     integrator.Forward(recorder, pass);
     if (batch.dssim_weight > 0) CheckTiles(batch);
     loss_.Record(recorder, slot, batch, gradients, training_views_, targets_, exposures_);
+  }
+
+  void RecordBackward(CommandRecorder& recorder, const RayPass& pass) {
+    integrator_->Backward(recorder, pass);
+    view_colors_.RecordBackward(recorder, pass);
   }
 
   // For other views than before.
@@ -448,7 +456,11 @@ class VulkanRenderer final : public ProbedRenderer {
   }
 
   void PutBlocks(RayBatch& rays, std::span<const RayBlock> blocks) {
-    rays.SetBlocks(*device_, blocks);
+    rays.SetBlocks(*device_, blocks, gpu_views_);
+    if (view_colors_.NeedsRoom(field_, rays.slots)) {
+      WaitAll();  // for the other batch in flight
+      view_colors_.MakeRoom(field_, rays.slots);
+    }
     counters_.AddRays(rays.count);
   }
 
@@ -473,6 +485,7 @@ class VulkanRenderer final : public ProbedRenderer {
                  counters_.buffer(), options_.stop_transmittance, fixed);
     pass.push.jitter_seed = batch.seed;
     pass.push.jitter_px = batch.jitter_px;
+    view_colors_.Bind(pass);
     return pass;
   }
 
@@ -493,6 +506,7 @@ class VulkanRenderer final : public ProbedRenderer {
   RayLoss loss_;
   ExposureGather exposures_;  // of the training views
   PassCounters counters_;
+  ViewColors view_colors_;             // made for layout_
   MarchIntegrator march_;              // for scores, whichever integrator renders
   std::unique_ptr<Integrator> other_;  // unless the march renders
   Integrator* integrator_;

@@ -1,0 +1,69 @@
+// View-dependent colour in training.
+#include "optimize/harmonics.h"
+
+#include "render/seen_colors.h"
+
+#include <algorithm>
+#include <array>
+
+namespace tetrec {
+namespace {
+
+// The progress at which degrees 1, 2 and 3 are unlocked and judged. The last one is judged before
+// the judging pictures are learned (ScheduleOptions::last_judging).
+constexpr std::array<double, 3> kUnlock = {0.12, 0.3, 0.45}, kJudge = {0.28, 0.43, 0.62};
+
+// The mean of each function over the directions from which the views see a place.
+std::array<double, 15> MeanHarmonics(const glm::dvec3& place, std::span<const glm::dvec3> centers) {
+  std::array<double, 15> mean{};
+  for (const glm::dvec3& center : centers) {
+    const std::array<double, 15> basis = HarmonicsAt(DirectionTo(place, center));
+    for (size_t k = 0; k < mean.size(); ++k) mean[k] += basis[k] / double(centers.size());
+  }
+  return mean;
+}
+
+}  // namespace
+
+HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& state,
+                                double progress) {
+  const bool judges = choice == HarmonicsChoice::kAuto;
+  if (judges && state.unlocked > state.judged) {
+    return progress >= kJudge[state.unlocked - 1] ? HarmonicsStep::kJudge : HarmonicsStep::kNone;
+  }
+  const uint32_t most = judges ? uint32_t(kMostHarmonicsDegree) : uint32_t(choice);
+  if (state.closed != 0 || state.unlocked >= most) return HarmonicsStep::kNone;
+  return progress >= kUnlock[state.unlocked] ? HarmonicsStep::kUnlock : HarmonicsStep::kNone;
+}
+
+uint64_t TrialSteps(uint64_t iteration) {
+  return std::clamp(iteration / 10, kFewestTrialSteps, kMostTrialSteps);
+}
+
+FieldState WithoutHighestDegree(const TetMesh& mesh, const FieldState& state,
+                                std::span<const RenderView> views) {
+  const int degree = state.layout.HarmonicsDegree();
+  std::vector<glm::dvec3> centers;
+  for (const RenderView& view : views) {
+    centers.push_back(view.cam_from_world.Inverse().translation);
+  }
+  const std::vector<glm::vec3> places = PlacesOfRows(mesh, state.layout.storage);
+  const size_t components = size_t(state.layout.Components());
+  const size_t first = size_t(state.layout.OffsetOf(kHarmonicsName));
+  FieldState means = state;
+  for (size_t row = 0; row < places.size(); ++row) {
+    const std::array<double, 15> mean = MeanHarmonics(glm::dvec3(places[row]), centers);
+    float* values = &means.parameters[row * components];
+    for (size_t k = size_t(HarmonicsCount(degree - 1)); k < size_t(HarmonicsCount(degree)); ++k) {
+      for (size_t c = 0; c < 3; ++c) {
+        values[kColorOffset + c] += float(mean[k]) * values[first + 3 * k + c];
+      }
+    }
+    for (size_t c = 0; c < 3; ++c) {
+      values[kColorOffset + c] = std::clamp(values[kColorOffset + c], 0.0f, 1.0f);
+    }
+  }
+  return WithHarmonics(means, degree - 1);
+}
+
+}  // namespace tetrec

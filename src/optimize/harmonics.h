@@ -1,0 +1,54 @@
+// View-dependent colour in training: when degrees of harmonics are unlocked, and which of them
+// stay.
+#pragma once
+
+#include "core/words.h"
+#include "field/field_state.h"
+#include "render/renderer.h"
+
+#include <cstdint>
+#include <span>
+
+namespace tetrec {
+
+// The degree up to which colours depend on the view.
+enum class HarmonicsChoice {
+  kNone,
+  kDegree1,
+  kDegree2,
+  kDegree3,
+  kAuto,  // as many degrees as the judging pictures gain from
+};
+template <>
+inline constexpr auto kWords<HarmonicsChoice> =
+    std::to_array<Word<HarmonicsChoice>>({{HarmonicsChoice::kAuto, "auto"},
+                                          {HarmonicsChoice::kNone, "0"},
+                                          {HarmonicsChoice::kDegree1, "1"},
+                                          {HarmonicsChoice::kDegree2, "2"},
+                                          {HarmonicsChoice::kDegree3, "3"}});
+
+struct HarmonicsState {
+  uint32_t unlocked = 0;  // degrees so far
+  uint32_t judged = 0;    // of them
+  uint32_t closed = 0;    // 1: nothing more is unlocked
+  bool operator==(const HarmonicsState&) const = default;
+};
+
+// What is due at a progress in [0, 1].
+enum class HarmonicsStep { kNone, kUnlock, kJudge };
+HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& state,
+                                double progress);
+
+// A degree stays if the judging pictures gain more than this by it [dB].
+inline constexpr double kLeastHarmonicsGain = 0.05;
+
+// To judge a degree, the field is also trained without it for a tenth of the steps so far, within
+// these bounds: its colours must first become the means of what they were from all sides.
+inline constexpr uint64_t kFewestTrialSteps = 20, kMostTrialSteps = 200;
+uint64_t TrialSteps(uint64_t iteration);
+
+// The state without its highest degree, whose mean over the views goes to the colours.
+FieldState WithoutHighestDegree(const TetMesh& mesh, const FieldState& state,
+                                std::span<const RenderView> views);
+
+}  // namespace tetrec

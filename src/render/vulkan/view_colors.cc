@@ -1,0 +1,78 @@
+// View-dependent colour on the device.
+#include "render/vulkan/view_colors.h"
+
+#include "embedded_shaders.h"
+
+namespace tetrec {
+namespace {
+
+uint64_t ColorBytes(const DeviceField& field, size_t views) {
+  return uint64_t{field.row_count} * views * sizeof(glm::vec4);
+}
+
+Program BackwardProgram(const Device& device, const FieldLayout& layout, bool fixed_point) {
+  const std::span<const uint32_t> fixed = kViewColorsBackwardFixed, floats = kViewColorsBackward;
+  return Program(device, "view_colors_backward", fixed_point ? fixed : floats, ConstantsOf(layout));
+}
+
+}  // namespace
+
+ViewColors::ViewColors(const Device& device, const FieldLayout& layout, bool fixed_point)
+    : device_(&device), is_on_(layout.HarmonicsDegree() > 0), fixed_point_(fixed_point) {
+  if (!is_on_) return;
+  forward_ = Program(device, "view_colors", kViewColors, ConstantsOf(layout));
+  backward_ = BackwardProgram(device, layout, fixed_point);
+}
+
+bool ViewColors::NeedsRoom(const DeviceField& field, size_t views) const {
+  return is_on_ && colors_.bytes() < ColorBytes(field, views);
+}
+
+void ViewColors::MakeRoom(const DeviceField& field, size_t views) {
+  if (!NeedsRoom(field, views)) return;
+  Clear();  // frees the old rooms before the new ones take memory
+  colors_ =
+      Buffer(*device_, "view colors", ColorBytes(field, views), VK_FORMAT_R32G32B32A32_SFLOAT);
+  gradients_ = Buffer(*device_, "gradients of view colors",
+                      uint64_t{field.row_count} * views * 3 * (fixed_point_ ? 8 : 4));
+  gradients_.FillZero();
+}
+
+void ViewColors::Bind(RayPass& pass) const {
+  if (!is_on_) return;
+  pass.colors = &colors_;
+  pass.color_gradients = &gradients_;
+}
+
+gpu_types::ViewColorPush ViewColors::PushOf(const RayPass& pass) const {
+  return {.row_count = pass.field.row_count,
+          .first_cell = pass.field.first_cell,
+          .slots = pass.rays.slots,
+          .other_stride = pass.field.others.stride};
+}
+
+void ViewColors::Record(CommandRecorder& recorder, const RayPass& pass) const {
+  if (!is_on_) return;
+  recorder.DispatchMany(forward_,
+                        {{kBindVertices, pass.field.vertices},
+                         {kBindTets, pass.field.tets},
+                         {kBindCenters, pass.rays.centers},
+                         {kBindHarmonics, pass.field.others.parameters},
+                         {kBindViewColors, colors_}},
+                        PushOf(pass), pass.field.row_count);
+}
+
+void ViewColors::RecordBackward(CommandRecorder& recorder, const RayPass& pass) const {
+  if (!is_on_) return;
+  recorder.DispatchMany(backward_,
+                        {{kBindVertices, pass.field.vertices},
+                         {kBindTets, pass.field.tets},
+                         {kBindCenters, pass.rays.centers},
+                         {kBindColorGradients, gradients_},
+                         {kBindVertexGradients, pass.field.gradients},
+                         {kBindOtherGradients, pass.field.others.gradients},
+                         {kBindHasGradients, pass.field.others.has_gradients}},
+                        PushOf(pass), pass.field.row_count);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,36 @@
+// View-dependent colour on the device: what every row of a field shows to each view of a batch, and
+// the gradients of that (shaders/view_colors.comp).
+#pragma once
+
+#include "gpu/commands.h"
+#include "render/vulkan/integrator.h"
+
+namespace tetrec {
+
+class ViewColors {
+ public:
+  // For fields of this layout; does nothing if their colours do not depend on the view.
+  ViewColors(const Device& device, const FieldLayout& layout, bool fixed_point);
+
+  // True if a batch of so many views needs more room. The device must be idle then for MakeRoom.
+  bool NeedsRoom(const DeviceField& field, size_t views) const;
+  void MakeRoom(const DeviceField& field, size_t views);
+  // Forgets the rooms of the field before.
+  void Clear() { colors_ = {}, gradients_ = {}; }
+
+  // Gives a pass the colours of its views, which Record evaluates.
+  void Bind(RayPass& pass) const;
+  void Record(CommandRecorder& recorder, const RayPass& pass) const;
+  // Records what turns gradients of these colours into gradients of the field.
+  void RecordBackward(CommandRecorder& recorder, const RayPass& pass) const;
+
+ private:
+  gpu_types::ViewColorPush PushOf(const RayPass& pass) const;
+
+  const Device* device_;
+  bool is_on_, fixed_point_;
+  Program forward_, backward_;
+  Buffer colors_, gradients_;  // rows [slot][row]: texels vec4; three sums
+};
+
+}  // namespace tetrec
