@@ -17,54 +17,88 @@ layout(std430, binding = kBindVertexGradients) buffer VertexGradients { Sum vert
 layout(std430, binding = kBindOtherGradients) buffer OtherGradients { Sum other_gradients[]; };
 layout(std430, binding = kBindHasGradients) writeonly buffer HasGradients { uint has_gradients[]; };
 
-void AddToCoefficient(uint first, int k, vec3 d, vec3 by_color) {
-  vec3 gradient = HarmonicAt(k, d) * by_color;
+// The sums of a row over all slots, and whether any is not 0.
+bool has_any = false;
+Sum by_red = Sum(0), by_green = Sum(0), by_blue = Sum(0);
+vec3 by_coefficient[kMostHarmonics];
+
+#define AddHarmonic(k) by_coefficient[k - 1] += HarmonicAt(k, d) * by_color;
+
+// Takes the gradients of one slot. Everything happens in registers: rows of coefficients are long,
+// and to add to them for each slot would cost more than all rays.
+void TakeSlot(uint slot, uint row, vec3 place) {
+  uint at = 3u * (slot * push.row_count + row);
+  Sum r = color_gradients[at], g = color_gradients[at + 1u], b = color_gradients[at + 2u];
+  if (r != Sum(0) || g != Sum(0) || b != Sum(0)) {
+    color_gradients[at] = Sum(0);
+    color_gradients[at + 1u] = Sum(0);
+    color_gradients[at + 2u] = Sum(0);
+    by_red += r;
+    by_green += g;
+    by_blue += b;
+    has_any = true;
+    vec3 by_color = vec3(float(r), float(g), float(b));
+    vec3 d = DirectionTo(slot, place);
+    AddHarmonic(1) AddHarmonic(2) AddHarmonic(3)
+    if (kHarmonics > 3) {
+      AddHarmonic(4) AddHarmonic(5) AddHarmonic(6) AddHarmonic(7) AddHarmonic(8)
+    }
+    if (kHarmonics > 8) {
+      AddHarmonic(9) AddHarmonic(10) AddHarmonic(11) AddHarmonic(12) AddHarmonic(13)
+      AddHarmonic(14) AddHarmonic(15)
+    }
+  }
+}
+
+void Give(uint first, int k) {
   uint at = first + 3u * uint(k - 1);
-  other_gradients[at] += ToSum(gradient.r);
-  other_gradients[at + 1u] += ToSum(gradient.g);
-  other_gradients[at + 2u] += ToSum(gradient.b);
+  other_gradients[at] += ToSum(by_coefficient[k - 1].r);
+  other_gradients[at + 1u] += ToSum(by_coefficient[k - 1].g);
+  other_gradients[at + 2u] += ToSum(by_coefficient[k - 1].b);
+}
+
+void GiveAll(uint row) {
+  has_gradients[row] = 1u;
+  uint color = row * uint(kRowComponents) + kColorComponent;
+  vertex_gradients[color] += by_red;
+  vertex_gradients[color + 1u] += by_green;
+  vertex_gradients[color + 2u] += by_blue;
+  uint first = row * push.other_stride;
+  Give(first, 1);
+  Give(first, 2);
+  Give(first, 3);
+  if (kHarmonics > 3) {
+    Give(first, 4);
+    Give(first, 5);
+    Give(first, 6);
+    Give(first, 7);
+    Give(first, 8);
+  }
+  if (kHarmonics > 8) {
+    Give(first, 9);
+    Give(first, 10);
+    Give(first, 11);
+    Give(first, 12);
+    Give(first, 13);
+    Give(first, 14);
+    Give(first, 15);
+  }
 }
 
 void main() {
   uint row = ThreadIndex();
   if (row < push.row_count) {
+    int k = 0;
+    while (k < kMostHarmonics) {
+      by_coefficient[k] = vec3(0.0);
+      k += 1;
+    }
+    vec3 place = PlaceOfRow(row);
     uint slot = 0u;
     while (slot < push.slots) {
-      uint at = 3u * (slot * push.row_count + row);
-      Sum r = color_gradients[at], g = color_gradients[at + 1u], b = color_gradients[at + 2u];
-      if (r != Sum(0) || g != Sum(0) || b != Sum(0)) {
-        color_gradients[at] = Sum(0);
-        color_gradients[at + 1u] = Sum(0);
-        color_gradients[at + 2u] = Sum(0);
-        uint color = row * uint(kRowComponents) + kColorComponent;
-        vertex_gradients[color] += r;
-        vertex_gradients[color + 1u] += g;
-        vertex_gradients[color + 2u] += b;
-        vec3 by_color = vec3(float(r), float(g), float(b));
-        vec3 d = DirectionTo(slot, PlaceOfRow(row));
-        uint first = row * push.other_stride;
-        AddToCoefficient(first, 1, d, by_color);
-        AddToCoefficient(first, 2, d, by_color);
-        AddToCoefficient(first, 3, d, by_color);
-        if (kHarmonics > 3) {
-          AddToCoefficient(first, 4, d, by_color);
-          AddToCoefficient(first, 5, d, by_color);
-          AddToCoefficient(first, 6, d, by_color);
-          AddToCoefficient(first, 7, d, by_color);
-          AddToCoefficient(first, 8, d, by_color);
-        }
-        if (kHarmonics > 8) {
-          AddToCoefficient(first, 9, d, by_color);
-          AddToCoefficient(first, 10, d, by_color);
-          AddToCoefficient(first, 11, d, by_color);
-          AddToCoefficient(first, 12, d, by_color);
-          AddToCoefficient(first, 13, d, by_color);
-          AddToCoefficient(first, 14, d, by_color);
-          AddToCoefficient(first, 15, d, by_color);
-        }
-        has_gradients[row] = 1u;
-      }
+      TakeSlot(slot, row, place);
       slot += 1u;
     }
+    if (has_any) GiveAll(row);
   }
 }

@@ -37,7 +37,7 @@ HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& st
 }
 
 uint64_t TrialSteps(uint64_t iteration) {
-  return std::clamp(iteration / 10, kFewestTrialSteps, kMostTrialSteps);
+  return std::clamp(iteration / 8, kFewestTrialSteps, kMostTrialSteps);
 }
 
 FieldState WithoutHighestDegree(const TetMesh& mesh, const FieldState& state,

@@ -418,30 +418,36 @@ class Trainer {
     LogInfo("colours depend on the view by harmonics of degree {}", degree_);
   }
 
-  // Compares the field with what it becomes when it is trained for a while without its highest
-  // degree. These steps do not count.
+  // Trains on with the highest degree and without it, by the same batches, and keeps the better.
   void JudgeHarmonics(double done) {
     state_.harmonics.judged = state_.harmonics.unlocked;
     if (learns_all_) return;  // too late to judge: the degree stays
     const int degree = degree_;
-    const double with = JudgeField().psnr;
-    FieldState state = renderer_->ReadState();
-    PutState(WithoutHighestDegree(mesh_, state, set_.views));
     const uint64_t steps = TrialSteps(state_.iteration);
-    for (uint64_t i = 1; i <= steps; ++i) {
-      renderer_->Step(batches_.Draw(state_.iteration + i), UpdateAt(state_.iteration + i, done));
-    }
-    const double without = JudgeField().psnr;
+    const FieldState before = renderer_->ReadState();
+    const double with = TrialPsnr(steps, done);
+    FieldState trained = renderer_->ReadState();
+    PutState(WithoutHighestDegree(mesh_, before, set_.views));
+    const double without = TrialPsnr(steps, done);
     const bool stays = with > without + kLeastHarmonicsGain;
     LogInfo(
-        "judging pictures: {:.2f} dB with harmonics of degree {}, {:.2f} dB after {} steps "
-        "without: {}",
-        with, degree, without, steps, stays ? "they stay" : "they are dropped");
-    if (stays) {
-      PutState(std::move(state));
-    } else {
-      state_.harmonics.closed = 1;
+        "judging pictures after {} steps: {:.2f} dB with harmonics of degree {}, {:.2f} dB "
+        "without: "
+        "{}",
+        steps, with, degree, without, stays ? "they stay" : "they are dropped");
+    if (stays) PutState(std::move(trained));
+    if (!stays) state_.harmonics.closed = 1;
+    state_.iteration += steps;
+  }
+
+  // The PSNR of the judging pictures after some steps more, which are not counted.
+  double TrialPsnr(uint64_t steps, double done) {
+    for (uint64_t i = 0; i < steps; ++i) {
+      const TrainingBatch batch = batches_.Draw(state_.iteration + i);
+      state_.rays += batch.rays();
+      renderer_->Step(batch, UpdateAt(state_.iteration + i + 1, done));
     }
+    return JudgeField().psnr;
   }
 
   void RefineOnce() {

@@ -16,9 +16,10 @@ namespace tetrec {
 namespace {
 
 // Where the fields start: "TETRECK5", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
-// bytes, f64 best PSNR, u64 V, u64 T, then the layout: u32 storage, u32 attributes, and of "color"
-// and "density" the length of the name, the name, and 3 u32 each. Positions follow.
-constexpr size_t kSecondsAt = 16, kVertexCountAt = 52, kTetCountAt = 60, kStorageAt = 68,
+// bytes, f64 best PSNR, u32 x 3 harmonics, u64 V, u64 T, then the layout: u32 storage, u32
+// attributes, and of "color" and "density" the length of the name, the name, and 3 u32 each.
+// Positions follow.
+constexpr size_t kSecondsAt = 16, kVertexCountAt = 64, kTetCountAt = 72, kStorageAt = 80,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
