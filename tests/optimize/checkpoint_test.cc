@@ -15,7 +15,7 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECK5", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
+// Where the fields start: "TETRECK6", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
 // bytes, f64 best PSNR, u32 x 3 harmonics, u64 V, u64 T, then the layout: u32 storage, u32
 // attributes, and of "color" and "density" the length of the name, the name, and 3 u32 each.
 // Positions follow.

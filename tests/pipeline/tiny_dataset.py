@@ -45,17 +45,31 @@ def world_from_camera(eye):
     return right, cross(back, right), back
 
 
-def seen(eye, direction):
-    """Colour and alpha along a ray; the ball's colour is a function of its normal."""
+def by_normal(hit, direction):
+    """The ball's usual colour."""
+    return [h / RADIUS for h in hit]
+
+
+def by_direction(hit, direction):
+    """A colour that depends on where the camera is, and on nothing else."""
+    return direction
+
+
+def uniform(hit, direction):
+    return [0.7, -0.2, 0.3]
+
+
+def seen(eye, direction, paint):
+    """Colour and alpha along a ray."""
     b = dot(eye, direction)
     inside = b * b - dot(eye, eye) + RADIUS * RADIUS
     if inside <= 0:
         return (0, 0, 0, 0)
     hit = [e + (-b - math.sqrt(inside)) * d for e, d in zip(eye, direction)]
-    return tuple(int(127.5 + 100 * h / RADIUS) for h in hit) + (255,)
+    return tuple(int(127.5 + 100 * p) for p in paint(hit, direction)) + (255,)
 
 
-def picture(eye):
+def picture(eye, paint=by_normal):
     """RGBA bytes of an image; 2 x 2 rays per pixel are averaged with premultiplied alpha."""
     right, up, back = world_from_camera(eye)
     scale = 2 * math.tan(FOV_RAD / 2) / SIZE
@@ -67,7 +81,7 @@ def picture(eye):
                 for dx in (0.25, 0.75):
                     u, v = (x + dx - SIZE / 2) * scale, (SIZE / 2 - y - dy) * scale
                     ray = unit([u * r + v * p - k for r, p, k in zip(right, up, back)])
-                    color = seen(eye, ray)
+                    color = seen(eye, ray, paint)
                     for c in range(3):
                         total[c] += color[c] * color[3] / 255
                     total[3] += color[3]
@@ -94,14 +108,14 @@ def turned(columns, angle_rad):
             [s * r + c * b for r, b in zip(right, back)], eye]
 
 
-def write_tiny_dataset(folder, train=40, validation=2, test=4, turned_rad=0.0):
-    """Writes transforms_*.json and the images into `folder`. Every second training camera is said to
-    be turned by `turned_rad`, to the left and to the right by turns."""
+def write_tiny_dataset(folder, train=40, validation=2, test=4, turned_rad=0.0, paint=by_normal):
+    """Writes transforms_*.json and the images of a ball of colour `paint` into `folder`. Every second
+    training camera is said to be turned by `turned_rad`, to the left and to the right by turns."""
     for split, count, offset in (("train", train, 0.5), ("val", validation, 0.3), ("test", test, 0.4)):
         (folder / split).mkdir(parents=True)
         frames = []
         for i, eye in enumerate(eyes(count, offset)):
-            write_png(folder / split / f"r_{i}.png", SIZE, SIZE, picture(eye))
+            write_png(folder / split / f"r_{i}.png", SIZE, SIZE, picture(eye, paint))
             columns = [*world_from_camera(eye), eye]
             if split == "train" and i % 2 == 1:
                 columns = turned(columns, turned_rad if i % 4 == 1 else -turned_rad)
