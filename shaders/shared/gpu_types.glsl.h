@@ -263,6 +263,10 @@ struct SpreadPush {
 #define kBindViewColors 49      // vec4, rows [slot][row]: view-dependent colours, to be written
 #define kBindColors 50          // texels vec4: the same, or `vertices`
 #define kBindColorGradients 51  // three values per row [slot][row], or as kBindVertexGradients
+// texels vec4: rows of kBindVertexGradients, kBindParameters and (first, second) kBindMoments
+#define kBindGradientTexels 52
+#define kBindParameterTexels 53
+#define kBindMomentTexels 54
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);

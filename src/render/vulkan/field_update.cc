@@ -51,6 +51,9 @@ void FieldUpdate::Adam(CommandRecorder& recorder, DeviceField& field, const Adam
                         {{kBindVertexGradients, field.gradients},
                          {kBindParameters, field.parameters},
                          {kBindMoments, field.moments},
+                         {kBindGradientTexels, field.gradients},
+                         {kBindParameterTexels, field.parameters},
+                         {kBindMomentTexels, field.moments},
                          {kBindRateShares, field.rate_shares},
                          {kBindVertices, field.vertices}},
                         push, field.row_count);
