@@ -70,8 +70,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                         "gain by them: auto (where cameras were estimated from photos), on or off");
   tetrec::AddWordOption(
       app, "--sh", options.harmonics,
-      "Degree of spherical harmonics by which colours depend on the view: 0 (they "
-      "do not) to 3, or auto, as many as the judging pictures gain from");
+      "Degree of spherical harmonics by which colours depend on the view: 0 (they do not) to 3, or "
+      "auto, as many as the judging pictures gain from; steps become up to three times as "
+      "expensive");
   app.add_option("--rounds", options.schedule.rounds, "Refinements of the mesh")
       ->check(CLI::Range(0, 100));
   app.add_option("--last-round", options.schedule.last_round,

@@ -49,7 +49,7 @@ struct OptimizeOptions {
   bool random_background = true;  // behind field and target; false: the scene's own
   ExposureMode exposure = ExposureMode::kAuto;  // of the training photos
   PoseMode poses = PoseMode::kAuto;             // corrections of the training cameras
-  HarmonicsChoice harmonics = HarmonicsChoice::kAuto;
+  HarmonicsChoice harmonics = HarmonicsChoice::kNone;
   uint64_t max_vertices = 0;      // 0: as many as the time affords
   double score_rays_per_tet = 1;  // by which a refinement judges the tets
   int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv

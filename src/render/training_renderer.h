@@ -84,7 +84,8 @@ struct GradientSums {
   std::vector<double> values;  // dL/dvalue (not parameter), rows x layout.Components()
   // From backward passes with positions, otherwise empty. World frame, per vertex. A face that a
   // ray meets edge-on, its angle lost in rounding, adds nothing: the true gradient grows without
-  // bound.
+  // bound. View-dependent colours count as if they stayed when the vertex moves: the turn of the
+  // direction from the camera is left out.
   std::vector<glm::dvec3> position;
   // As AbsGS (Ye et al. 2024): the sum, over the rays' passages of the tets around the vertex, of
   // the length of the passage's own dL/dposition across the ray. Across, because that is what a

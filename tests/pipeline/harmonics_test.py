@@ -5,6 +5,7 @@ from stage_case import StageCase
 from tiny_dataset import by_direction, uniform
 
 OPTIMIZE = ("--iterations", 400, "--time-limit", 0, "--rays", 1024, "--max-vertices", 1500)
+AUTO = ("--sh", "auto", *OPTIMIZE)
 
 
 class HarmonicsTest(StageCase):
@@ -14,18 +15,18 @@ class HarmonicsTest(StageCase):
 
     def test_a_ball_of_one_colour_ends_without_harmonics(self):
         field = self.folder / "run" / "3_field"
-        self.assert_done(self.run_stage("optimize", self.tiny_tetrahedra(paint=uniform), "-o", field, *OPTIMIZE))
+        self.assert_done(self.run_stage("optimize", self.tiny_tetrahedra(paint=uniform), "-o", field, *AUTO))
         self.assertEqual(self.degree(field), 0)
 
     def test_a_ball_whose_colour_follows_the_camera_gets_harmonics_that_render(self):
         field, views = self.folder / "run" / "3_field", self.folder / "run" / "4_views"
         tetrahedra = self.tiny_tetrahedra(paint=by_direction)
-        self.assert_done(self.run_stage("optimize", tetrahedra, "-o", field, *OPTIMIZE))
+        self.assert_done(self.run_stage("optimize", tetrahedra, "-o", field, *AUTO))
         self.assertGreaterEqual(self.degree(field), 1)
         with_harmonics = self.manifest(field)["counts"]["watched_psnr"]
         self.assert_done(self.run_stage("render", field, "-o", views))
         plain = self.folder / "plain"
-        self.assert_done(self.run_stage("optimize", tetrahedra, "-o", plain, "--sh", 0, *OPTIMIZE))
+        self.assert_done(self.run_stage("optimize", tetrahedra, "-o", plain, *OPTIMIZE))
         # Colours that cannot follow the camera miss them by far.
         self.assertGreater(with_harmonics, self.manifest(plain)["counts"]["watched_psnr"] + 3)
 

@@ -297,15 +297,15 @@ DeviceField UploadField(const Device& device, const TetMesh& mesh, const FieldSt
                               VK_FORMAT_R32G32B32A32_SFLOAT);
   UploadBoundary(device, field);
   constexpr VkFormat kTexels = VK_FORMAT_R32G32B32A32_SFLOAT;
-  field.parameters = MakeBuffer(
-      device, "parameters", PartOf<float>(std::span(state.parameters), components, kStandardPart),
-      kTexels);
+  field.parameters =
+      MakeBuffer(device, "parameters",
+                 PartOf<float>(std::span(state.parameters), components, kStandardPart), kTexels);
   field.moments = MakeBuffer(device, "moments", MomentRows(state, kStandardPart), kTexels);
   if (!state.layout.IsStandard()) field.others = UploadOthers(device, state, fixed_point);
   field.rate_shares = MakeBuffer(device, "rate shares", std::vector<float>(field.row_count, 1.0f));
-  field.gradients = Buffer(device, "field gradients",
-                           uint64_t{field.row_count} * kStandardComponents * SumBytes(fixed_point),
-                           kTexels);
+  field.gradients =
+      Buffer(device, "field gradients",
+             uint64_t{field.row_count} * kStandardComponents * SumBytes(fixed_point), kTexels);
   field.gradients.FillZero();
   field.tet_scores = Buffer(device, "tet scores", field.tet_count * SumBytes(fixed_point));
   field.tet_scores.FillZero();
