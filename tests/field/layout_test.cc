@@ -55,7 +55,7 @@ TEST(FieldLayout, RefusesWhatNoKernelOrFileCouldMean) {
   ExpectRefused("'extra' has 0 components", third({"extra", 0}));
   ExpectRefused("'extra' has 65 components", third({"extra", 65}));
   ExpectRefused("activation 3", third({"extra", 5, Activation(3), RateClass::kColor}));
-  ExpectRefused("rate class 2", third({"extra", 5, Activation::kExp, RateClass(2)}));
+  ExpectRefused("rate class 3", third({"extra", 5, Activation::kExp, RateClass(3)}));
   ExpectRefused("two attributes 'density'", third({"density", 2}));
 }
 
