@@ -24,7 +24,7 @@ layout(std430, binding = kBindMoments) buffer Moments { float moments[]; };
 layout(std430, binding = kBindRateShares) readonly buffer RateShares { float rate_shares[]; };
 layout(push_constant) uniform Push { AdamPush push; };
 
-// Of each attribute components | activation << 8 | rate class << 16; 0: there is none.
+// Each attribute is components | activation << 8 | rate class << 16; 0 means that there is none.
 layout(constant_id = kConstantAttributes) const int kAttribute2 = 0;
 layout(constant_id = kConstantAttributes + 1) const int kAttribute3 = 0;
 layout(constant_id = kConstantAttributes + 2) const int kAttribute4 = 0;

@@ -57,7 +57,7 @@ constexpr int kColorOffset = 0, kDensityOffset = 3, kStandardComponents = 4;
 // function in turn. It comes right behind the standard attributes.
 inline constexpr const char* kHarmonicsName = "harmonics";
 inline constexpr int kMostHarmonicsDegree = 3;
-// Of degrees 1 to `degree`.
+// The number of functions of degrees 1 to `degree`, and the attribute of their coefficients.
 constexpr int HarmonicsCount(int degree) { return (degree + 1) * (degree + 1) - 1; }
 Attribute HarmonicsAttribute(int degree);
 

@@ -20,7 +20,7 @@ class BatchDrawer {
 
   // Its blocks stay valid until the next call.
   TrainingBatch Draw(uint64_t iteration);
-  // Whether batches are of kMostViewsOfBatch views or fewer.
+  // If `few`, each batch draws its rays from at most kMostViewsOfBatch views.
   void UseFewViews(bool few) { few_views_ = few; }
   bool few_views() const { return few_views_; }
   // Behind field and targets: random, or the scene's own.

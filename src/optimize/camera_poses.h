@@ -49,7 +49,8 @@ struct PoseTargets {
   glm::vec3 background_srgb{0.0f};
 };
 
-// Of each view: a sweep costs 13 rays for each of them and 2 for as many that decide.
+// Pixels of each view that a sweep fits to: each costs 13 rays, and as many others that decide cost
+// 2 rays each.
 inline constexpr int kSweepPixels = 512;
 
 // Keeps the poses of a run.

@@ -14,7 +14,7 @@
 namespace tetrec {
 namespace {
 
-// Of the largest entry of R^T R - I. Many small turns add up their rounding.
+// Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
 constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '6'};
 

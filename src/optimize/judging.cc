@@ -11,7 +11,7 @@ namespace {
 
 constexpr uint32_t kTile = 16;  // [px] a side; whole blocks
 
-// Whether a tile of a whole view judges: every second one, as on a chessboard.
+// True if a tile of a whole view judges: every second one does, as on a chessboard.
 bool IsJudgingSquare(uint32_t x, uint32_t y) { return (x / kTile + y / kTile) % 2 == 0; }
 
 // Whether the tile that contains a pixel judges.
