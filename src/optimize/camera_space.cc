@@ -88,17 +88,6 @@ std::vector<Capsule> FindCameraSpace(const Scene& scene) {
   return capsules;
 }
 
-std::vector<glm::vec3> RowPositions(const TetMesh& mesh, FieldStorage storage) {
-  if (storage == FieldStorage::kVertex) return mesh.positions;
-  std::vector<glm::vec3> centroids;
-  for (const glm::uvec4& tet : mesh.tets) {
-    glm::vec3 sum(0.0f);
-    for (int i = 0; i < 4; ++i) sum += mesh.positions[tet[i]];
-    centroids.push_back(0.25f * sum);
-  }
-  return centroids;
-}
-
 std::vector<uint8_t> InsideCapsules(std::span<const glm::vec3> points,
                                     std::span<const Capsule> capsules) {
   std::vector<uint8_t> inside(points.size(), 0);

@@ -2,8 +2,6 @@
 // taken there; but no photo forbids fog right in front of another photo's camera.
 #pragma once
 
-#include "field/layout.h"
-#include "mesh/tet_mesh.h"
 #include "scene/scene.h"
 
 #include <glm/glm.hpp>
@@ -24,9 +22,6 @@ struct Capsule {
 // distances to the nearest sparse points, so the points of a scene lie outside. None if the scene
 // has fewer than kFewPoints points.
 std::vector<Capsule> FindCameraSpace(const Scene& scene);
-
-// Where the rows of a field are: at the vertices, or at the centroids of the tets.
-std::vector<glm::vec3> RowPositions(const TetMesh& mesh, FieldStorage storage);
 
 // For each point whether it is in one of the capsules.
 std::vector<uint8_t> InsideCapsules(std::span<const glm::vec3> points,

@@ -20,16 +20,16 @@ std::vector<int> ChooseWatchedViews(const Scene& scene, int count) {
   return chosen;
 }
 
-double WatchPsnr(Renderer& renderer, const std::filesystem::path& scene_folder, const Scene& scene,
-                 std::span<const int> views) {
+double WatchPsnr(const WatchedViews& watched) {
+  const Scene& scene = watched.scene;
   double sum = 0;
   size_t judged_views = 0;
-  for (int view : views) {
-    const Image stored = ReadImage(scene_folder / scene.views[view].image);
+  for (int view : watched.views) {
+    const Image stored = ReadImage(watched.scene_folder / scene.views[view].image);
     const bool is_masked = scene.has_masks && stored.channels == 4;
     const Image truth = OverBackground(stored, scene.background);
     const Image picture =
-        ToPicture(renderer.Render(MakeRenderView(scene, view), 2), scene.background);
+        ToPicture(watched.renderer.Render(MakeRenderView(scene, view), 2), scene.background);
     const std::optional<double> mse = is_masked
                                           ? MaskedMeanSquaredError(picture, truth, MaskOf(stored))
                                           : MeanSquaredError(picture, truth);

@@ -5,17 +5,24 @@
 #include "scene/scene.h"
 
 #include <filesystem>
-#include <span>
 #include <vector>
 
 namespace tetrec {
+
+// Views and what shows them.
+struct WatchedViews {
+  Renderer& renderer;
+  const std::filesystem::path& scene_folder;
+  const Scene& scene;
+  std::vector<int> views;
+};
 
 // `count` views, evenly chosen: validation views if there are any, because test views are for the
 // end; otherwise held-out ones.
 std::vector<int> ChooseWatchedViews(const Scene& scene, int count);
 
-// Mean over the views of the PSNR of 8-bit images, RGB over the background, 4 rays per pixel.
-double WatchPsnr(Renderer& renderer, const std::filesystem::path& scene_folder, const Scene& scene,
-                 std::span<const int> views);
+// Mean over the views of the PSNR of 8-bit images, RGB over the background, 4 rays per pixel, with
+// the field that the renderer has.
+double WatchPsnr(const WatchedViews& watched);
 
 }  // namespace tetrec

@@ -1,7 +1,6 @@
 #include "optimize/camera_space.h"
 
 #include "geometry/look_at.h"
-#include "mesh/delaunay.h"
 
 #include <gtest/gtest.h>
 
@@ -85,13 +84,6 @@ TEST(CameraSpace, IsEmptyWhereFewPointsSayHowFarTheSceneIs) {
   EXPECT_TRUE(FindCameraSpace(RingOfCameras(12, 49)).empty());
   EXPECT_TRUE(FindCameraSpace(RingOfCameras(12, 0)).empty());
   EXPECT_FALSE(FindCameraSpace(RingOfCameras(12, 50)).empty());
-}
-
-TEST(RowPositions, AreVerticesOrCentroids) {
-  const TetMesh mesh =
-      BuildDelaunay(std::vector<glm::vec3>{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}}).mesh;
-  EXPECT_EQ(RowPositions(mesh, FieldStorage::kVertex), mesh.positions);
-  EXPECT_EQ(RowPositions(mesh, FieldStorage::kCell), std::vector<glm::vec3>{glm::vec3(1.0f)});
 }
 
 }  // namespace

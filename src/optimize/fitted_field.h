@@ -1,0 +1,46 @@
+// The field that a run fits: its mesh here, its rows and moments on the renderer.
+#pragma once
+
+#include "field/field_state.h"
+#include "mesh/tet_mesh.h"
+#include "optimize/batches.h"
+#include "optimize/camera_space.h"
+#include "optimize/optimize_options.h"
+#include "render/training_renderer.h"
+#include "scene/scene.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tetrec {
+
+// Whatever state it is given, there is no density in the space of the cameras, and none grows
+// there.
+class FittedField {
+ public:
+  // Tells `batches` whether colours depend on the view.
+  FittedField(const OptimizeOptions& options, const Scene& scene, TrainingRenderer& renderer,
+              BatchDrawer& batches);
+
+  void Put(TetMesh mesh, FieldState state);
+  void PutState(FieldState state);  // of the same mesh
+  FieldState ReadState() const { return renderer_.ReadState(); }
+
+  const TetMesh& mesh() const { return mesh_; }
+  int harmonics_degree() const { return harmonics_degree_; }
+  uint64_t emptied_rows() const { return emptied_rows_; }  // in the space of the cameras
+
+ private:
+  // Takes the density from the rows in the space of the cameras; returns their shares of the
+  // learning rates, which are 0, and 1 elsewhere.
+  std::vector<float> EmptyCameraSpace(FieldState& state);
+
+  TrainingRenderer& renderer_;
+  BatchDrawer& batches_;
+  std::vector<Capsule> camera_space_;
+  TetMesh mesh_;
+  int harmonics_degree_ = 0;
+  uint64_t emptied_rows_ = 0;
+};
+
+}  // namespace tetrec

@@ -1,0 +1,53 @@
+// View-dependent colour in a run: unlocked degree by degree, and kept after a trial.
+#include "optimize/harmonics_trials.h"
+
+#include "core/log.h"
+#include "render/seen_colors.h"
+
+namespace tetrec {
+
+bool HarmonicsTrials::Advance(double progress) {
+  const HarmonicsStep step = NextHarmonicsStep(options_.harmonics, state_, progress);
+  if (step == HarmonicsStep::kUnlock) Unlock();
+  if (step == HarmonicsStep::kJudge) Judge(progress);
+  return step != HarmonicsStep::kNone;
+}
+
+void HarmonicsTrials::Unlock() {
+  if (options_.harmonics == HarmonicsChoice::kAuto && pictures_.learns_all()) {
+    LogInfo("colours do not depend on the view: no judging pictures are kept that could tell");
+    state_.closed = 1;
+    return;
+  }
+  ++state_.unlocked;
+  field_.PutState(WithHarmonics(field_.ReadState(), field_.harmonics_degree() + 1));
+  LogInfo("colours depend on the view by harmonics of degree {}", field_.harmonics_degree());
+}
+
+// Trains on with the highest degree and without it, by the same batches, and keeps the better.
+void HarmonicsTrials::Judge(double progress) {
+  state_.judged = state_.unlocked;
+  if (pictures_.learns_all()) return;  // too late to judge: the degree stays
+  const int degree = field_.harmonics_degree();
+  const uint64_t steps = TrialSteps(steps_.iteration());
+  const FieldState before = field_.ReadState();
+  const double with = TrialPsnr(steps, progress);
+  FieldState trained = field_.ReadState();
+  field_.PutState(WithoutHighestDegree(field_.mesh(), before, pictures_.set().views));
+  const double without = TrialPsnr(steps, progress);
+  const bool stays = with > without + kLeastHarmonicsGain;
+  LogInfo(
+      "judging pictures after {} steps: {:.2f} dB with harmonics of degree {}, {:.2f} dB without: "
+      "{}",
+      steps, with, degree, without, stays ? "they stay" : "they are dropped");
+  if (stays) field_.PutState(std::move(trained));
+  if (!stays) state_.closed = 1;
+  steps_.CountTried(steps);
+}
+
+double HarmonicsTrials::TrialPsnr(uint64_t steps, double progress) {
+  steps_.Try(steps, progress);
+  return pictures_.JudgeField(progress).psnr;
+}
+
+}  // namespace tetrec

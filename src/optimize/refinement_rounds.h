@@ -1,0 +1,64 @@
+// The rounds of refinement of a run: when one is due, what it does, and the return to the best
+// field if the judging pictures lost by it.
+#pragma once
+
+#include "optimize/batches.h"
+#include "optimize/fitted_field.h"
+#include "optimize/optimize_options.h"
+#include "optimize/training_pictures.h"
+#include "optimize/training_steps.h"
+#include "render/training_renderer.h"
+
+#include <cstdint>
+#include <filesystem>
+
+namespace tetrec {
+
+// What a resumed run needs.
+struct RoundsState {
+  uint32_t rounds = 0;   // done
+  double best_psnr = 0;  // of the judging pictures, before a round [dB]
+};
+
+// What a round works on.
+struct RefinedParts {
+  FittedField& field;
+  TrainingPictures& pictures;
+  const BatchDrawer& batches;
+  const TrainingSteps& steps;
+  TrainingRenderer& renderer;
+};
+
+class RefinementRounds {
+ public:
+  // `best_file`: keeps the best field on disk.
+  RefinementRounds(const OptimizeOptions& options, uint64_t max_vertices, const RefinedParts& parts,
+                   std::filesystem::path best_file);
+
+  // Once steps() has been resumed.
+  void Resume(const RoundsState& state);
+  const RoundsState& state() const { return state_; }
+
+  bool IsDue(double progress) const;
+  // Refines the mesh, or, if the round before made the judging pictures worse, returns to the field
+  // before that and refines no more.
+  void Advance(double progress);
+  // The judging pictures gained by something else than the field [dB].
+  void RaiseBest(double gain) { state_.best_psnr += gain; }
+
+ private:
+  bool IsTaught() const;
+  bool IsWorthRefining(double progress);
+  void SaveBest(double psnr);
+  void ReturnToBest(double psnr);
+  void RefineOnce();
+
+  const OptimizeOptions& options_;
+  uint64_t max_vertices_;
+  RefinedParts parts_;
+  std::filesystem::path best_file_;
+  RoundsState state_;
+  uint64_t last_iteration_ = 0;  // at the last round, or when the run was resumed
+};
+
+}  // namespace tetrec

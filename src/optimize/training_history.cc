@@ -1,0 +1,71 @@
+// The course of a run, as it is recorded while it goes on.
+#include "optimize/training_history.h"
+
+#include "core/log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetrec {
+
+void StepAverages::Add(const StepResult& result) {
+  if (result.squared_error == 0 && result.loss == 0) return;  // nothing was collected
+  loss_ += result.loss;
+  squared_error_ += result.squared_error;
+  ++count_;
+}
+
+double StepAverages::Loss() const { return IsEmpty() ? 0 : loss_ / double(count_); }
+
+double StepAverages::Psnr() const {
+  return IsEmpty() ? 0 : -10 * std::log10(squared_error_ / double(count_));
+}
+
+void TrainingHistory::Record(const RunFigures& now) {
+  if (now.progress - last_row_ < 0.02) return;
+  last_row_ = now.progress;
+  log_.Add(Row(now, WatchIfDue(now.progress), "optimise"));
+  const double rays_per_s = double(now.rays) / std::max(now.seconds, 1e-9);
+  progress_.Update(
+      now.progress,
+      fmt::format("it {}  {:.0f} k rays/s  loss {:.5f}  PSNR {} dB held out  {} tets",
+                  WithThousands(now.iteration), rays_per_s / 1000, averages_.Loss(),
+                  last_watched_psnr_ ? fmt::format("{:.2f}", *last_watched_psnr_) : "-",
+                  WithThousands(now.tets)));
+  averages_ = {};
+}
+
+std::optional<double> TrainingHistory::WatchIfDue(double progress) {
+  if (watched_.views.empty() || progress - last_watch_ < 0.1) return std::nullopt;
+  last_watch_ = progress;
+  last_watched_psnr_ = WatchPsnr(watched_);
+  return last_watched_psnr_;
+}
+
+std::optional<double> TrainingHistory::End(const RunFigures& now) {
+  std::optional<double> psnr;
+  if (!watched_.views.empty()) psnr = WatchPsnr(watched_);
+  log_.Add(Row(now, psnr, "end"));
+  return psnr;
+}
+
+TrainingRow TrainingHistory::Row(const RunFigures& now, std::optional<double> heldout_psnr,
+                                 const char* phase) const {
+  TrainingRow row;
+  row.iteration = now.iteration;
+  row.seconds = now.seconds;
+  row.rays = now.rays;
+  if (!averages_.IsEmpty()) {
+    row.loss = averages_.Loss();
+    row.train_psnr = averages_.Psnr();
+  }
+  row.heldout_psnr = heldout_psnr;
+  row.tets = now.tets;
+  row.vertices = now.vertices;
+  row.phase = phase;
+  return row;
+}
+
+}  // namespace tetrec

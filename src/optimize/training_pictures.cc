@@ -1,0 +1,44 @@
+// The training pictures of a run: where their cameras are, and which of their pixels are learned.
+#include "optimize/training_pictures.h"
+
+namespace tetrec {
+
+TrainingPictures::TrainingPictures(const OptimizeOptions& options, TrainingSet set,
+                                   const glm::vec3& background_srgb, TrainingRenderer& renderer)
+    : options_(options),
+      renderer_(renderer),
+      set_(std::move(set)),
+      given_views_(set_.views),
+      judging_(ChooseJudgingSet(set_, options.seed)),
+      background_srgb_(background_srgb) {}
+
+void TrainingPictures::PlaceCameras(std::span<const CorrectedPose> poses, double progress) {
+  set_.views = given_views_;
+  for (size_t i = 0; i < poses.size(); ++i) set_.views[i].cam_from_world = poses[i].cam_from_world;
+  ChooseLearned(progress);
+}
+
+void TrainingPictures::EndJudgingIfDue(double progress) {
+  if (!learns_all_ && !KeepsJudging(progress)) ChooseLearned(progress);
+}
+
+Judgement TrainingPictures::JudgeField(double progress) {
+  renderer_.SetTargets(set_.views, TargetsToJudge(set_, judging_));
+  const Judgement judgement = Judge(renderer_, judging_, background_srgb_);
+  ChooseLearned(progress);
+  return judgement;
+}
+
+// In the last part of a run all is learned.
+bool TrainingPictures::KeepsJudging(double progress) const {
+  return options_.judging_pictures == JudgingPictures::kKept &&
+         progress < options_.schedule.last_judging;
+}
+
+void TrainingPictures::ChooseLearned(double progress) {
+  learns_all_ = !KeepsJudging(progress);
+  ListBlocks(set_, learns_all_ ? std::vector<uint8_t>() : judging_.is_whole);
+  renderer_.SetTargets(set_.views, learns_all_ ? set_.targets : WithoutJudging());
+}
+
+}  // namespace tetrec

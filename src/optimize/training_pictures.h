@@ -1,0 +1,56 @@
+// The training pictures of a run: where their cameras are, and which of their pixels are learned.
+#pragma once
+
+#include "optimize/camera_poses.h"
+#include "optimize/judging.h"
+#include "optimize/optimize_options.h"
+#include "optimize/training_set.h"
+#include "render/training_renderer.h"
+
+#include <glm/glm.hpp>
+
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+// Keeps the renderer's targets and the blocks that batches draw from in agreement. `progress` is
+// that of the run, in [0, 1]: it decides whether the judging pictures are kept from learning.
+class TrainingPictures {
+ public:
+  // `background_srgb`: behind field and pictures when they judge. The renderer has no targets
+  // before the first call of PlaceCameras.
+  TrainingPictures(const OptimizeOptions& options, TrainingSet set,
+                   const glm::vec3& background_srgb, TrainingRenderer& renderer);
+
+  // Its cameras are the corrected ones, its blocks those that may be learned.
+  const TrainingSet& set() const { return set_; }
+  // With the scene's own cameras.
+  const std::vector<RenderView>& given_views() const { return given_views_; }
+  const glm::vec3& background_srgb() const { return background_srgb_; }
+  // True if the judging pictures are learned, too: then nothing judges.
+  bool learns_all() const { return learns_all_; }
+  // The pictures without their judging pixels, whether these are learned or not.
+  std::vector<TargetImage> WithoutJudging() const { return TargetsToLearn(set_, judging_); }
+
+  // One pose per view, or none for the scene's own.
+  void PlaceCameras(std::span<const CorrectedPose> poses, double progress);
+  // Lets the judging pictures be learned if the time of judging is over.
+  void EndJudgingIfDue(double progress);
+  // What the judging pictures say of the renderer's field.
+  Judgement JudgeField(double progress);
+
+ private:
+  bool KeepsJudging(double progress) const;
+  void ChooseLearned(double progress);
+
+  const OptimizeOptions& options_;
+  TrainingRenderer& renderer_;
+  TrainingSet set_;
+  std::vector<RenderView> given_views_;
+  JudgingSet judging_;
+  glm::vec3 background_srgb_;
+  bool learns_all_ = true;
+};
+
+}  // namespace tetrec

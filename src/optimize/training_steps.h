@@ -1,0 +1,41 @@
+// The steps of a run, one after another: each draws its batch and has its learning rates.
+#pragma once
+
+#include "optimize/batches.h"
+#include "optimize/optimize_options.h"
+#include "render/training_renderer.h"
+
+#include <cstdint>
+
+namespace tetrec {
+
+// `progress` is that of the run, in [0, 1].
+class TrainingSteps {
+ public:
+  TrainingSteps(const OptimizeOptions& options, BatchDrawer& batches, TrainingRenderer& renderer)
+      : options_(options), batches_(batches), renderer_(renderer) {}
+
+  uint64_t iteration() const { return iteration_; }  // steps counted so far
+  uint64_t rays() const { return rays_; }            // of all steps, tried ones too
+  void Resume(uint64_t iteration, uint64_t rays) { iteration_ = iteration, rays_ = rays; }
+
+  // `sums_exposures`: TrainingBatch::sums_exposures. The result is that of an earlier step
+  // (TrainingRenderer::Step).
+  StepResult Take(double progress, bool sums_exposures);
+  // Takes the next `count` steps without counting them: the same steps can be taken again, from
+  // another state of the field.
+  void Try(uint64_t count, double progress);
+  void CountTried(uint64_t count) { iteration_ += count; }
+
+ private:
+  TrainingBatch Draw(uint64_t iteration);
+  // The update that ends step `step`, counted from 1.
+  AdamUpdate UpdateOf(uint64_t step, double progress) const;
+
+  const OptimizeOptions& options_;
+  BatchDrawer& batches_;
+  TrainingRenderer& renderer_;
+  uint64_t iteration_ = 0, rays_ = 0;
+};
+
+}  // namespace tetrec
