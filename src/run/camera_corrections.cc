@@ -1,20 +1,17 @@
 // Writes and reads cameras.json (schema 1).
 #include "run/camera_corrections.h"
 
-#include "core/checked_json.h"
 #include "core/file.h"
 #include "geometry/checked_geometry.h"
+#include "run/named_views.h"
 
 #include <fmt/format.h>
-
-#include <set>
 
 namespace tetrec {
 namespace {
 
 using nlohmann::json;
 
-constexpr int kSchema = 1;
 constexpr double kLargestMove = 1e6, kLargestShift_px = 1e6;
 constexpr double kRotationTolerance = 1e-6;
 
@@ -39,27 +36,18 @@ void WriteCameraCorrections(const std::filesystem::path& path,
          {"cam_from_world",
           {{"rotation", ToJson(pose.rotation)}, {"translation", ToJson(pose.translation)}}}});
   }
-  const json value = {{"schema", kSchema}, {"views", std::move(views)}};
+  const json value = NamedViewsFile(std::move(views));
   ParseCameraCorrections(value, path.string());
   WriteJson(path, value);
 }
 
 std::vector<CameraCorrection> ParseCameraCorrections(const json& value, const std::string& name) {
-  const CheckedJson file(value, name);
-  file.Field("schema").IntegerIn(kSchema, kSchema);
-  const CheckedJson views = file.Field("views");
   std::vector<CameraCorrection> corrections;
-  std::set<std::string> names;
-  for (size_t i = 0; i < views.Size(); ++i) {
-    const CheckedJson view = views.Item(i);
+  for (const CheckedJson& view : NamedViews(CheckedJson(value, name))) {
     corrections.push_back({view.Field("name").Text(), ReadPose(view.Field("cam_from_world")),
                            view.Field("rotation_deg").NumberIn(0, 180),
                            view.Field("move").NumberIn(0, kLargestMove),
                            view.Field("shift_px").NumberIn(0, kLargestShift_px)});
-    if (!names.insert(corrections.back().name).second) {
-      view.Field("name").Fail(
-          fmt::format("is \"{}\" for the second time", corrections.back().name));
-    }
   }
   return corrections;
 }

@@ -1,20 +1,18 @@
 // Writes and reads exposure.json (schema 1).
 #include "run/photo_exposures.h"
 
-#include "core/checked_json.h"
 #include "core/file.h"
+#include "run/named_views.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
-#include <set>
 
 namespace tetrec {
 namespace {
 
 using nlohmann::json;
 
-constexpr int kSchema = 1;
 constexpr double kLeastGain = 1e-3, kLargestGain = 1e3, kLargestOffset = 10;
 
 glm::dvec3 ReadChannels(const CheckedJson& field, double least, double largest) {
@@ -36,25 +34,17 @@ void WritePhotoExposures(const std::filesystem::path& path,
                      {"gain", ToJson(exposure.gain)},
                      {"offset", ToJson(exposure.offset)}});
   }
-  const json value = {{"schema", kSchema}, {"views", std::move(views)}};
+  const json value = NamedViewsFile(std::move(views));
   ParsePhotoExposures(value, path.string());
   WriteJson(path, value);
 }
 
 std::vector<PhotoExposure> ParsePhotoExposures(const json& value, const std::string& name) {
-  const CheckedJson file(value, name);
-  file.Field("schema").IntegerIn(kSchema, kSchema);
-  const CheckedJson views = file.Field("views");
   std::vector<PhotoExposure> exposures;
-  std::set<std::string> names;
-  for (size_t i = 0; i < views.Size(); ++i) {
-    const CheckedJson view = views.Item(i);
+  for (const CheckedJson& view : NamedViews(CheckedJson(value, name))) {
     exposures.push_back({view.Field("name").Text(),
                          ReadChannels(view.Field("gain"), kLeastGain, kLargestGain),
                          ReadChannels(view.Field("offset"), -kLargestOffset, kLargestOffset)});
-    if (!names.insert(exposures.back().name).second) {
-      view.Field("name").Fail(fmt::format("is \"{}\" for the second time", exposures.back().name));
-    }
   }
   return exposures;
 }

@@ -1,8 +1,8 @@
 // Writes and reads views.json (schema 1).
 #include "run/rendered_views.h"
 
-#include "core/checked_json.h"
 #include "core/file.h"
+#include "run/named_views.h"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,6 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr int kSchema = 1;
 constexpr int kMostRaysPerPixel = 1 << 16, kMaxSide_px = 1 << 16;
 constexpr double kLargestShift_px = 1e6;
 
@@ -76,35 +75,28 @@ void WriteRenderedViews(const fs::path& path, const RenderedViews& rendered) {
                      {"refined_shift_px",
                       view.refined_shift_px ? json(*view.refined_shift_px) : json(nullptr)}});
   }
-  const json value = {{"schema", kSchema},
-                      {"background", rendered.background},
-                      {"rays_per_pixel", rendered.rays_per_pixel},
-                      {"split", rendered.split},
-                      {"resolution", {rendered.width, rendered.height}},
-                      {"views", std::move(views)}};
+  json value = NamedViewsFile(std::move(views));
+  value["background"] = rendered.background;
+  value["rays_per_pixel"] = rendered.rays_per_pixel;
+  value["split"] = rendered.split;
+  value["resolution"] = {rendered.width, rendered.height};
   ParseRenderedViews(value, path);
   WriteJson(path, value);
 }
 
 RenderedViews ParseRenderedViews(const json& value, const fs::path& path) {
   const CheckedJson file(value, path);
-  file.Field("schema").IntegerIn(kSchema, kSchema);
+  const std::vector<CheckedJson> views = NamedViews(file);
+  if (views.empty()) file.Field("views").Fail("is empty: there is nothing to judge");
   RenderedViews rendered;
   rendered.background = file.Field("background").Text();
   rendered.split = file.Field("split").Text();
   rendered.rays_per_pixel = int(file.Field("rays_per_pixel").IntegerIn(1, kMostRaysPerPixel));
   rendered.width = int(file.Field("resolution").Item(0).IntegerIn(1, kMaxSide_px));
   rendered.height = int(file.Field("resolution").Item(1).IntegerIn(1, kMaxSide_px));
-  const CheckedJson views = file.Field("views");
-  if (views.Size() == 0) views.Fail("is empty: there is nothing to judge");
-  std::set<std::string> names;
   std::set<fs::path> renders;
-  for (size_t i = 0; i < views.Size(); ++i) {
-    const CheckedJson item = views.Item(i);
+  for (const CheckedJson& item : views) {
     RenderedView view = ReadView(path.parent_path(), item);
-    if (!names.insert(view.name).second) {
-      item.Field("name").Fail(fmt::format("is \"{}\" for the second time", view.name));
-    }
     // Earlier versions rendered frame.0000 and frame.0001 into one file.
     if (!renders.insert(view.render.lexically_normal()).second) {
       item.Field("render").Fail(
