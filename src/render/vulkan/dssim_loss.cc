@@ -1,4 +1,4 @@
-// The loss of a batch of tiles with a D-SSIM part, on the device.
+// The D-SSIM part of the loss of a batch of tiles, on the device.
 #include "render/vulkan/dssim_loss.h"
 
 #include "core/error.h"
@@ -13,9 +13,11 @@
 namespace tetrec {
 
 using gpu_types::DssimPush;
-using gpu_types::LossPush;
 
 namespace {
+
+// One for each channel and ray.
+uint64_t ValuesOf(uint64_t rays) { return 3 * rays; }
 
 // Windows of all batches of the mean, which have the same share of them as of its rays.
 double WindowsOfMean(const TrainingBatch& step) {
@@ -33,40 +35,29 @@ double DssimBatch::Mix(double pixel_loss) const {
 
 DssimLoss::DssimLoss(const Device& device)
     : device_(device),
-      loss_(device, "loss (pictures)", kLossWithPictures),
       rows_(device, "dssim_rows", kDssimRows),
       windows_(device, "dssim_windows", kDssimWindows),
       spread_(device, "dssim_spread", kDssimSpread),
       gradients_(device, "dssim_gradients", kDssimGradients) {}
 
-void DssimLoss::Record(CommandRecorder& recorder, DssimBatch& batch, const RayBatch& rays,
-                       const TrainingBatch& step, LossPush pixel_loss, const Buffer& views,
-                       const Buffer& exposures, const Buffer& targets) const {
-  const uint64_t values = 3 * uint64_t(rays.count);  // one value per channel and ray
-  batch.weight = step.dssim_weight;
+void DssimLoss::Prepare(DssimBatch& batch, const TrainingBatch& step) const {
+  const uint64_t values = ValuesOf(step.rays());
   batch.windows = CountWindows(step);
   batch.workgroups = (values + kWorkgroupSize - 1) / kWorkgroupSize;
   Grow(device_, batch.pictures, "images of tiles", 8 * values);
   Grow(device_, batch.window_rows, "rows of windows", 20 * values);
   Grow(device_, batch.window_terms, "terms of windows", 12 * values);
   Grow(device_, batch.partial_ssims, "partial sums of SSIM", 4 * batch.workgroups);
+}
 
-  pixel_loss.gradient_scale *= 1.0f - step.dssim_weight;
-  recorder.Dispatch(loss_,
-                    {{kBindViews, views},
-                     {kBindBlocks, rays.blocks},
-                     {kBindRayColors, rays.colors},
-                     {kBindRayGradients, rays.gradients},
-                     {kBindPartialLosses, rays.partial_losses},
-                     {kBindTargets, targets},
-                     {kBindExposures, exposures},
-                     {kBindPictures, batch.pictures}},
-                    pixel_loss, rays.count);
+void DssimLoss::Record(CommandRecorder& recorder, const DssimBatch& batch, const RayBatch& rays,
+                       const TrainingBatch& step, const Buffer& exposures) const {
+  const uint64_t values = ValuesOf(rays.count);
   const DssimPush push{.ray_count = rays.count,
                        .tile_columns = step.tiles.columns,
                        .tile_rows = step.tiles.rows,
                        .gradient_scale = float(-0.5 * batch.weight / WindowsOfMean(step)),
-                       .background = pixel_loss.background};
+                       .background = glm::vec4(step.background_srgb, 0.0f)};
   recorder.Dispatch(rows_, {{kBindPictures, batch.pictures}, {kBindWindowRows, batch.window_rows}},
                     push, values);
   recorder.Dispatch(windows_,

@@ -1,4 +1,4 @@
-// The loss of a batch of tiles with a D-SSIM part, on the device.
+// The D-SSIM part of the loss of a batch of tiles, on the device.
 #pragma once
 
 #include "gpu/commands.h"
@@ -23,15 +23,16 @@ class DssimLoss {
  public:
   explicit DssimLoss(const Device& device);
 
-  // Records the commands that fill rays.gradients and rays.partial_losses. `pixel_loss` is the same
-  // as for the pixel loss alone. The device must be done with `batch`.
-  void Record(CommandRecorder& recorder, DssimBatch& batch, const RayBatch& rays,
-              const TrainingBatch& step, gpu_types::LossPush pixel_loss, const Buffer& views,
-              const Buffer& exposures, const Buffer& targets) const;
+  // Makes room for the batch, and for batch.pictures, which the pixel loss fills
+  // (shaders/loss.comp). The device must be done with `batch`.
+  void Prepare(DssimBatch& batch, const TrainingBatch& step) const;
+  // Records the commands that follow the pixel loss: they add to rays.gradients.
+  void Record(CommandRecorder& recorder, const DssimBatch& batch, const RayBatch& rays,
+              const TrainingBatch& step, const Buffer& exposures) const;
 
  private:
   const Device& device_;
-  Program loss_, rows_, windows_, spread_, gradients_;
+  Program rows_, windows_, spread_, gradients_;
 };
 
 // The number of SSIM windows in a batch, counted for each channel.

@@ -12,32 +12,38 @@ using gpu_types::LossPush;
 
 RayLoss::RayLoss(const Device& device) : device_(device), program_(device, "loss", kLoss) {}
 
+RayLoss::WithDssim::WithDssim(const Device& device)
+    : program(device, "loss (pictures)", kLossWithPictures), dssim(device) {}
+
 void RayLoss::Record(CommandRecorder& recorder, BatchSlot& slot, const TrainingBatch& batch,
                      const RayGradients& gradients, const Buffer& views, const Buffer& targets,
                      const ExposureGather& exposures) {
+  const bool with_dssim = batch.dssim_weight > 0;
+  if (with_dssim && !with_dssim_) with_dssim_ = std::make_unique<WithDssim>(device_);
   RayBatch& rays = slot.rays;
   const LossPush push{.ray_count = rays.count,
                       .loss = batch.loss == LossKind::kL2 ? uint32_t(kLossL2) : uint32_t(kLossL1),
-                      .gradient_scale = gradients.scale,
+                      .gradient_scale = gradients.scale * (1.0f - batch.dssim_weight),
                       .writes_residuals = gradients.are_residuals,
                       .background = glm::vec4(batch.background_srgb, 0.0f)};
   slot.uncollected_rays = rays.count;
   if (batch.sums_exposures) exposures.Record(recorder, rays, batch.blocks, push, views, targets);
   slot.dssim.weight = batch.dssim_weight;
-  if (batch.dssim_weight > 0) {
-    if (!dssim_) dssim_ = std::make_unique<DssimLoss>(device_);
-    dssim_->Record(recorder, slot.dssim, rays, batch, push, views, exposures.exposures(), targets);
+  BoundBuffers buffers = {{kBindViews, views},
+                          {kBindBlocks, rays.blocks},
+                          {kBindRayColors, rays.colors},
+                          {kBindRayGradients, rays.gradients},
+                          {kBindPartialLosses, rays.partial_losses},
+                          {kBindTargets, targets},
+                          {kBindExposures, exposures.exposures()}};
+  if (!with_dssim) {
+    recorder.Dispatch(program_, buffers, push, rays.count);
     return;
   }
-  recorder.Dispatch(program_,
-                    {{kBindViews, views},
-                     {kBindBlocks, rays.blocks},
-                     {kBindRayColors, rays.colors},
-                     {kBindRayGradients, rays.gradients},
-                     {kBindPartialLosses, rays.partial_losses},
-                     {kBindTargets, targets},
-                     {kBindExposures, exposures.exposures()}},
-                    push, rays.count);
+  with_dssim_->dssim.Prepare(slot.dssim, batch);
+  buffers.emplace_back(kBindPictures, slot.dssim.pictures);
+  recorder.Dispatch(with_dssim_->program, buffers, push, rays.count);
+  with_dssim_->dssim.Record(recorder, slot.dssim, rays, batch, exposures.exposures());
 }
 
 StepResult RayLoss::Collect(BatchSlot& slot) {

@@ -34,9 +34,16 @@ class RayLoss {
   static StepResult Collect(BatchSlot& slot);
 
  private:
+  // What only a loss with a D-SSIM part needs.
+  struct WithDssim {
+    explicit WithDssim(const Device& device);
+    Program program;
+    DssimLoss dssim;
+  };
+
   const Device& device_;
   Program program_;
-  std::unique_ptr<DssimLoss> dssim_;  // once a batch needs it
+  std::unique_ptr<WithDssim> with_dssim_;  // once a batch needs it
 };
 
 }  // namespace tetrec
