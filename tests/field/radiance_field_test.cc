@@ -32,16 +32,26 @@ RadianceField OneCell() {
   return field;
 }
 
-RadianceField WithExtraValues(RadianceField field) {
-  field.others = {{kExtraAttribute, {}}};
-  for (size_t i = 0; i < 5 * RowCount(field); ++i) {
+RadianceField WithValuesOf(const Attribute& attribute, RadianceField field) {
+  field.others = {{attribute, {}}};
+  for (size_t i = 0; i < size_t(attribute.components) * RowCount(field); ++i) {
     field.others[0].values.push_back(float(i) - 3.25f);
   }
   return field;
 }
 
+RadianceField WithExtraValues(RadianceField field) {
+  return WithValuesOf(kExtraAttribute, std::move(field));
+}
+
 std::vector<RadianceField> EveryKind() {
-  return {OneTet(), OneCell(), WithExtraValues(OneTet()), WithExtraValues(OneCell())};
+  std::vector<RadianceField> fields = {OneTet(), OneCell(), WithExtraValues(OneTet()),
+                                       WithExtraValues(OneCell())};
+  for (int degree = 1; degree <= kMostHarmonicsDegree; ++degree) {
+    fields.push_back(WithValuesOf(HarmonicsAttribute(degree), OneTet()));
+    fields.push_back(WithValuesOf(HarmonicsAttribute(degree), OneCell()));
+  }
+  return fields;
 }
 
 std::vector<uint8_t> BytesOf(const RadianceField& field) {

@@ -367,32 +367,45 @@ TEST(Refine, SplitsNothingWhereThereIsNoError) {
   EXPECT_TRUE(NewVertices(mesh, result.mesh).empty());
 }
 
-// Another attribute and its moments, as the standard ones.
-TEST(Refine, ReproducesOtherLinearAttributesToo) {
-  const TetMesh mesh = JitteredBox();
-  FieldState state{.layout = WithExtra({})};
-  const auto extra = [](const glm::vec3& p, int c) { return float(c) + 2.0f * p.x - p.y + p.z; };
+// A state whose attribute behind the standard ones is linear in space, and so are its moments.
+FieldState LinearOther(const TetMesh& mesh, const Attribute& attribute,
+                       const std::function<float(const glm::vec3&, int)>& truth) {
+  FieldState state;
+  state.layout.attributes.push_back(attribute);
   for (const glm::vec3& p : mesh.positions) {
-    for (int c = 0; c < 9; ++c) {
-      state.parameters.push_back(c < 4 ? 0.5f : extra(p, c));
-      state.first_moment.push_back(0.1f * extra(p, c));
-      state.second_moment.push_back(10.0f + extra(p, c));
+    for (int c = 0; c < state.layout.Components(); ++c) {
+      state.parameters.push_back(c < 4 ? 0.5f : truth(p, c));
+      state.first_moment.push_back(0.1f * truth(p, c));
+      state.second_moment.push_back(10.0f + truth(p, c));
     }
   }
-  const RefineResult result =
-      Refine(mesh, state, std::vector<float>(mesh.tets.size(), 1.0f), KeepAll());
-  EXPECT_GT(result.split_edges, 100u);
-  ASSERT_EQ(result.state.layout, state.layout);
-  ASSERT_EQ(result.state.rows(), result.mesh.positions.size());
-  for (size_t v = 0; v < result.mesh.positions.size(); ++v) {
-    for (int c = 0; c < 9; ++c) {
-      const float truth = extra(result.mesh.positions[v], c);
-      const size_t at = 9 * v + size_t(c);
+  return state;
+}
+
+TEST(Refine, ReproducesOtherLinearAttributesTooHarmonicsAmongThem) {
+  const TetMesh mesh = JitteredBox();
+  // No more than 8, for kRounding.
+  const auto truth = [](const glm::vec3& p, int c) {
+    return 0.25f * float(c % 16) + 2.0f * p.x - p.y + p.z;
+  };
+  for (const Attribute& attribute :
+       {kExtraAttribute, HarmonicsAttribute(1), HarmonicsAttribute(3)}) {
+    SCOPED_TRACE(attribute.name + std::to_string(attribute.components));
+    const FieldState state = LinearOther(mesh, attribute, truth);
+    const RefineResult result =
+        Refine(mesh, state, std::vector<float>(mesh.tets.size(), 1.0f), KeepAll());
+    EXPECT_GT(result.split_edges, 100u);
+    ASSERT_EQ(result.state.layout, state.layout);
+    ASSERT_EQ(result.state.rows(), result.mesh.positions.size());
+    const int components = state.layout.Components();
+    for (size_t at = 0; at < result.state.parameters.size(); ++at) {
+      const int c = int(at) % components;
+      const float value = truth(result.mesh.positions[at / size_t(components)], c);
       if (c >= 4) {
-        EXPECT_NEAR(result.state.parameters[at], truth, kRounding);
+        EXPECT_NEAR(result.state.parameters[at], value, kRounding);
       }
-      EXPECT_NEAR(result.state.first_moment[at], 0.1f * truth, 0.1f * kRounding);
-      EXPECT_NEAR(result.state.second_moment[at], 10.0f + truth, 2 * kRounding);
+      EXPECT_NEAR(result.state.first_moment[at], 0.1f * value, 0.1f * kRounding);
+      EXPECT_NEAR(result.state.second_moment[at], 10.0f + value, 2 * kRounding);
     }
   }
 }
