@@ -7,7 +7,7 @@ import time
 import unittest
 
 from stage_case import StageCase, hashes
-from tiny_dataset import write_tiny_dataset
+from tiny_dataset import by_direction, write_tiny_dataset
 
 DEMO_PHOTOS = pathlib.Path(__file__).resolve().parents[2] / "datasets_spec" / "demo" / "photos"
 
@@ -173,6 +173,26 @@ class InterruptTest(StageCase):
         # Work after the last checkpoint is repeated: at least the header stays.
         self.check_resumed(out, 1)
 
+    def interrupt_and_resume(self, out, command, rows):
+        """Sends Ctrl-C to an optimisation once metrics.csv has this many rows, and lets it end."""
+        process = self.start(*command, "-o", out)
+        self.wait_for_rows(out, process, rows)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.assert_done(self.run_stage(*command, "-o", out, "--resume"))
+        self.assertIn("continues from iteration", (out / "log.txt").read_text())
+
+    def test_a_resumed_optimize_with_harmonics_gives_the_same_bytes(self):
+        command = ("optimize", self.tiny_tetrahedra(train=16, paint=by_direction), "--deterministic",
+                   "--time-limit", 0, "--iterations", 120, "--rays", 512, "--sh", "auto")
+        whole, resumed = self.folder / "run" / "whole", self.folder / "run" / "resumed"
+        self.assert_done(self.run_stage(*command, "-o", whole))
+        # Between the unlocking of the first degree and the trial that it passes.
+        self.interrupt_and_resume(resumed, command, rows=8)
+        self.assertGreaterEqual(self.manifest(whole)["counts"]["harmonics_degree"], 1)
+        self.assertEqual((resumed / "field.tetf").read_bytes(), (whole / "field.tetf").read_bytes())
+
     def test_a_deterministic_optimize_gives_the_same_bytes_however_it_ran(self):
         # Turned cameras, so that corrections of them are kept.
         tetrahedra = self.tiny_tetrahedra(turned_rad=0.05)
@@ -187,13 +207,7 @@ class InterruptTest(StageCase):
             self.assertEqual(self.manifest(out)["counts"]["clamped_addends"], 0)
             fields.append([(out / name).read_bytes() for name in results])
         out = self.folder / "run" / "resumed"
-        process = self.start(*command, "-o", out)
-        self.wait_for_rows(out, process, rows=15)
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 130)
-        self.assert_done(self.run_stage(*command, "-o", out, "--resume"))
-        self.assertIn("continues from iteration", (out / "log.txt").read_text())
+        self.interrupt_and_resume(out, command, rows=15)
         fields.append([(out / name).read_bytes() for name in results])
         self.assertEqual(fields[0], fields[1])
         self.assertEqual(fields[0], fields[2])
