@@ -80,28 +80,7 @@ class Trainer {
     Introduce(start);
     Begin(start);
     TrainingHistory history(stage_.Output(kTrainingLogFile), metrics_bytes_, watched_);
-    const Timer timer;
-    const double seconds_before = seconds_;
-    double last_checkpoint = seconds_;
-    while (true) {
-      seconds_ = seconds_before + timer.seconds();
-      const double done = Done();
-      if (done >= 1.0 || StopRequested()) break;
-      if (rounds_.IsDue(done)) {
-        rounds_.Advance(done);
-        continue;
-      }
-      if (poses_.IsDue(done)) CorrectPoses(done);
-      if (harmonics_.Advance(done)) continue;
-      pictures_.EndJudgingIfDue(done);
-      history.Add(TakeStep(done));
-      history.Record(Figures(done));
-      if (seconds_ - last_checkpoint >= options_.checkpoint_interval_s) {
-        last_checkpoint = seconds_;
-        SaveCheckpoint(history.bytes());
-      }
-    }
-    seconds_ = seconds_before + timer.seconds();
+    Train(history);
     if (StopRequested()) {
       SaveCheckpoint(history.bytes());
       throw Interrupted(fmt::format(
@@ -160,6 +139,31 @@ class Trainer {
     poses_.Resume(std::move(checkpoint.poses), name, Done());
     field_.Put(std::move(checkpoint.mesh), std::move(checkpoint.state));
     LogInfo("continues from iteration {} after {:.0f} s", steps_.iteration(), seconds_);
+  }
+
+  // Until the run is done, or asked to stop.
+  void Train(TrainingHistory& history) {
+    const Timer timer;
+    const double seconds_before = seconds_;
+    double last_checkpoint = seconds_;
+    while (true) {
+      seconds_ = seconds_before + timer.seconds();
+      const double done = Done();
+      if (done >= 1.0 || StopRequested()) return;
+      if (rounds_.IsDue(done)) {
+        rounds_.Advance(done);
+        continue;
+      }
+      if (poses_.IsDue(done)) CorrectPoses(done);
+      if (harmonics_.Advance(done)) continue;
+      pictures_.EndJudgingIfDue(done);
+      history.Add(TakeStep(done));
+      history.Record(Figures(done));
+      if (seconds_ - last_checkpoint >= options_.checkpoint_interval_s) {
+        last_checkpoint = seconds_;
+        SaveCheckpoint(history.bytes());
+      }
+    }
   }
 
   bool EstimatesExposure() const {
