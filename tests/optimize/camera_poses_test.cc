@@ -1,65 +1,15 @@
 #include "optimize/camera_poses.h"
 
 #include "core/random.h"
-#include "geometry/look_at.h"
 #include "geometry/small_motion.h"
-#include "mesh/delaunay.h"
+#include "optimize/wavy_box.h"
 #include "render/create_renderer.h"
 #include "render/view_pose.h"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <numbers>
-
 namespace tetrec {
 namespace {
-
-// A dense box [-1, 1]^3 whose colours are waves in space; its mesh does not show in its pictures.
-RadianceField WavyBox(double contrast) {
-  std::vector<glm::vec3> points;
-  constexpr int kSide = 9;
-  for (int i = 0; i < kSide * kSide * kSide; ++i) {
-    const glm::ivec3 at(i % kSide, i / kSide % kSide, i / (kSide * kSide));
-    points.push_back(glm::vec3(at) * (2.0f / (kSide - 1)) - 1.0f);
-  }
-  RadianceField field;
-  field.mesh = BuildDelaunay(points).mesh;
-  for (const glm::vec3& p : field.mesh.positions) {
-    field.density.push_back(20.0f);
-    const glm::vec3 wave(std::sin(5 * p.x + 2 * p.y), std::sin(4 * p.y - 3 * p.z),
-                         std::sin(4 * p.z + 3 * p.x));
-    field.color_srgb.push_back(0.5f + float(contrast) * wave);
-  }
-  return field;
-}
-
-RenderView ViewFrom(const glm::dvec3& eye) {
-  return {{48, 48, 50, 50, 24, 24}, CamLookingAt(eye, glm::dvec3(0.1, 0.0, -0.1))};
-}
-
-std::vector<RenderView> Ring(size_t views) {
-  std::vector<RenderView> ring;
-  for (size_t i = 0; i < views; ++i) {
-    const double turn = 2 * std::numbers::pi * double(i) / double(views);
-    ring.push_back(ViewFrom({2.6 * std::cos(turn), 2.6 * std::sin(turn), 1.0}));
-  }
-  return ring;
-}
-
-// The picture of a view as a photo has it.
-TargetImage PhotoOf(Renderer& renderer, const RenderView& view) {
-  const RenderedImage image = renderer.Render(view, 1);
-  TargetImage photo{image.width, image.height, {}};
-  for (size_t i = 0; i < image.color_srgb.size(); ++i) {
-    uint32_t packed = uint32_t(std::lround(255 * (1 - image.transmittance[i]))) << 24;
-    for (int c = 0; c < 3; ++c) {
-      packed |= uint32_t(std::lround(255 * image.color_srgb[i][c])) << (8 * c);
-    }
-    photo.rgba8.push_back(packed);
-  }
-  return photo;
-}
 
 double Shift(const RenderView& from, const Rigid3& to) {
   return PictureShift(from.camera, to * from.cam_from_world.Inverse(), 2.0);

@@ -1,0 +1,67 @@
+// The parts of a run on photos of a small scene, on the reference renderer.
+#pragma once
+
+#include "optimize/batches.h"
+#include "optimize/fitted_field.h"
+#include "optimize/training_pictures.h"
+#include "optimize/training_steps.h"
+#include "optimize/wavy_box.h"
+#include "render/create_renderer.h"
+
+#include <memory>
+
+namespace tetrec {
+
+inline OptimizeOptions SmallRunOptions() {
+  OptimizeOptions options;
+  options.iterations = 100;
+  options.rays_per_step = 256;
+  options.camera_space = CameraSpace::kLearned;
+  options.seed = 7;  // tiles of views 0, 2 and 4 judge
+  return options;
+}
+
+// Photos of WavyBox from a ring of cameras.
+inline TrainingSet PhotosOfWavyBox(TrainingRenderer& renderer, size_t views) {
+  renderer.SetField(WavyBox(0.4));
+  TrainingSet set;
+  set.views = Ring(views);
+  for (const RenderView& view : set.views) {
+    set.targets.push_back(PhotoOf(renderer, view));
+    set.pixels += set.targets.back().rgba8.size();
+  }
+  ListBlocks(set, {});
+  return set;
+}
+
+// Its parts refer to each other, so it stays where it is.
+struct SmallRun {
+  explicit SmallRun(const OptimizeOptions& run_options = SmallRunOptions(), size_t views = 5)
+      : options(run_options),
+        renderer(CreateRenderer({.kind = RendererKind::kReference})),
+        pictures(options, PhotosOfWavyBox(*renderer, views), glm::vec3(0.0f), *renderer),
+        batches(options, pictures.set(), false, glm::vec3(0.0f), "scene"),
+        field(options, Scene(), *renderer, batches),
+        steps(options, batches, *renderer) {
+    pictures.PlaceCameras({}, 0.0);
+    PutField(0.4);
+  }
+  SmallRun(const SmallRun&) = delete;
+  SmallRun& operator=(const SmallRun&) = delete;
+
+  // The true field if its contrast is 0.4.
+  void PutField(double contrast) {
+    RadianceField box = WavyBox(contrast);
+    const FieldState state = StateOf(box);
+    field.Put(std::move(box.mesh), state);
+  }
+
+  OptimizeOptions options;
+  std::unique_ptr<TrainingRenderer> renderer;
+  TrainingPictures pictures;
+  BatchDrawer batches;
+  FittedField field;
+  TrainingSteps steps;
+};
+
+}  // namespace tetrec

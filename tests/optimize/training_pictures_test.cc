@@ -1,0 +1,72 @@
+#include "optimize/training_pictures.h"
+
+#include "geometry/small_motion.h"
+#include "optimize/small_run.h"
+
+#include <gtest/gtest.h>
+
+namespace tetrec {
+namespace {
+
+size_t CountNotLearned(const TrainingPictures& pictures) {
+  size_t count = 0;
+  for (const TargetImage& target : pictures.WithoutJudging()) {
+    count += size_t(std::count(target.rgba8.begin(), target.rgba8.end(), kNotJudgedTarget));
+  }
+  return count;
+}
+
+// The squared error of a black field, summed over the pixels that are learned.
+double LearnedSquares(SmallRun& run) {
+  TrainingBatch batch;
+  batch.blocks = run.pictures.set().blocks;
+  return run.renderer->Forward(batch).squared_error * double(batch.rays());
+}
+
+TEST(TrainingPictures, AreLearnedWholeInTheLastPartOfARun) {
+  SmallRun run;
+  ASSERT_GT(CountNotLearned(run.pictures), 0u);
+  EXPECT_FALSE(run.pictures.learns_all());
+  const double squares = LearnedSquares(run);
+  const double end = run.options.schedule.last_judging;
+  run.pictures.EndJudgingIfDue(end - 0.01);
+  EXPECT_FALSE(run.pictures.learns_all());
+  EXPECT_EQ(LearnedSquares(run), squares);
+  run.pictures.EndJudgingIfDue(end);
+  EXPECT_TRUE(run.pictures.learns_all());
+  EXPECT_GT(LearnedSquares(run), squares);
+}
+
+TEST(TrainingPictures, AreLearnedWholeFromTheStartIfNoneAreKept) {
+  OptimizeOptions options = SmallRunOptions();
+  options.judging_pictures = JudgingPictures::kLearned;
+  EXPECT_TRUE(SmallRun(options).pictures.learns_all());
+}
+
+TEST(TrainingPictures, JudgeTheFieldAndAreLearnedAsBefore) {
+  SmallRun run;
+  const double squares = LearnedSquares(run);
+  const double right = run.pictures.JudgeField(0.1).psnr;
+  EXPECT_EQ(LearnedSquares(run), squares);
+  run.PutField(0.0);
+  EXPECT_LT(run.pictures.JudgeField(0.1).psnr, right - 10);
+  EXPECT_FALSE(run.pictures.learns_all());
+}
+
+TEST(TrainingPictures, TakeCamerasAndGiveThemBack) {
+  SmallRun run;
+  const std::vector<RenderView> given = run.pictures.given_views();
+  std::vector<CorrectedPose> poses;
+  for (const RenderView& view : given) {
+    poses.push_back({MotionOf(glm::dvec3(0.0, 0.3, 0.0), glm::dvec3(0.0)) * view.cam_from_world});
+  }
+  const double right = run.pictures.JudgeField(0.1).psnr;
+  run.pictures.PlaceCameras(poses, 0.1);
+  EXPECT_EQ(run.pictures.set().views[1].cam_from_world.rotation, poses[1].cam_from_world.rotation);
+  EXPECT_LT(run.pictures.JudgeField(0.1).psnr, right - 10);
+  run.pictures.PlaceCameras({}, 0.1);
+  EXPECT_EQ(run.pictures.JudgeField(0.1).psnr, right);
+}
+
+}  // namespace
+}  // namespace tetrec
