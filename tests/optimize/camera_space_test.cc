@@ -1,39 +1,11 @@
 #include "optimize/camera_space.h"
 
-#include "geometry/look_at.h"
+#include "optimize/ring_scene.h"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <numbers>
-
 namespace tetrec {
 namespace {
-
-constexpr double kRing = 3.0;  // radius of the circle on which cameras stand; points: unit sphere
-
-glm::dvec3 OnRing(double turns) {
-  const double angle = 2 * std::numbers::pi * turns;
-  return kRing * glm::dvec3(std::cos(angle), std::sin(angle), 0.0);
-}
-
-Scene RingOfCameras(int cameras, int points) {
-  Scene scene;
-  scene.cameras = {{64, 64, 64, 64, 32, 32}};
-  for (int i = 0; i < cameras; ++i) {
-    View view;
-    view.cam_from_world.translation = -OnRing(double(i) / cameras);
-    scene.views.push_back(view);
-  }
-  for (int i = 0; i < points; ++i) {
-    const double z = 1 - (2 * i + 1.0) / points, angle = 2.4 * i;
-    ScenePoint point;
-    point.position = {std::sqrt(1 - z * z) * std::cos(angle),
-                      std::sqrt(1 - z * z) * std::sin(angle), z};
-    scene.points.push_back(point);
-  }
-  return scene;
-}
 
 bool IsInside(const Scene& scene, const glm::dvec3& point) {
   const std::vector<glm::vec3> points = {glm::vec3(point)};

@@ -1,0 +1,49 @@
+#include "optimize/fitted_field.h"
+
+#include "optimize/ring_scene.h"
+#include "optimize/small_run.h"
+
+#include <gtest/gtest.h>
+
+namespace tetrec {
+namespace {
+
+// A dense box that the cameras of RingOfCameras stand in.
+RadianceField LargeBox() {
+  RadianceField box = WavyBox(0.4);
+  for (glm::vec3& position : box.mesh.positions) position *= 4.0f;
+  return box;
+}
+
+// The densities of the vertices after it was put.
+std::vector<float> DensityOf(FittedField& field, const RadianceField& box) {
+  field.Put(box.mesh, StateOf(box));
+  return FieldOf(field.mesh(), field.ReadState()).density;
+}
+
+TEST(FittedField, HasNoDensityWhereTheCamerasStand) {
+  SmallRun run;
+  const Scene scene = RingOfCameras(12, 500);
+  const RadianceField box = LargeBox();
+  const std::vector<uint8_t> is_inside = InsideCapsules(box.mesh.positions, FindCameraSpace(scene));
+  OptimizeOptions options = run.options;
+  options.camera_space = CameraSpace::kEmpty;
+  FittedField field(options, scene, *run.renderer, run.batches);
+  const std::vector<float> density = DensityOf(field, box);
+  for (size_t v = 0; v < density.size(); ++v) {
+    if (is_inside[v]) {
+      EXPECT_LT(density[v], 1e-20f) << v;
+    } else {
+      EXPECT_NEAR(density[v], box.density[v], 1e-5f * box.density[v]) << v;
+    }
+  }
+  EXPECT_GT(field.emptied_rows(), 0u);
+  EXPECT_EQ(field.emptied_rows(), uint64_t(std::count(is_inside.begin(), is_inside.end(), 1)));
+
+  FittedField learned(run.options, scene, *run.renderer, run.batches);
+  EXPECT_EQ(learned.emptied_rows(), 0u);
+  for (const float value : DensityOf(learned, box)) EXPECT_GT(value, 1.0f);
+}
+
+}  // namespace
+}  // namespace tetrec

@@ -1,0 +1,53 @@
+#include "optimize/harmonics_trials.h"
+
+#include "optimize/small_run.h"
+
+#include <gtest/gtest.h>
+
+namespace tetrec {
+namespace {
+
+OptimizeOptions WithChoice(HarmonicsChoice choice) {
+  OptimizeOptions options = SmallRunOptions();
+  options.harmonics = choice;
+  return options;
+}
+
+struct TrialRun : SmallRun {
+  explicit TrialRun(HarmonicsChoice choice) : SmallRun(WithChoice(choice)) {}
+  HarmonicsTrials trials{options, field, pictures, steps};
+};
+
+TEST(HarmonicsTrials, UnlockTheChosenDegreeAndNoMore) {
+  TrialRun run(HarmonicsChoice::kDegree1);
+  EXPECT_FALSE(run.trials.Advance(0.0));
+  EXPECT_EQ(run.field.harmonics_degree(), 0);
+  EXPECT_TRUE(run.trials.Advance(0.5));
+  EXPECT_EQ(run.field.harmonics_degree(), 1);
+  EXPECT_TRUE(run.batches.few_views());
+  EXPECT_FALSE(run.trials.Advance(1.0));
+}
+
+// The photos show colours that do not depend on the view.
+TEST(HarmonicsTrials, DropADegreeThatGainsNothing) {
+  TrialRun run(HarmonicsChoice::kAuto);
+  ASSERT_TRUE(run.trials.Advance(0.2));
+  EXPECT_EQ(run.field.harmonics_degree(), 1);
+  ASSERT_TRUE(run.trials.Advance(0.5));
+  EXPECT_EQ(run.field.harmonics_degree(), 0);
+  EXPECT_EQ(run.steps.iteration(), kFewestTrialSteps);
+  EXPECT_EQ(run.steps.rays(), 2 * kFewestTrialSteps * 256);
+  EXPECT_EQ(run.trials.state(), (HarmonicsState{.unlocked = 1, .judged = 1, .closed = 1}));
+  EXPECT_FALSE(run.trials.Advance(1.0));
+}
+
+TEST(HarmonicsTrials, UnlockNothingWhereNothingCanJudge) {
+  TrialRun run(HarmonicsChoice::kAuto);
+  run.pictures.EndJudgingIfDue(1.0);
+  EXPECT_TRUE(run.trials.Advance(1.0));
+  EXPECT_EQ(run.field.harmonics_degree(), 0);
+  EXPECT_FALSE(run.trials.Advance(1.0));
+}
+
+}  // namespace
+}  // namespace tetrec
