@@ -34,6 +34,12 @@ EndGradients GradientsOfEnds(SegmentAdjoint adjoint, float t, float behind, floa
                       vec3(by_size, size * by_s1, t * adjoint.w1));
 }
 
+// Gradients at the ends of a segment from those at the ends of the part that a cut leaves.
+EndGradients OfWhole(SegmentCut cut, EndGradients part) {
+  return EndGradients((1.0 - cut.begin) * part.entry + (1.0 - cut.end) * part.exit,
+                      cut.begin * part.entry + cut.end * part.exit);
+}
+
 // x: dL/ddensity, y: the sum of colour weights.
 void AddToVertex(uint id, vec2 gradient) {
   if (gradient.x != 0.0 || gradient.y != 0.0) {

@@ -45,9 +45,10 @@ struct Walk {
 
 // A segment between the entry and the exit triangle of a tet.
 struct Segment {
-  float s0, s1, size;  // size: its length
-  float density0, density1;
-  float k0, k1;        // g . colour at its ends
+  float density0, density1;  // values at its ends
+  float k0, k1;              // g . colour there
+  SegmentCut cut;
+  float s0, s1, size;  // of the part that the cut leaves; size: its length
   uint leaving;        // corner of the entry triangle that the exit triangle lacks: 0 a, 1 b, 2 c
   uint leaving_id;
   uint tet;
@@ -61,9 +62,13 @@ struct Segment {
 // Adds the gradients of a segment to the corners and releases the one that leaves.
 void Deposit(inout Walk walk, Segment segment, SegmentAdjoint adjoint) {
   float t = exp(-walk.depth);
-  walk.behind_all -= t * (adjoint.w0 * segment.k0 + adjoint.w1 * segment.k1);
-  EndGradients ends = GradientsOfEnds(adjoint, t, walk.behind_all, segment.size, segment.density0,
-                                      segment.density1, segment.k0, segment.k1);
+  float k0 = mix(segment.k0, segment.k1, segment.cut.begin);
+  float k1 = mix(segment.k0, segment.k1, segment.cut.end);
+  walk.behind_all -= t * (adjoint.w0 * k0 + adjoint.w1 * k1);
+  EndGradients ends =
+      OfWhole(segment.cut, GradientsOfEnds(adjoint, t, walk.behind_all, segment.size,
+                                           DensityOf(segment.density0), DensityOf(segment.density1),
+                                           k0, k1));
   vec2 at_entry = ends.entry.yz, at_exit = ends.exit.yz;
   bool a_leaves = segment.leaving == 0u, b_leaves = segment.leaving == 1u;
   if (kCells) {
@@ -172,9 +177,10 @@ void main() {
       segment.density1 = AtHit(segment.w_exit, state, density);
       segment.k1 = AtHit(segment.w_exit, state, payload);
       UseCell(segment.tet, segment.density0, segment.density1, segment.k0, segment.k1);
-      segment.size = z1 - z0;
-      segment.s0 = segment.density0 * segment.size;
-      segment.s1 = segment.density1 * segment.size;
+      segment.cut = CutAtZero(segment.density0, segment.density1);
+      segment.size = (segment.cut.end - segment.cut.begin) * (z1 - z0);
+      segment.s0 = DensityOf(segment.density0) * segment.size;
+      segment.s1 = DensityOf(segment.density1) * segment.size;
       thick = IsThickSegment(kIntegral, segment.s0, segment.s1);
       if (!thick) {
         Deposit(walk, segment,

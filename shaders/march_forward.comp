@@ -58,13 +58,13 @@ void main() {
   float density0 = begin.density;
   vec3 color0 = begin.payload;
 #ifdef TETREC_DEPTH
-  float last_z0 = 0.0, last_s0 = 0.0, last_s1 = 0.0;
+  float last_z0 = 0.0, last_size = 0.0, last_s0 = 0.0, last_s1 = 0.0;
 #endif
   while (go) {
     // Thick segments are integrated outside the inner loop, which they would slow down for all rays.
     bool thick = false;
     float s0 = 0.0, s1 = 0.0;
-    vec3 color_before = color0;
+    vec3 color_at0 = vec3(0.0), color_at1 = vec3(0.0);  // at the ends of the segment's part
     while (go && !thick) {
       uint tet = state.tet;
       uvec4 ids = texelFetch(tets, int(2u * tet));
@@ -75,20 +75,24 @@ void main() {
       float density1 = AtHit(w, state, density);
       vec3 color1 = AtHit(w, state, payload);
       UseCell(tet, density0, density1, color0, color1);
-      s0 = density0 * (z1 - z0);
-      s1 = density1 * (z1 - z0);
+      SegmentCut cut = CutAtZero(density0, density1);
+      float size = (cut.end - cut.begin) * (z1 - z0);
+      s0 = DensityOf(density0) * size;
+      s1 = DensityOf(density1) * size;
+      color_at0 = mix(color0, color1, cut.begin);
+      color_at1 = mix(color0, color1, cut.end);
 #ifdef TETREC_DEPTH
-      last_z0 = z0;
+      last_z0 = mix(z0, z1, cut.begin);
+      last_size = size;
       last_s0 = s0;
       last_s1 = s1;
 #endif
       thick = IsThickSegment(kIntegral, s0, s1);
       if (!thick) {
         SegmentWeights segment = IntegrateUnlessThick(kIntegral, kSplits, s0, s1);
-        color += exp(-depth) * (segment.w0 * color0 + segment.w1 * color1);
+        color += exp(-depth) * (segment.w0 * color_at0 + segment.w1 * color_at1);
         depth += 0.5 * (s0 + s1);
       }
-      color_before = color0;
       z0 = z1;
       density0 = density1;
       color0 = color1;
@@ -97,7 +101,7 @@ void main() {
     }
     if (thick) {
       SegmentWeights segment = IntegrateThickSegment(s0, s1);
-      color += exp(-depth) * (segment.w0 * color_before + segment.w1 * color0);
+      color += exp(-depth) * (segment.w0 * color_at0 + segment.w1 * color_at1);
       depth += 0.5 * (s0 + s1);
       go = go && depth < push.rays.stop_depth;
     }
@@ -128,7 +132,7 @@ void main() {
   if (exists) {
     float before = max(depth - 0.5 * (last_s0 + last_s1), 0.0);
     float share = ReachInSegment(last_s0, last_s1, push.rays.stop_depth - before);
-    float reach = (inside ? 0.0 : uintBitsToFloat(entry.y)) + last_z0 + share * (z0 - last_z0);
+    float reach = (inside ? 0.0 : uintBitsToFloat(entry.y)) + last_z0 + share * last_size;
     ray_reaches[index] = hit && stopped ? reach : 0.0;
   }
 #endif

@@ -45,7 +45,8 @@ void main() {
     float z1 = max(z0, AtHit(w, state, p.z));
     float density1 = AtHit(w, state, density);
     if (kCells) density0 = density1 = FetchCell(tet).a;
-    float tau = 0.5 * (density0 + density1) * (z1 - z0);
+    SegmentCut cut = CutAtZero(density0, density1);
+    float tau = 0.5 * (DensityOf(density0) + DensityOf(density1)) * (cut.end - cut.begin) * (z1 - z0);
     float t = exp(-depth);
     float share = t * (1.0 - exp(-tau));
     if (share > kLeastScoredShare) AddTo(tet_scores[tet], error * share, kScoreQuanta);

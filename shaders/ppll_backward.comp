@@ -65,20 +65,24 @@ void main() {
     }
     vec3 at_hit0 = vec3(0.0);
     if (hit0.behind != kNoTet && hit1.before != kNoTet) {
-      float size = hit1.z - hit0.z;
       uint tet = TetBetween(list_ray, hit0, hit1);
       UseCell(tet, hit0.density, hit1.density, hit0.payload, hit1.payload);
-      float s0 = hit0.density * size, s1 = hit1.density * size;
+      SegmentCut cut = CutAtZero(hit0.density, hit1.density);
+      float size = (cut.end - cut.begin) * (hit1.z - hit0.z);
+      float density0 = DensityOf(hit0.density), density1 = DensityOf(hit1.density);
+      float k0 = mix(hit0.payload, hit1.payload, cut.begin);
+      float k1 = mix(hit0.payload, hit1.payload, cut.end);
+      float s0 = density0 * size, s1 = density1 * size;
       if (!is_last) depth = max(0.0, depth - 0.5 * (s0 + s1));
       is_last = false;
       SegmentAdjoint adjoint = IntegrateSegmentByWithDerivatives(kIntegral, kSplits, s0, s1);
       float t = exp(-depth);
-      EndGradients ends = GradientsOfEnds(adjoint, t, behind, size, hit0.density, hit1.density,
-                                          hit0.payload, hit1.payload);
+      EndGradients ends = OfWhole(
+          cut, GradientsOfEnds(adjoint, t, behind, size, density0, density1, k0, k1));
       if (kCells) AddToCell(tet, ends);
       at_hit0 = ends.entry;
       at_hit1 += ends.exit;
-      behind += t * (adjoint.w0 * hit0.payload + adjoint.w1 * hit1.payload);
+      behind += t * (adjoint.w0 * k0 + adjoint.w1 * k1);
     }
     DepositAt(held, hit1, at_hit1);
     TETREC_RARELY(hit0.behind == kNoTet || hit1.before == kNoTet) { LetGo(held); }  // across a gap

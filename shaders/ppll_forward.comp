@@ -71,11 +71,13 @@ void main() {
     Hit hit1 = HitAt(list_ray.ray, fragments[list.x + n]);
     n += 1u;
     if (hit0.behind != kNoTet && hit1.before != kNoTet) {
-      float size = hit1.z - hit0.z;
       UseCell(TetBetween(list_ray, hit0, hit1), hit0.density, hit1.density, hit0.payload, hit1.payload);
-      float s0 = hit0.density * size, s1 = hit1.density * size;
+      SegmentCut cut = CutAtZero(hit0.density, hit1.density);
+      float size = (cut.end - cut.begin) * (hit1.z - hit0.z);
+      float s0 = DensityOf(hit0.density) * size, s1 = DensityOf(hit1.density) * size;
       SegmentWeights segment = IntegrateSegmentBy(kIntegral, kSplits, s0, s1);
-      color += exp(-depth) * (segment.w0 * hit0.payload + segment.w1 * hit1.payload);
+      color += exp(-depth) * (segment.w0 * mix(hit0.payload, hit1.payload, cut.begin) +
+                            segment.w1 * mix(hit0.payload, hit1.payload, cut.end));
       if (depth < kUnseenDepth) {
         last = n;
         depth_before_last = depth;

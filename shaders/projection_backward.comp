@@ -69,10 +69,14 @@ Slopes SlopesOnTetFace(TetCut cut, bvec4 lacks, vec4 payload) {
 // Adds the gradients of a segment to the vertices of its tet.
 void Pass(inout Walk walk, TetCut cut, uint tet) {
   vec4 payload = PayloadOf(cut.ids);
-  float k0 = dot(cut.w0, payload), k1 = dot(cut.w1, payload);
+  float value0 = dot(cut.w0, payload), value1 = dot(cut.w1, payload);
   float density0 = dot(cut.w0, cut.density), density1 = dot(cut.w1, cut.density);
-  UseCell(tet, density0, density1, k0, k1);
-  float size = cut.z1 - cut.z0;
+  UseCell(tet, density0, density1, value0, value1);
+  SegmentCut part = CutAtZero(density0, density1);
+  float size = (part.end - part.begin) * (cut.z1 - cut.z0);
+  density0 = DensityOf(density0);
+  density1 = DensityOf(density1);
+  float k0 = mix(value0, value1, part.begin), k1 = mix(value0, value1, part.end);
   float s0 = density0 * size, s1 = density1 * size;
   SegmentAdjoint adjoint = SegmentAdjoint(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
   bool thick = IsThickSegment(kIntegral, s0, s1);
@@ -81,7 +85,7 @@ void Pass(inout Walk walk, TetCut cut, uint tet) {
   float t = exp(-walk.depth);
   walk.behind -= t * (adjoint.w0 * k0 + adjoint.w1 * k1);
   EndGradients ends =
-      GradientsOfEnds(adjoint, t, walk.behind, size, density0, density1, k0, k1);
+      OfWhole(part, GradientsOfEnds(adjoint, t, walk.behind, size, density0, density1, k0, k1));
   if (kCells) AddToCell(tet, ends);
   Hold(walk.held, cut.ids);
   Deposit(walk.held, cut.w0, ends.entry);

@@ -45,15 +45,17 @@ void main() {
       vec3 k3 = FetchVertexColor(cut.ids.w);
       vec3 color0 = cut.w0.x * k0 + cut.w0.y * k1 + cut.w0.z * k2 + cut.w0.w * k3;
       vec3 color1 = cut.w1.x * k0 + cut.w1.y * k1 + cut.w1.z * k2 + cut.w1.w * k3;
-      float size = cut.z1 - cut.z0;
       float density0 = dot(cut.w0, cut.density), density1 = dot(cut.w1, cut.density);
       UseCell(tet, density0, density1, color0, color1);
-      float s0 = density0 * size, s1 = density1 * size;
+      SegmentCut part = CutAtZero(density0, density1);
+      float size = (part.end - part.begin) * (cut.z1 - cut.z0);
+      float s0 = DensityOf(density0) * size, s1 = DensityOf(density1) * size;
       SegmentWeights segment = SegmentWeights(0.0, 0.0);
       bool thick = IsThickSegment(kIntegral, s0, s1);
       if (!thick) segment = IntegrateUnlessThick(kIntegral, kSplits, s0, s1);
       TETREC_RARELY(thick) segment = IntegrateThickSegment(s0, s1);
-      color += exp(-depth) * (segment.w0 * color0 + segment.w1 * color1);
+      color += exp(-depth) * (segment.w0 * mix(color0, color1, part.begin) +
+                             segment.w1 * mix(color0, color1, part.end));
       depth += 0.5 * (s0 + s1);
 #ifdef TETREC_COUNT_STEPS
       uvec4 neighbors = texelFetch(tets, int(2u * tet + 1u));

@@ -15,11 +15,13 @@ class RowMeans {
       : attributes_(layout.ByComponent()),
         weight_(rows, 0.0),
         sum_(rows * attributes_.size(), 0.0),
+        dense_weight_(rows, 0.0),
         dense_sum_(rows * attributes_.size(), 0.0) {}
 
   void Add(size_t row, double weight, const float* values) {
     weight_[row] += weight;
-    const double by_density = weight * double(values[kDensityOffset]);
+    const double by_density = weight * std::max(0.0, double(values[kDensityOffset]));
+    dense_weight_[row] += by_density;
     for (size_t c = 0; c < attributes_.size(); ++c) {
       sum_[row * attributes_.size() + c] += weight * double(values[c]);
       dense_sum_[row * attributes_.size() + c] += by_density * double(values[c]);
@@ -31,10 +33,10 @@ class RowMeans {
     std::vector<float> values;
     for (size_t row = 0; row < weight_.size(); ++row) {
       const size_t first = row * attributes_.size();
-      const double density = sum_[first + kDensityOffset];
       for (size_t c = 0; c < attributes_.size(); ++c) {
-        const bool by_density = attributes_[c]->activation != Activation::kExp && density > 0;
-        values.push_back(by_density         ? float(dense_sum_[first + c] / density)
+        const bool by_density =
+            attributes_[c]->activation != Activation::kExp && dense_weight_[row] > 0;
+        values.push_back(by_density         ? float(dense_sum_[first + c] / dense_weight_[row])
                          : weight_[row] > 0 ? float(sum_[first + c] / weight_[row])
                                             : 0.0f);
       }
@@ -44,7 +46,8 @@ class RowMeans {
 
  private:
   std::vector<const Attribute*> attributes_;
-  std::vector<double> weight_, sum_, dense_sum_;  // dense: weighted by density too
+  std::vector<double> weight_, sum_;
+  std::vector<double> dense_weight_, dense_sum_;  // weighted by density, too
 };
 
 }  // namespace

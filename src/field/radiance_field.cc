@@ -90,9 +90,11 @@ void CheckField(const RadianceField& field) {
   for (size_t v = 0; v < count; ++v) {
     const float density = field.density[v];
     const glm::vec3& color = field.color_srgb[v];
-    if (!std::isfinite(density) || density < 0) {
-      throw DataError(fmt::format("the density of {} {} is {}: it must be finite and 0 or more",
-                                  row, v, density));
+    // Negative values have a meaning only where density is linear between them.
+    const bool has_cells = field.storage == FieldStorage::kCell;
+    if (!std::isfinite(density) || (has_cells && density < 0)) {
+      throw DataError(fmt::format("the density of {} {} is {}: it must be finite{}", row, v,
+                                  density, has_cells ? " and 0 or more" : ""));
     }
     if (!std::isfinite(color.r) || !std::isfinite(color.g) || !std::isfinite(color.b)) {
       throw DataError(fmt::format("the colour of {} {} is not finite: ({}, {}, {})", row, v,

@@ -6,6 +6,7 @@
 #include "geometry/random_vectors.h"
 #include "mesh/boundary.h"
 #include "mesh/locate.h"
+#include "shared/segment_cut.glsl.h"
 
 #include <fmt/format.h>
 
@@ -26,6 +27,18 @@ struct Segment {
   double OpticalDepth() const { return 0.5 * (density_in + density_out) * length; }
   Segment Reversed() const { return {length, density_out, density_in, end}; }
 };
+
+// Appends a tet's part of a ray; `in` and `out` are values of density, which may be negative: where
+// they are, density is 0.
+void AppendParts(std::vector<Segment>& segments, double length, double in, double out, double end) {
+  const SegmentCut<double> cut = CutAtZero(in, out);
+  const double begin = end - length, begins = cut.begin * length, ends = cut.end * length;
+  if (cut.begin > 0) segments.push_back({begins, 0, 0, begin + begins});
+  if (cut.end > cut.begin) {
+    segments.push_back({ends - begins, DensityOf(in), DensityOf(out), begin + ends});
+  }
+  if (cut.end < 1) segments.push_back({length - ends, 0, 0, end});
+}
 
 struct Face {
   glm::dvec3 normal;  // points out of the tet, not of unit length
@@ -62,7 +75,7 @@ std::optional<std::vector<Segment>> March(const RadianceField& field, uint32_t t
   double density = DensityAt(field, tet, start);
   uint32_t before = kNoTet;
   while (tet != kNoTet && distance < max_distance) {
-    if (segments.size() > field.mesh.tets.size()) return std::nullopt;
+    if (segments.size() > 3 * field.mesh.tets.size()) return std::nullopt;
     int exit = -1;
     double nearest = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 4; ++i) {
@@ -79,7 +92,7 @@ std::optional<std::vector<Segment>> March(const RadianceField& field, uint32_t t
     if (exit < 0) return std::nullopt;
     const double end = std::clamp(nearest, distance, max_distance);
     const double density_out = DensityAt(field, tet, start + end * direction);
-    segments.push_back({end - distance, density, density_out, end});
+    AppendParts(segments, end - distance, density, density_out, end);
     density = density_out;
     distance = end;
     before = tet;

@@ -138,8 +138,8 @@ TriangleMesh ColoredSurface(const LevelSet& set, const RadianceField& field) {
   mesh.positions = set.positions;
   mesh.triangles = set.triangles;
   for (const EdgeCut& cut : set.cuts) {
-    const float inside = (1 - cut.t) * field.density[cut.inside];
-    const float outside = cut.t * field.density[cut.outside];
+    const float inside = (1 - cut.t) * std::max(0.0f, field.density[cut.inside]);
+    const float outside = cut.t * std::max(0.0f, field.density[cut.outside]);
     const float share = inside + outside > 0 ? outside / (inside + outside) : cut.t;
     const glm::vec3 color =
         glm::mix(field.color_srgb[cut.inside], field.color_srgb[cut.outside], share);

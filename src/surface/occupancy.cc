@@ -28,7 +28,7 @@ std::vector<float> SmoothedOccupancy(const TetMesh& mesh, std::span<const float>
                                      double isovalue, int rounds) {
   std::vector<float> occupancy;
   occupancy.reserve(density.size());
-  for (const float d : density) occupancy.push_back(float(d / (d + isovalue)));
+  for (const float d : density) occupancy.push_back(float(d / (std::abs(d) + isovalue)));
   for (int round = 0; round < rounds; ++round) occupancy = AveragedWithNeighbors(mesh, occupancy);
   return occupancy;
 }

@@ -58,6 +58,15 @@ inline RadianceField RandomField(int points, uint32_t seed, float max_density,
   return field;
 }
 
+// The field with a third of its values of density below 0, some of them by little.
+inline RadianceField WithAnySign(RadianceField field, uint32_t seed) {
+  std::mt19937 random(seed);
+  for (float& density : field.density) {
+    if (random() % 3 == 0) density *= random() % 2 == 0 ? -1.0f : -0.05f;
+  }
+  return field;
+}
+
 inline RadianceField ConstantField(TetMesh mesh, float density, const glm::vec3& color) {
   const size_t vertices = mesh.positions.size();
   return {std::move(mesh), std::vector<float>(vertices, density),

@@ -6,6 +6,7 @@
 #include "render/integral.h"
 #include "render/reference/tet_boxes.h"
 #include "shared/integral.glsl.h"
+#include "shared/segment_cut.glsl.h"
 
 #include <glm/glm.hpp>
 
@@ -99,7 +100,7 @@ Real InterpolateDensity(const RadianceField& field, uint32_t tet, const Vec4<Rea
   if (field.storage == FieldStorage::kCell) return Real(field.density[tet]);
   Real density(0);
   for (int i = 0; i < 4; ++i) density += weights[i] * Real(field.density[field.mesh.tets[tet][i]]);
-  return std::max(density, Real(0));
+  return density;
 }
 
 template <class Real>
@@ -112,9 +113,12 @@ Vec3<Real> InterpolateColor(const RadianceField& field, uint32_t tet, const Vec4
   return color;
 }
 
-// s0 and s1 of segment.glsl.h, and the colours at the ends.
+// The part of a segment in which density is positive: its ends as shares of the segment, its
+// length, s0 and s1 of segment.glsl.h, and the colours at its ends.
 template <class Real>
 struct SegmentEnds {
+  SegmentCut<Real> cut;
+  Real length;
   Real s0, s1;
   Vec3<Real> c0, c1;
 
@@ -123,11 +127,18 @@ struct SegmentEnds {
 
 template <class Real>
 SegmentEnds<Real> EndsOf(const RadianceField& field, const RaySegment<Real>& segment) {
-  const Real length = segment.end - segment.begin;
-  return {length * InterpolateDensity(field, segment.tet, segment.begin_weights),
-          length * InterpolateDensity(field, segment.tet, segment.end_weights),
-          InterpolateColor(field, segment.tet, segment.begin_weights),
-          InterpolateColor(field, segment.tet, segment.end_weights)};
+  const Real d0 = InterpolateDensity(field, segment.tet, segment.begin_weights);
+  const Real d1 = InterpolateDensity(field, segment.tet, segment.end_weights);
+  const Vec3<Real> c0 = InterpolateColor(field, segment.tet, segment.begin_weights);
+  const Vec3<Real> c1 = InterpolateColor(field, segment.tet, segment.end_weights);
+  const SegmentCut<Real> cut = CutAtZero(d0, d1);
+  const Real length = (cut.end - cut.begin) * (segment.end - segment.begin);
+  return {cut,
+          length,
+          length * DensityOf(d0),
+          length * DensityOf(d1),
+          glm::mix(c0, c1, cut.begin),
+          glm::mix(c0, c1, cut.end)};
 }
 
 // Front to back, up to and including the tet in which the optical depth reaches `stop_depth`.
@@ -187,7 +198,8 @@ std::optional<Real> ReachOf(const RadianceField& field, std::span<const RaySegme
     const SegmentEnds<Real> ends = EndsOf(field, segment);
     if (before + ends.depth() >= depth) {
       const Real share = ReachInSegment(ends.s0, ends.s1, depth - before);
-      return segment.begin + share * (segment.end - segment.begin);
+      const Real begin = glm::mix(segment.begin, segment.end, ends.cut.begin);
+      return begin + share * ends.length;
     }
     before += ends.depth();
   }
@@ -212,6 +224,11 @@ Vec3<Real> GradientInTet(const TetMesh& mesh, uint32_t tet, const Vec4<Real>& va
 template <class Real>
 struct EndGradient {
   Real by_distance, by_density, by_payload;
+
+  EndGradient operator*(Real f) const { return {f * by_distance, f * by_density, f * by_payload}; }
+  EndGradient operator+(const EndGradient& b) const {
+    return {by_distance + b.by_distance, by_density + b.by_density, by_payload + b.by_payload};
+  }
 };
 
 // The gradient that an end of a segment in `tet`, on `face`, contributes to a vertex of weight 1.
@@ -318,19 +335,22 @@ void AppendRayGradient(const RadianceField& field, std::span<const RaySegment<Re
     const RaySegment<Real>& segment = segments[i];
     const SegmentEnds<Real> ends = EndsOf(field, segment);
     const Real before = std::exp(-depth_before[i]), own = std::exp(-ends.depth());
-    const Real length = segment.end - segment.begin;
     const SegmentAdjoint<Real> a =
         IntegrateSegmentByWithDerivatives(int(integral.kind), integral.splits, ends.s0, ends.s1);
     const Real k0 = glm::dot(g, ends.c0), k1 = glm::dot(g, ends.c1);
     const Real by_s0 = before * (a.dw0_ds0 * k0 + a.dw1_ds0 * k1 - Real(0.5) * own * behind);
     const Real by_s1 = before * (a.dw0_ds1 * k0 + a.dw1_ds1 * k1 - Real(0.5) * own * behind);
+    const Real by_length =
+        ends.length > 0 ? (ends.s0 * by_s0 + ends.s1 * by_s1) / ends.length : Real(0);
+    const EndGradient<Real> at_begin{-by_length, ends.length * by_s0, before * a.w0};
+    const EndGradient<Real> at_end{by_length, ends.length * by_s1, before * a.w1};
+    const Real cut0 = ends.cut.begin, cut1 = ends.cut.end;
+    const EndGradient<Real> begin = at_begin * (1 - cut0) + at_end * (1 - cut1);
+    const EndGradient<Real> end = at_begin * cut0 + at_end * cut1;
     Vec3<Real> begin_move(Real(0)), end_move(Real(0));
     if (with_positions) {
-      const Real by_length = (ends.s0 * by_s0 + ends.s1 * by_s1) / length;
-      begin_move = MoveGradient<Real>(field, segment.tet, segment.begin_face, direction, g,
-                                      {-by_length, length * by_s0, before * a.w0});
-      end_move = MoveGradient<Real>(field, segment.tet, segment.end_face, direction, g,
-                                    {by_length, length * by_s1, before * a.w1});
+      begin_move = MoveGradient<Real>(field, segment.tet, segment.begin_face, direction, g, begin);
+      end_move = MoveGradient<Real>(field, segment.tet, segment.end_face, direction, g, end);
     }
     // Behind a gap, a vertex starts another passage.
     if (segment.end_face >= 0 && field.mesh.neighbors[segment.tet][segment.end_face] == kNoTet) {
@@ -341,16 +361,16 @@ void AppendRayGradient(const RadianceField& field, std::span<const RaySegment<Re
       const Real near = segment.begin_weights[j], far = segment.end_weights[j];
       VertexGradient<Real>& corner = passages.corner(j);
       if (!cells) {
-        corner.color_srgb += before * (a.w0 * near + a.w1 * far) * g;
-        corner.density += length * (by_s0 * near + by_s1 * far);
+        corner.color_srgb += (begin.by_payload * near + end.by_payload * far) * g;
+        corner.density += begin.by_density * near + end.by_density * far;
       }
       corner.position += near * begin_move + far * end_move;
     }
     if (cells) {
       out.push_back({.vertex = field.mesh.tets[segment.tet][0],
                      .row = segment.tet,
-                     .color_srgb = before * (a.w0 + a.w1) * g,
-                     .density = length * (by_s0 + by_s1)});
+                     .color_srgb = (begin.by_payload + end.by_payload) * g,
+                     .density = begin.by_density + end.by_density});
     }
     behind = a.w0 * k0 + a.w1 * k1 + own * behind;
   }
