@@ -36,11 +36,15 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                  "Initial learning rate of the coefficients of harmonics [display sRGB]")
       ->check(tetrec::AboveZero());
   app.add_option("--density-rate", options.density_rate,
-                 "Initial learning rate of the logarithm of density")
+                 "Initial learning rate of density, of its logarithm where it is large or positive")
       ->check(tetrec::AboveZero());
   app.add_option("--final-rate-share", options.schedule.final_rate_share,
                  "Share to which learning rates fall exponentially")
       ->check(CLI::Range(1e-6, 1.0));
+  tetrec::AddWordOption(
+      app, "--density", options.density,
+      "Values of density: signed (surfaces lie anywhere inside a tet, where the value changes its "
+      "sign), positive, or auto (signed for pictures with alpha)");
   app.add_option("--max-density", options.max_density, "Upper bound of density [1 / world unit]");
   app.add_option("--density-decay", options.density_decay,
                  "Pull of visible vertices towards empty, as a share of Adam's largest step")

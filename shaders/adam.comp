@@ -2,8 +2,8 @@
 // renderers read.
 //
 // A row of parameters, of gradients, and of first and of second moments has kRowComponents floats,
-// in the order of the layout (field/layout.h). Gradients are by value: those of a parameter p whose
-// value is e^p are dL/dp = e^p dL/dvalue. Clears the gradients for the next step.
+// in the order of the layout (field/layout.h). Gradients are by value: those of a parameter p are
+// dL/dp = dvalue/dp dL/dvalue. Clears the gradients for the next step.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #ifdef TETREC_FIXED_POINT
@@ -31,6 +31,7 @@ layout(binding = kBindMomentTexels) uniform textureBuffer moment_texels;
 layout(push_constant) uniform Push { AdamPush push; };
 
 #include "storage.glsl"
+#include "density.glsl"
 
 // dL/dvalue of a row; clears it.
 vec4 TakeGradients(uint row) {
@@ -69,7 +70,8 @@ void main() {
     vec4 first = texelFetch(moment_texels, int(2u * row));
     vec4 second = texelFetch(moment_texels, int(2u * row + 1u));
     vec4 gradient = TakeGradients(row);
-    gradient[kDensityComponent] *= exp(parameter[kDensityComponent]);
+    gradient[kDensityComponent] *=
+        SlopeOfDensity(parameter[kDensityComponent], push.density_scale);
     float share = rate_shares[row];
     float color_rate = share * push.rates[kRateColor];
     AdamState r = Next(parameter, first, second, kColorComponent, color_rate, gradient);
@@ -79,15 +81,15 @@ void main() {
                              share * push.rates[kRateDensity], gradient);
     vec3 color = vec3(ClampColor(r.parameter), ClampColor(g.parameter), ClampColor(b.parameter));
     // Seen rows tend to empty: what the pictures do not ask for again and again goes.
-    float log_density = density.parameter;
-    if (gradient != vec4(0.0)) log_density -= share * push.density_decay;
-    log_density = ClampLog(log_density, push.least_log, push.largest_log);
+    float by_density = density.parameter;
+    if (gradient != vec4(0.0)) by_density -= share * push.density_decay;
+    by_density = ClampBetween(by_density, push.least_density, push.largest_density);
 
     uint at = uint(kRowComponents) * row, first_at = 2u * at, second_at = 2u * at + uint(kRowComponents);
     parameters[at] = color.r;
     parameters[at + 1u] = color.g;
     parameters[at + 2u] = color.b;
-    parameters[at + 3u] = log_density;
+    parameters[at + 3u] = by_density;
     moments[first_at] = r.first;
     moments[first_at + 1u] = g.first;
     moments[first_at + 2u] = b.first;
@@ -96,7 +98,8 @@ void main() {
     moments[second_at + 1u] = g.second;
     moments[second_at + 2u] = b.second;
     moments[second_at + 3u] = density.second;
-    vertices[DensityRow(row, push.first_cell)].w = exp(log_density);
+    vertices[DensityRow(row, push.first_cell)].w =
+        DensityOfParameter(by_density, push.density_scale);
     vertices[ColorRow(row, push.first_cell)].rgb = color;
   }
 }

@@ -11,12 +11,14 @@ layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
 layout(push_constant) uniform Push { SpreadPush push; };
 
 #include "storage.glsl"
+#include "density.glsl"
 
 void main() {
   uint row = ThreadIndex();
   if (row < push.row_count) {
     uint first = row * uint(kRowComponents), color = first + kColorComponent;
-    vertices[DensityRow(row, push.first_cell)].w = exp(parameters[first + kDensityComponent]);
+    vertices[DensityRow(row, push.first_cell)].w =
+        DensityOfParameter(parameters[first + kDensityComponent], push.density_scale);
     vertices[ColorRow(row, push.first_cell)].rgb =
         vec3(parameters[color], parameters[color + 1u], parameters[color + 2u]);
   }

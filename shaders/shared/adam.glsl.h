@@ -12,6 +12,7 @@
 #define kActivationIdentity 0
 #define kActivationColor 1
 #define kActivationExp 2
+#define kActivationSigned 3
 
 TETREC_BEGIN
 
@@ -39,15 +40,17 @@ TETREC_FN Real ClampColor(Real color) {
   return color < Real(0.0) ? Real(0.0) : color > Real(1.0) ? Real(1.0) : color;
 }
 
-// Bounds of a logarithm (kLeastLogDensity of field/layout.h).
-TETREC_FN Real ClampLog(Real parameter, Real least, Real largest) {
+// Bounds of a parameter (BoundsOf of field/layout.h).
+TETREC_FN Real ClampBetween(Real parameter, Real least, Real largest) {
   return parameter < least ? least : parameter > largest ? largest : parameter;
 }
 
 // What an update leaves of a parameter, by its activation.
-TETREC_FN Real ClampParameter(int activation, Real parameter, Real least_log, Real largest_log) {
+TETREC_FN Real ClampParameter(int activation, Real parameter, Real least, Real largest) {
   if (activation == kActivationColor) return ClampColor(parameter);
-  if (activation == kActivationExp) return ClampLog(parameter, least_log, largest_log);
+  if (activation == kActivationExp || activation == kActivationSigned) {
+    return ClampBetween(parameter, least, largest);
+  }
   return parameter;
 }
 

@@ -46,6 +46,8 @@ struct GpuBlock {
 #define kStorageVertex 0
 #define kStorageCell 1
 #define kConstantHarmonics 4
+// Not 0: density's parameter is that of Activation::kSigned, not kExp (shaders/density.glsl).
+#define kConstantSignedDensity 5
 // For the optimiser: from kConstantAttributes on each attribute behind colour and density as
 // components | activation << 8 | rate class << 16.
 #define kConstantAttributes 6
@@ -121,11 +123,13 @@ struct AdamPush {
   vec4 quanta;  // by rate class: one quantum of fixed-point gradients
   uint row_count;
   float beta1, beta2, epsilon;
-  float second_moment_correction;  // 1 / (1 - beta2^t)
-  float least_log, largest_log;    // bounds of exponential attributes' parameters
-  float density_decay;             // of the log density of a seen row, per step
-  uint first_cell;                 // as in RayPush
-  uint stride;                     // of rows of attributes behind colour and density
+  float second_moment_correction;        // 1 / (1 - beta2^t)
+  float least_log, largest_log;          // bounds of exponential attributes' parameters
+  float least_density, largest_density;  // bounds of density's parameter
+  float density_scale;                   // of Activation::kSigned; not read otherwise
+  float density_decay;                   // of the density parameter of a seen row, per step
+  uint first_cell;                       // as in RayPush
+  uint stride;                           // of rows of attributes behind colour and density
 };
 
 // View-dependent colours of the views of a batch.
@@ -174,7 +178,8 @@ struct ProjectionPush {
 
 struct SpreadPush {
   uint row_count;
-  uint first_cell;  // as in RayPush
+  uint first_cell;      // as in RayPush
+  float density_scale;  // as in AdamPush
 };
 
 // What a ray adds to the scores of its tets (ScoreKind): sums over the channels.

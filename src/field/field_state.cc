@@ -6,18 +6,20 @@
 namespace tetrec {
 namespace {
 
-float MixParameters(Activation activation, float a, float b, float share) {
-  return ParameterOf(activation, glm::mix(ValueOf(activation, a), ValueOf(activation, b), share));
+float MixParameters(const Attribute& attribute, float a, float b, float share) {
+  return ParameterOf(attribute, glm::mix(ValueOf(attribute, a), ValueOf(attribute, b), share));
 }
 
 }  // namespace
 
-FieldState StateOf(const RadianceField& field) {
+FieldState StateOf(const RadianceField& field, const Attribute& density) {
   FieldState state{.layout = LayoutOf(field), .parameters = ValuesOf(field)};
+  state.layout.attributes[1] = density;
+  CheckLayout(state.layout);
   const std::vector<const Attribute*> attributes = state.layout.ByComponent();
   for (size_t i = 0; i < state.parameters.size(); ++i) {
     float& parameter = state.parameters[i];
-    parameter = ParameterOf(attributes[i % attributes.size()]->activation, parameter);
+    parameter = ParameterOf(*attributes[i % attributes.size()], parameter);
   }
   state.first_moment.assign(state.parameters.size(), 0.0f);
   state.second_moment.assign(state.parameters.size(), 0.0f);
@@ -28,7 +30,7 @@ RadianceField FieldOf(TetMesh mesh, const FieldState& state) {
   std::vector<float> values = state.parameters;
   const std::vector<const Attribute*> attributes = state.layout.ByComponent();
   for (size_t i = 0; i < values.size(); ++i) {
-    values[i] = ValueOf(attributes[i % attributes.size()]->activation, values[i]);
+    values[i] = ValueOf(*attributes[i % attributes.size()], values[i]);
   }
   RadianceField field = MakeField(std::move(mesh), state.layout, values);
   CheckField(field);
@@ -46,9 +48,8 @@ FieldState Prolong(const FieldState& state, std::span<const RowSource> sources) 
     for (size_t c = 0; c < components; ++c) {
       const size_t at = a * components + c, bt = b * components + c;
       result.parameters.push_back(a == b ? state.parameters[at]
-                                         : MixParameters(attributes[c]->activation,
-                                                         state.parameters[at], state.parameters[bt],
-                                                         share));
+                                         : MixParameters(*attributes[c], state.parameters[at],
+                                                         state.parameters[bt], share));
       result.first_moment.push_back(
           glm::mix(state.first_moment[at], state.first_moment[bt], share));
       result.second_moment.push_back(

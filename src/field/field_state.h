@@ -17,8 +17,9 @@ struct FieldState {
   size_t rows() const { return parameters.size() / size_t(layout.Components()); }
 };
 
-// The field's values as parameters, and moments of 0.
-FieldState StateOf(const RadianceField& field);
+// The field's values as parameters, and moments of 0. `density` is learned as kDensityAttribute or
+// as SignedDensity.
+FieldState StateOf(const RadianceField& field, const Attribute& density = kDensityAttribute);
 
 // The field that a state describes. Throws DataError as CheckField.
 RadianceField FieldOf(TetMesh mesh, const FieldState& state);

@@ -31,6 +31,10 @@ Attribute HarmonicsAttribute(int degree) {
   return {kHarmonicsName, 3 * HarmonicsCount(degree), Activation::kIdentity, RateClass::kHarmonics};
 }
 
+Attribute SignedDensity(float scale) {
+  return {"density", 1, Activation::kSigned, RateClass::kDensity, scale};
+}
+
 int FieldLayout::OffsetOf(std::string_view name) const {
   int offset = 0;
   for (const Attribute& attribute : attributes) {
@@ -52,7 +56,9 @@ std::vector<const Attribute*> FieldLayout::ByComponent() const {
 std::vector<std::string> FieldLayout::ParameterNames() const {
   std::vector<std::string> names;
   for (const Attribute& attribute : attributes) {
-    const char* prefix = attribute.activation == Activation::kExp ? "log " : "";
+    const char* prefix = attribute.activation == Activation::kExp      ? "log "
+                         : attribute.activation == Activation::kSigned ? "signed "
+                                                                       : "";
     for (int i = 0; i < attribute.components; ++i) {
       names.push_back(attribute.components == 1
                           ? prefix + attribute.name
@@ -63,6 +69,10 @@ std::vector<std::string> FieldLayout::ParameterNames() const {
 }
 
 namespace {
+
+bool IsDensity(const Attribute& attribute) {
+  return attribute == kDensityAttribute || attribute == SignedDensity(attribute.scale);
+}
 
 // Renderers know the harmonics by their place.
 void CheckHarmonics(const FieldLayout& layout) {
@@ -78,12 +88,27 @@ void CheckHarmonics(const FieldLayout& layout) {
   }
 }
 
+// Only density may be signed: the updates of all others know no scale.
+void CheckSigned(const FieldLayout& layout) {
+  for (const Attribute& attribute : layout.attributes) {
+    if (attribute.activation != Activation::kSigned) continue;
+    if (attribute.name == kDensityAttribute.name && attribute.scale > 0 &&
+        std::isfinite(attribute.scale)) {
+      continue;
+    }
+    throw DataError(
+        fmt::format("attribute '{}' is signed with scale {}: only density can be signed, and its "
+                    "scale must be above 0 and finite",
+                    attribute.name, attribute.scale));
+  }
+}
+
 }  // namespace
 
 void CheckLayout(const FieldLayout& layout) {
   const std::vector<Attribute>& attributes = layout.attributes;
   if (attributes.size() < 2 || attributes.size() > kMostAttributes ||
-      attributes[0] != kColorAttribute || attributes[1] != kDensityAttribute) {
+      attributes[0] != kColorAttribute || !IsDensity(attributes[1])) {
     throw DataError(fmt::format(
         "a layout of {} attributes: it must start with colour (3 components) and density (1), and "
         "have {} attributes at most",
@@ -104,7 +129,7 @@ void CheckLayout(const FieldLayout& layout) {
       throw DataError(fmt::format("attribute '{}' has {} components, must have 1 to {}",
                                   attribute.name, attribute.components, kMostComponents));
     }
-    if (attribute.activation > Activation::kExp || uint32_t(attribute.rate) >= kRateClasses) {
+    if (attribute.activation > Activation::kSigned || uint32_t(attribute.rate) >= kRateClasses) {
       throw DataError(fmt::format("attribute '{}' has activation {} and rate class {}: not known",
                                   attribute.name, uint32_t(attribute.activation),
                                   uint32_t(attribute.rate)));
@@ -116,6 +141,7 @@ void CheckLayout(const FieldLayout& layout) {
     }
   }
   CheckHarmonics(layout);
+  CheckSigned(layout);
 }
 
 void AppendLayout(ByteWriter& writer, const FieldLayout& layout) {
@@ -127,6 +153,7 @@ void AppendLayout(ByteWriter& writer, const FieldLayout& layout) {
     writer.Write(uint32_t(attribute.components));
     writer.Write(uint32_t(attribute.activation));
     writer.Write(uint32_t(attribute.rate));
+    if (attribute.activation == Activation::kSigned) writer.Write(attribute.scale);
   }
 }
 
@@ -153,6 +180,8 @@ FieldLayout TakeLayout(ByteReader& reader) {
     attribute.components = int(std::min(reader.Read<uint32_t>("components"), 1u << 20));
     attribute.activation = Activation(reader.Read<uint32_t>("an activation"));
     attribute.rate = RateClass(reader.Read<uint32_t>("a rate class"));
+    if (attribute.activation == Activation::kSigned)
+      attribute.scale = reader.Read<float>("a scale");
     layout.attributes.push_back(std::move(attribute));
   }
   try {
@@ -163,12 +192,19 @@ FieldLayout TakeLayout(ByteReader& reader) {
   return layout;
 }
 
-float ValueOf(Activation activation, float parameter) {
-  return activation == Activation::kExp ? std::exp(parameter) : parameter;
+ParameterBounds BoundsOf(const Attribute& attribute, float largest) {
+  if (attribute.activation == Activation::kSigned) {
+    return {kLeastSignedParameter, ParameterOf(attribute, largest)};
+  }
+  return {kLeastLogDensity, std::log(largest)};
 }
 
-float ParameterOf(Activation activation, float value) {
-  return activation == Activation::kExp ? std::max(std::log(value), kLeastLogDensity) : value;
+float ParameterOf(const Attribute& attribute, float value) {
+  if (attribute.activation == Activation::kExp) {
+    return value > 0 ? std::max(std::log(value), kLeastLogDensity) : kLeastLogDensity;
+  }
+  if (attribute.activation == Activation::kSigned) return std::asinh(value / attribute.scale);
+  return value;
 }
 
 }  // namespace tetrec

@@ -5,6 +5,7 @@
 #include "core/file.h"
 #include "core/words.h"
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -29,6 +30,7 @@ enum class Activation : uint32_t {
   kIdentity,  // the parameter itself
   kColor,     // the parameter itself, which an update clamps to [0, 1]
   kExp,       // e^parameter; a value >= 0 that interpolates linearly, its parameter does not
+  kSigned,    // scale * sinh(parameter); a value of any sign that interpolates linearly
 };
 
 // Which learning rate an attribute follows. An attribute with a rate of its own needs a class here
@@ -41,6 +43,7 @@ struct Attribute {
   int components = 1;
   Activation activation = Activation::kIdentity;
   RateClass rate = RateClass::kColor;
+  float scale = 0.0f;  // of kSigned, above 0; 0 for the others
   bool operator==(const Attribute&) const = default;
 };
 
@@ -51,6 +54,9 @@ constexpr int kMostComponents = 64;  // of an attribute
 // are known by their offsets.
 inline const Attribute kColorAttribute{"color", 3, Activation::kColor, RateClass::kColor};
 inline const Attribute kDensityAttribute{"density", 1, Activation::kExp, RateClass::kDensity};
+// Density whose values may be negative; what is rendered is their positive part
+// (shared/segment_cut.glsl.h). Below `scale` [1 / world unit] parameters are linear in values.
+Attribute SignedDensity(float scale);
 constexpr int kColorOffset = 0, kDensityOffset = 3, kStandardComponents = 4;
 
 // View-dependent colour (shared/harmonics.glsl.h): red, green and blue coefficients of each
@@ -69,6 +75,7 @@ struct FieldLayout {
   // First component of the attribute; TETREC_CHECKs that there is one of that name.
   int OffsetOf(std::string_view name) const;
   bool IsStandard() const { return attributes.size() == 2; }
+  const Attribute& density() const { return attributes[1]; }
   // The degree of view-dependent colour; 0: there is none.
   int HarmonicsDegree() const;
   // The attribute of each component of a row.
@@ -83,8 +90,8 @@ void CheckLayout(const FieldLayout& layout);
 
 // The form in which files contain a layout, little endian: u32 storage (0 vertex, 1 cell), u32
 // number of attributes, then for each u32 length of its name, the name, u32 components, u32
-// activation (0 identity, 1 colour, 2 exponential), u32 rate class (0 colour, 1 density, 2
-// harmonics).
+// activation (0 identity, 1 colour, 2 exponential, 3 signed), u32 rate class (0 colour, 1 density,
+// 2 harmonics), and of a signed attribute the f32 scale.
 void AppendLayout(ByteWriter& writer, const FieldLayout& layout);
 // Throws DataError.
 FieldLayout TakeLayout(ByteReader& reader);
@@ -93,12 +100,30 @@ FieldLayout TakeLayout(ByteReader& reader);
 // ever: the parameter of density 0, and the least that an update leaves.
 constexpr float kLeastLogDensity = -80.0f;
 
-float ValueOf(Activation activation, float parameter);
-float ParameterOf(Activation activation, float value);
+// The least that an update leaves of a signed parameter: -10 times the scale. Further below 0, a
+// vertex would need long to return, and would cut the surface close to its neighbours.
+constexpr float kLeastSignedParameter = -3.0f;
+
+// Bounds that an update keeps of a parameter whose value is `largest` at most.
+struct ParameterBounds {
+  float least, largest;
+};
+ParameterBounds BoundsOf(const Attribute& attribute, float largest);
+
+template <class Real>
+Real ValueOf(const Attribute& attribute, Real parameter) {
+  if (attribute.activation == Activation::kExp) return std::exp(parameter);
+  if (attribute.activation != Activation::kSigned) return parameter;
+  return Real(attribute.scale) * std::sinh(parameter);
+}
+float ParameterOf(const Attribute& attribute, float value);
 // dvalue/dparameter, by the value.
 template <class Real>
-Real ActivationSlope(Activation activation, Real value) {
-  return activation == Activation::kExp ? value : Real(1);
+Real ActivationSlope(const Attribute& attribute, Real value) {
+  if (attribute.activation == Activation::kExp) return value;
+  if (attribute.activation != Activation::kSigned) return Real(1);
+  const Real scale(attribute.scale);
+  return std::sqrt(value * value + scale * scale);
 }
 
 }  // namespace tetrec

@@ -24,6 +24,9 @@ struct TetMesh {
 // (b - a) x (c - a) points out of the tet.
 constexpr int kFaceVertices[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
+// Vertices of a tet's edges.
+constexpr int kTetEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
 struct TetMeshQuality {
   double min_radius_ratio = 0, mean_radius_ratio = 0;  // 3 r_in / r_circ: 1 regular, 0 flat
   double min_volume = 0, mean_volume = 0, total_volume = 0;

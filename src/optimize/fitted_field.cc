@@ -28,13 +28,14 @@ std::vector<float> FittedField::EmptyCameraSpace(FieldState& state) {
   std::vector<float> rate_shares(state.rows(), 1.0f);
   if (camera_space_.empty()) return rate_shares;
   emptied_rows_ = 0;
+  const float least = BoundsOf(state.layout.density(), 1.0f).least;
   const std::vector<uint8_t> is_empty =
       InsideCapsules(PlacesOfRows(mesh_, state.layout.storage), camera_space_);
   for (size_t row = 0; row < is_empty.size(); ++row) {
     if (!is_empty[row]) continue;
     ++emptied_rows_;
     rate_shares[row] = 0.0f;
-    state.parameters[row * size_t(state.layout.Components()) + kDensityOffset] = kLeastLogDensity;
+    state.parameters[row * size_t(state.layout.Components()) + kDensityOffset] = least;
   }
   return rate_shares;
 }

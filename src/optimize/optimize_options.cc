@@ -36,6 +36,11 @@ void OptimizeOptions::Check() const {
   if (!(checkpoint_interval_s >= 0)) {
     fail("checkpoint_interval", checkpoint_interval_s, "at least 0 s");
   }
+  if (density == DensityForm::kSigned && storage == FieldStorage::kCell) {
+    throw UsageError(
+        "density is signed, but storage is cell: density is constant in a cell, so there is no "
+        "place at which it could change its sign; use storage vertex");
+  }
   if (!(max_density > 0 && max_density <= 1e30)) fail("max_density", max_density, "above 0");
 }
 

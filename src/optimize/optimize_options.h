@@ -3,6 +3,7 @@
 
 #include "field/layout.h"
 #include "optimize/camera_poses.h"
+#include "optimize/density_form.h"
 #include "optimize/exposure.h"
 #include "optimize/harmonics.h"
 #include "optimize/schedule.h"
@@ -57,6 +58,7 @@ struct OptimizeOptions {
   CameraSpace camera_space = CameraSpace::kEmpty;
   JudgingPictures judging_pictures = JudgingPictures::kKept;
   FieldStorage storage = FieldStorage::kVertex;  // of the fitted field
+  DensityForm density = DensityForm::kAuto;
   ScheduleOptions schedule;
   RendererOptions renderer;
 

@@ -20,8 +20,6 @@ struct Edge {
   uint32_t a, b;
 };
 
-constexpr int kTetEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-
 double EdgeLength(const TetMesh& mesh, Edge e) {
   return glm::distance(mesh.positions[e.a], mesh.positions[e.b]);
 }
@@ -78,8 +76,8 @@ std::vector<uint8_t> EmptyVertices(const TetMesh& mesh, const FieldState& state,
     }
     for (int i = 0; i < 4; ++i) {
       const size_t row = state.layout.storage == FieldStorage::kCell ? t : tet[i];
-      const float log_density = state.parameters[row * components + kDensityOffset];
-      densest = std::max(densest, double(ValueOf(kDensityAttribute.activation, log_density)));
+      const float parameter = state.parameters[row * components + kDensityOffset];
+      densest = std::max(densest, double(ValueOf(state.layout.density(), parameter)));
     }
     if (longest * densest < empty_depth) continue;
     for (int i = 0; i < 4; ++i) empty[tet[i]] = 0;

@@ -118,7 +118,9 @@ class Trainer {
       if (stage_.resume()) LogInfo("no checkpoint was saved: starts at the first iteration");
       if (EstimatesExposure()) exposure_ = ExposureEstimate(pictures_.set().views.size());
       poses_.Start(CamerasWereEstimated(scene_folder_), Done());
-      field_.Put(start.mesh, WithHarmonics(StateOf(WithStorage(start, options_.storage)), 0));
+      const RadianceField stored = WithStorage(start, options_.storage);
+      const Attribute density = LearnedDensity(options_.density, scene_.has_alpha, stored);
+      field_.Put(start.mesh, WithHarmonics(StateOf(stored, density), 0));
     }
     if (exposure_.is_on()) renderer_->SetExposures(exposure_.State(*renderer_).exposures);
   }

@@ -11,19 +11,23 @@ namespace tetrec {
 
 static_assert(uint32_t(Activation::kIdentity) == kActivationIdentity &&
               uint32_t(Activation::kColor) == kActivationColor &&
-              uint32_t(Activation::kExp) == kActivationExp);
+              uint32_t(Activation::kExp) == kActivationExp &&
+              uint32_t(Activation::kSigned) == kActivationSigned);
 static_assert(uint32_t(RateClass::kColor) == kRateColor &&
               uint32_t(RateClass::kDensity) == kRateDensity &&
               uint32_t(RateClass::kHarmonics) == kRateHarmonics && kRateClasses <= 4);
 
 // Quanta of fixed-point gradients are 1.
-inline gpu_types::AdamPush MakeAdamPush(const AdamUpdate& update, uint32_t row_count) {
+inline gpu_types::AdamPush MakeAdamPush(const AdamUpdate& update, const Attribute& density,
+                                        uint32_t row_count) {
   const double t = update.step;
   const float first_correction = float(1.0 / (1.0 - std::pow(double(update.beta1), t)));
   glm::vec4 rates(0.0f);
   rates[kRateColor] = float(update.color_rate) * first_correction;
   rates[kRateDensity] = float(update.density_rate) * first_correction;
   rates[kRateHarmonics] = float(update.harmonics_rate) * first_correction;
+  const ParameterBounds logs = BoundsOf(kDensityAttribute, float(update.max_density));
+  const ParameterBounds bounds = BoundsOf(density, float(update.max_density));
   return {.rates = rates,
           .quanta = glm::vec4(1.0f),
           .row_count = row_count,
@@ -31,8 +35,11 @@ inline gpu_types::AdamPush MakeAdamPush(const AdamUpdate& update, uint32_t row_c
           .beta2 = update.beta2,
           .epsilon = update.epsilon,
           .second_moment_correction = float(1.0 / (1.0 - std::pow(double(update.beta2), t))),
-          .least_log = kLeastLogDensity,
-          .largest_log = std::log(float(update.max_density)),
+          .least_log = logs.least,
+          .largest_log = logs.largest,
+          .least_density = bounds.least,
+          .largest_density = bounds.largest,
+          .density_scale = density.scale,
           .density_decay = float(update.density_decay) * float(update.density_rate)};
 }
 

@@ -35,6 +35,18 @@ TEST(FieldState, HasTheParametersOfAFieldRowByRow) {
   EXPECT_EQ(state.second_moment, std::vector<float>(36, 0.0f));
 }
 
+TEST(FieldState, KeepsTheSignsOfSignedDensity) {
+  RadianceField field = OneTet();
+  field.density = {-4, 0, 1, 50};
+  const FieldState state = StateOf(field, SignedDensity(0.5f));
+  EXPECT_EQ(state.parameters[9 + kDensityOffset], 0.0f);
+  const RadianceField back = FieldOf(field.mesh, state);
+  for (int v = 0; v < 4; ++v) EXPECT_NEAR(back.density[v], field.density[v], 1e-5);
+  const RowSource sources[] = {{0, 3, 0.5f}};
+  const FieldState between = Prolong(state, sources);
+  EXPECT_NEAR(ValueOf(SignedDensity(0.5f), between.parameters[kDensityOffset]), 23.0f, 1e-4f);
+}
+
 TEST(FieldState, BecomesTheFieldAgain) {
   const RadianceField field = OneTet();
   const RadianceField back = FieldOf(field.mesh, StateOf(field));

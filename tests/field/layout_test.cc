@@ -54,13 +54,21 @@ TEST(FieldLayout, RefusesWhatNoKernelOrFileCouldMean) {
   ExpectRefused("name of attribute 2", third({std::string(33, 'a'), 1}));
   ExpectRefused("'extra' has 0 components", third({"extra", 0}));
   ExpectRefused("'extra' has 65 components", third({"extra", 65}));
-  ExpectRefused("activation 3", third({"extra", 5, Activation(3), RateClass::kColor}));
+  ExpectRefused("activation 4", third({"extra", 5, Activation(4), RateClass::kColor}));
+  ExpectRefused("'extra' is signed",
+                third({"extra", 1, Activation::kSigned, RateClass::kColor, 1}));
+  for (const float scale : {0.0f, -1.0f, INFINITY}) {
+    ExpectRefused("density can be signed", {kColorAttribute, SignedDensity(scale)});
+  }
   ExpectRefused("rate class 3", third({"extra", 5, Activation::kExp, RateClass(3)}));
   ExpectRefused("two attributes 'density'", third({"density", 2}));
 }
 
 TEST(FieldLayout, ReadsBackAsItWasWritten) {
-  for (const FieldLayout& layout : {FieldLayout{}, kCellLayout, WithExtra(kCellLayout)}) {
+  FieldLayout with_sign;
+  with_sign.attributes[1] = SignedDensity(2.5f);
+  for (const FieldLayout& layout :
+       {FieldLayout{}, kCellLayout, WithExtra(kCellLayout), with_sign, WithExtra(with_sign)}) {
     ByteWriter writer;
     AppendLayout(writer, layout);
     ByteReader reader(writer.bytes(), "file");
@@ -90,17 +98,40 @@ TEST(FieldLayout, RefusesHugeCountsAndPrefixes) {
   }
 }
 
+const Attribute kIdentity{"extra", 1};
+const Attribute kSigned = SignedDensity(2.0f);
+
 TEST(Activation, GoesThereAndBack) {
   for (const float value : {1e-30f, 0.25f, 1.0f, 1e5f}) {
-    for (const auto activation : {Activation::kIdentity, Activation::kColor, Activation::kExp}) {
-      const float back = ValueOf(activation, ParameterOf(activation, value));
+    for (const Attribute& attribute : {kIdentity, kColorAttribute, kDensityAttribute, kSigned}) {
+      const float back = ValueOf(attribute, ParameterOf(attribute, value));
       // The logarithm, below 70, is rounded to 4e-6.
       EXPECT_NEAR(back, value, 4e-6f * value);
     }
+    EXPECT_NEAR(ValueOf(kSigned, ParameterOf(kSigned, -value)), -value, 4e-6f * value);
   }
-  EXPECT_EQ(ParameterOf(Activation::kExp, 0.0f), kLeastLogDensity);
-  EXPECT_EQ(ActivationSlope(Activation::kExp, 3.0), 3.0);
-  EXPECT_EQ(ActivationSlope(Activation::kIdentity, 3.0), 1.0);
+  EXPECT_EQ(ParameterOf(kDensityAttribute, 0.0f), kLeastLogDensity);
+  EXPECT_EQ(ParameterOf(kDensityAttribute, -1.0f), kLeastLogDensity);
+  EXPECT_EQ(ActivationSlope(kDensityAttribute, 3.0), 3.0);
+  EXPECT_EQ(ActivationSlope(kIdentity, 3.0), 1.0);
+}
+
+TEST(Activation, OfSignedDensityHasTheSlopeOfItsValues) {
+  for (const double parameter : {-3.0, -0.5, 0.0, 0.1, 4.0}) {
+    const double h = 1e-5;
+    const double slope =
+        (ValueOf(kSigned, parameter + h) - ValueOf(kSigned, parameter - h)) / (2 * h);
+    EXPECT_NEAR(ActivationSlope(kSigned, ValueOf(kSigned, parameter)), slope, 1e-8 * slope);
+  }
+}
+
+TEST(Activation, KeepsParametersInBounds) {
+  const ParameterBounds logs = BoundsOf(kDensityAttribute, 100.0f);
+  EXPECT_EQ(logs.least, kLeastLogDensity);
+  EXPECT_EQ(logs.largest, std::log(100.0f));
+  const ParameterBounds bounds = BoundsOf(kSigned, 100.0f);
+  EXPECT_LT(ValueOf(kSigned, bounds.least), -10.0f);
+  EXPECT_NEAR(ValueOf(kSigned, bounds.largest), 100.0f, 1e-3f);
 }
 
 }  // namespace

@@ -42,6 +42,11 @@ TEST(FittedField, HasNoDensityWhereTheCamerasStand) {
   EXPECT_GT(field.emptied_rows(), 0u);
   EXPECT_EQ(field.emptied_rows(), uint64_t(std::count(is_inside.begin(), is_inside.end(), 1)));
 
+  field.Put(box.mesh, StateOf(box, SignedDensity(1.0f)));
+  const RadianceField any_sign = FieldOf(field.mesh(), field.ReadState());
+  for (size_t v = 0; v < is_inside.size(); ++v)
+    EXPECT_EQ(any_sign.density[v] < 0, is_inside[v] != 0);
+
   FittedField learned(run.options, scene, *run.renderer, run.batches);
   EXPECT_EQ(learned.emptied_rows(), 0u);
   for (const float value : DensityOf(learned, box)) EXPECT_GT(value, 1.0f);

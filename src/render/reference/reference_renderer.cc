@@ -166,7 +166,8 @@ class ReferenceRenderer final : public ProbedRenderer {
   }
 
   void Update(const AdamUpdate& update) override {
-    const gpu_types::AdamPush push = MakeAdamPush(update, uint32_t(state_.rows()));
+    const gpu_types::AdamPush push =
+        MakeAdamPush(update, state_.layout.density(), uint32_t(state_.rows()));
     const AdamRates<Real> rates{Real(push.beta1), Real(push.beta2), Real(push.epsilon),
                                 Real(push.second_moment_correction)};
     const std::vector<const Attribute*> attributes = state_.layout.ByComponent();
@@ -175,8 +176,8 @@ class ReferenceRenderer final : public ProbedRenderer {
     for (size_t row = 0; row < state_.rows(); ++row) {
       bool is_seen = false, others_have_gradients = false;
       for (size_t c = 0; c < components; ++c) {
-        const Activation activation = attributes[c]->activation;
-        by_parameter[c] = Real(SumAt(row, c)) * ActivationSlope(activation, Real(ValueAt(row, c)));
+        by_parameter[c] =
+            Real(SumAt(row, c)) * ActivationSlope(*attributes[c], Real(ValueAt(row, c)));
         if (c < kStandardComponents) {
           is_seen |= by_parameter[c] != Real(0);
         } else {
@@ -194,8 +195,11 @@ class ReferenceRenderer final : public ProbedRenderer {
             Real(rate_shares_[row] * push.rates[int(attributes[c]->rate)]), by_parameter[c]);
         if (c == kDensityOffset && is_seen)
           next.parameter -= Real(rate_shares_[row] * push.density_decay);
-        parameter = float(ClampParameter(int(attributes[c]->activation), next.parameter,
-                                         Real(push.least_log), Real(push.largest_log)));
+        const bool is_density = c == kDensityOffset;
+        parameter =
+            float(ClampParameter(int(attributes[c]->activation), next.parameter,
+                                 Real(is_density ? push.least_density : push.least_log),
+                                 Real(is_density ? push.largest_density : push.largest_log)));
         first = float(next.first);
         second = float(next.second);
       }
@@ -590,13 +594,13 @@ class ReferenceRenderer final : public ProbedRenderer {
   void Spread(size_t row) {
     const size_t components = size_t(state_.layout.Components());
     const float* parameters = &state_.parameters[row * components];
-    field_.density[row] = float(std::exp(Real(parameters[kDensityOffset])));
+    field_.density[row] = float(ValueOf(state_.layout.density(), Real(parameters[kDensityOffset])));
     for (int c = 0; c < 3; ++c) field_.color_srgb[row][c] = parameters[kColorOffset + c];
     const float* parameter = parameters + kStandardComponents;
     for (AttributeValues& other : field_.others) {
       const size_t count = size_t(other.attribute.components);
       for (size_t c = 0; c < count; ++c) {
-        other.values[row * count + c] = ValueOf(other.attribute.activation, *parameter++);
+        other.values[row * count + c] = ValueOf(other.attribute, *parameter++);
       }
     }
   }

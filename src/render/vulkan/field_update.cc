@@ -12,10 +12,18 @@ using gpu_types::SpreadPush;
 
 namespace {
 
+// For programs whose kernels include shaders/storage.glsl and shaders/density.glsl.
+std::vector<SpecializationConstant> UpdateConstantsOf(const FieldLayout& layout) {
+  std::vector<SpecializationConstant> constants = ConstantsOf(layout);
+  const bool is_signed = layout.density().activation == Activation::kSigned;
+  constants.push_back({kConstantSignedDensity, is_signed ? 1 : 0});
+  return constants;
+}
+
 Program AdamProgram(const Device& device, const FieldLayout& layout, bool fixed_point) {
   static_assert(kColorOffset == kColorComponent && kDensityOffset == kDensityComponent);
   const std::span<const uint32_t> fixed = kAdamFixed, floats = kAdam;
-  return Program(device, "adam", fixed_point ? fixed : floats, ConstantsOf(layout));
+  return Program(device, "adam", fixed_point ? fixed : floats, UpdateConstantsOf(layout));
 }
 
 // For the attributes behind colour and density; none if there are none.
@@ -38,11 +46,11 @@ Program AdamOthersProgram(const Device& device, const FieldLayout& layout, bool 
 FieldUpdate::FieldUpdate(const Device& device, const FieldLayout& layout, bool fixed_point)
     : adam_(AdamProgram(device, layout, fixed_point)),
       adam_others_(AdamOthersProgram(device, layout, fixed_point)),
-      spread_(Program(device, "spread", kSpread, ConstantsOf(layout))) {}
+      spread_(Program(device, "spread", kSpread, UpdateConstantsOf(layout))) {}
 
 void FieldUpdate::Adam(CommandRecorder& recorder, DeviceField& field, const AdamUpdate& update,
                        const FixedPoint& fixed) const {
-  AdamPush push = MakeAdamPush(update, field.row_count);
+  AdamPush push = MakeAdamPush(update, field.layout.density(), field.row_count);
   push.quanta[kRateColor] = 1.0f / fixed.color_quanta;
   push.quanta[kRateHarmonics] = 1.0f / fixed.color_quanta;
   push.quanta[kRateDensity] = 1.0f / fixed.density_quanta;
@@ -69,9 +77,9 @@ void FieldUpdate::Adam(CommandRecorder& recorder, DeviceField& field, const Adam
 }
 
 void FieldUpdate::Spread(CommandRecorder& recorder, DeviceField& field) const {
-  recorder.DispatchMany(spread_,
-                        {{kBindParameters, field.parameters}, {kBindVertices, field.vertices}},
-                        SpreadPush{field.row_count, field.first_cell}, field.row_count);
+  recorder.DispatchMany(
+      spread_, {{kBindParameters, field.parameters}, {kBindVertices, field.vertices}},
+      SpreadPush{field.row_count, field.first_cell, field.layout.density().scale}, field.row_count);
 }
 
 }  // namespace tetrec

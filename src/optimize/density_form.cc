@@ -1,0 +1,35 @@
+// Whether values of density may be negative in a fit.
+#include "optimize/density_form.h"
+
+#include "core/quantile.h"
+#include "mesh/tet_mesh.h"
+
+#include <glm/glm.hpp>
+
+namespace tetrec {
+namespace {
+
+constexpr double kOpticalDepthOfScale = 0.5;
+
+double MedianEdge(const TetMesh& mesh) {
+  std::vector<double> lengths;
+  for (const glm::uvec4& tet : mesh.tets) {
+    for (const auto& ends : kTetEdges) {
+      lengths.push_back(glm::distance(glm::dvec3(mesh.positions[tet[ends[0]]]),
+                                      glm::dvec3(mesh.positions[tet[ends[1]]])));
+    }
+  }
+  return Quantile(std::move(lengths), 0.5);
+}
+
+}  // namespace
+
+Attribute LearnedDensity(DensityForm form, bool has_alpha, const RadianceField& start) {
+  const bool is_linear = start.storage == FieldStorage::kVertex;
+  const bool is_signed =
+      form == DensityForm::kSigned || (form == DensityForm::kAuto && has_alpha && is_linear);
+  if (!is_signed || start.mesh.tets.empty()) return kDensityAttribute;
+  return SignedDensity(float(kOpticalDepthOfScale / MedianEdge(start.mesh)));
+}
+
+}  // namespace tetrec
