@@ -81,15 +81,15 @@ void main() {
                              share * push.rates[kRateDensity], gradient);
     vec3 color = vec3(ClampColor(r.parameter), ClampColor(g.parameter), ClampColor(b.parameter));
     // Seen rows tend to empty: what the pictures do not ask for again and again goes.
-    float by_density = density.parameter;
-    if (gradient != vec4(0.0)) by_density -= share * push.density_decay;
-    by_density = ClampBetween(by_density, push.least_density, push.largest_density);
+    if (gradient != vec4(0.0)) density.parameter -= share * push.density_decay;
+    density.parameter = ClampBetween(density.parameter, push.least_density, push.largest_density);
+    if (kSignedDensity != 0) density = StopAtZero(density, parameter[kDensityComponent]);
 
     uint at = uint(kRowComponents) * row, first_at = 2u * at, second_at = 2u * at + uint(kRowComponents);
     parameters[at] = color.r;
     parameters[at + 1u] = color.g;
     parameters[at + 2u] = color.b;
-    parameters[at + 3u] = by_density;
+    parameters[at + 3u] = density.parameter;
     moments[first_at] = r.first;
     moments[first_at + 1u] = g.first;
     moments[first_at + 2u] = b.first;
@@ -99,7 +99,7 @@ void main() {
     moments[second_at + 2u] = b.second;
     moments[second_at + 3u] = density.second;
     vertices[DensityRow(row, push.first_cell)].w =
-        DensityOfParameter(by_density, push.density_scale);
+        DensityOfParameter(density.parameter, push.density_scale);
     vertices[ColorRow(row, push.first_cell)].rgb = color;
   }
 }

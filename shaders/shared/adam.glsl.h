@@ -35,6 +35,16 @@ TETREC_FN TETREC_T(AdamState)
   return next;
 }
 
+// Lets a signed parameter that falls through 0 stop there once, without its momentum: below 0 most
+// rays no longer move it, so it should not get there by what others have changed since.
+TETREC_FN TETREC_T(AdamState) StopAtZero(TETREC_T(AdamState) next, Real before) {
+  if (before > Real(0.0) && next.parameter <= Real(0.0)) {
+    next.parameter = Real(0.0);
+    next.first = Real(0.0);
+  }
+  return next;
+}
+
 // Colour stays in the pictures' range.
 TETREC_FN Real ClampColor(Real color) {
   return color < Real(0.0) ? Real(0.0) : color > Real(1.0) ? Real(1.0) : color;

@@ -9,7 +9,9 @@
 namespace tetrec {
 namespace {
 
-constexpr double kOpticalDepthOfScale = 0.5;
+// Between what is best for opaque subjects (half an optical depth) and for volumes of soft density
+// (a twentieth).
+constexpr double kOpticalDepthOfScale = 0.2;
 
 double MedianEdge(const TetMesh& mesh) {
   std::vector<double> lengths;

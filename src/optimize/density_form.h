@@ -19,8 +19,8 @@ inline constexpr auto kWords<DensityForm> =
                                       {DensityForm::kPositive, "positive"},
                                       {DensityForm::kSigned, "signed"}});
 
-// The density attribute of a fit that begins with `start`. The scale of signed density makes half
-// an optical depth over the median edge of the mesh.
+// The density attribute of a fit that begins with `start`. The scale of signed density makes a
+// fifth of an optical depth over the median edge of the mesh.
 Attribute LearnedDensity(DensityForm form, bool has_alpha, const RadianceField& start);
 
 }  // namespace tetrec

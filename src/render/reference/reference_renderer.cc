@@ -196,10 +196,13 @@ class ReferenceRenderer final : public ProbedRenderer {
         if (c == kDensityOffset && is_seen)
           next.parameter -= Real(rate_shares_[row] * push.density_decay);
         const bool is_density = c == kDensityOffset;
-        parameter =
-            float(ClampParameter(int(attributes[c]->activation), next.parameter,
-                                 Real(is_density ? push.least_density : push.least_log),
-                                 Real(is_density ? push.largest_density : push.largest_log)));
+        next.parameter = ClampParameter(int(attributes[c]->activation), next.parameter,
+                                        Real(is_density ? push.least_density : push.least_log),
+                                        Real(is_density ? push.largest_density : push.largest_log));
+        if (attributes[c]->activation == Activation::kSigned) {
+          next = StopAtZero(next, Real(parameter));
+        }
+        parameter = float(next.parameter);
         first = float(next.first);
         second = float(next.second);
       }
