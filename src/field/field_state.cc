@@ -3,6 +3,8 @@
 
 #include "core/error.h"
 
+#include <cmath>
+
 namespace tetrec {
 namespace {
 
@@ -11,6 +13,16 @@ float MixParameters(const Attribute& attribute, float a, float b, float share) {
 }
 
 }  // namespace
+
+Attribute DensityOfValues(const RadianceField& field) {
+  double sum = 0;
+  bool is_signed = false;
+  for (const float value : field.density) {
+    sum += std::abs(double(value));
+    is_signed = is_signed || value < 0;
+  }
+  return is_signed ? SignedDensity(float(sum / double(field.density.size()))) : kDensityAttribute;
+}
 
 FieldState StateOf(const RadianceField& field, const Attribute& density) {
   FieldState state{.layout = LayoutOf(field), .parameters = ValuesOf(field)};

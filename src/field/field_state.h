@@ -17,9 +17,16 @@ struct FieldState {
   size_t rows() const { return parameters.size() / size_t(layout.Components()); }
 };
 
-// The field's values as parameters, and moments of 0. `density` is learned as kDensityAttribute or
-// as SignedDensity.
-FieldState StateOf(const RadianceField& field, const Attribute& density = kDensityAttribute);
+// The density attribute that has a parameter for each value of the field: signed if one of them is
+// negative.
+Attribute DensityOfValues(const RadianceField& field);
+
+// The field's values as parameters, and moments of 0. `density` is kDensityAttribute or a signed
+// one.
+FieldState StateOf(const RadianceField& field, const Attribute& density);
+inline FieldState StateOf(const RadianceField& field) {
+  return StateOf(field, DensityOfValues(field));
+}
 
 // The field that a state describes. Throws DataError as CheckField.
 RadianceField FieldOf(TetMesh mesh, const FieldState& state);

@@ -8,8 +8,10 @@
 
 namespace tetrec {
 
-// How full space is at each vertex: o = density / (density + isovalue), from 0 (free) to 1, which
-// is kSurfaceOccupancy at the isovalue. Bounded, so that no single vertex outweighs its neighbours.
+// How full space is at each vertex, from 0 (free) to 1; kSurfaceOccupancy at the isovalue. Bounded,
+// so that no single vertex outweighs its neighbours: o = density / (density + isovalue). If values
+// of density are negative somewhere, they place the surface by how far below 0 they are, as large
+// values do by how far above: then o = (1 + x / (1 + |x|)) / 2, x = (density / isovalue - 1) / 5.
 // Then `rounds` times each vertex becomes the mean of itself and of its neighbours' mean (a
 // neighbour counts by the tets that it shares): what one vertex alone says is noise, which would
 // crumple the surface and riddle the inside, that no photo sees, with cavities.

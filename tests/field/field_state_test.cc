@@ -42,6 +42,8 @@ TEST(FieldState, KeepsTheSignsOfSignedDensity) {
   EXPECT_EQ(state.parameters[9 + kDensityOffset], 0.0f);
   const RadianceField back = FieldOf(field.mesh, state);
   for (int v = 0; v < 4; ++v) EXPECT_NEAR(back.density[v], field.density[v], 1e-5);
+  const RadianceField by_itself = FieldOf(field.mesh, StateOf(field));
+  for (int v = 0; v < 4; ++v) EXPECT_NEAR(by_itself.density[v], field.density[v], 1e-5);
   const RowSource sources[] = {{0, 3, 0.5f}};
   const FieldState between = Prolong(state, sources);
   EXPECT_NEAR(ValueOf(SignedDensity(0.5f), between.parameters[kDensityOffset]), 23.0f, 1e-4f);

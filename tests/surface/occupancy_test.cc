@@ -37,6 +37,21 @@ TEST(SmoothedOccupancy, OfConstantDensityIsConstant) {
   }
 }
 
+// Neither side outweighs the other, so averaging moves no surface.
+TEST(SmoothedOccupancy, OfSignedDensityIsAsFarFromOneHalfBelowAsAbove) {
+  const TetMesh mesh = RandomMesh(4);
+  for (const float above : {0.5f, 3.0f, 1000.0f}) {
+    std::vector<float> density(mesh.positions.size(), 2.0f);
+    density[0] = 2 + above;
+    density[1] = 2 - above;
+    density[2] = -1;
+    const std::vector<float> occupancy = SmoothedOccupancy(mesh, density, 2.0, 0);
+    EXPECT_NEAR(occupancy[0] + occupancy[1], 1.0f, 1e-6f);
+    EXPECT_GT(occupancy[0], 0.5f);
+    EXPECT_EQ(occupancy[3], kSurfaceOccupancy);
+  }
+}
+
 TEST(SmoothedOccupancy, OneFullVertexInFreeSpaceIsNoSurface) {
   const TetMesh mesh = RandomMesh(300);
   std::vector<float> density(300, 0.0f);
