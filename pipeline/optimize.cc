@@ -35,8 +35,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   app.add_option("--sh-rate", options.harmonics_rate,
                  "Initial learning rate of the coefficients of harmonics [display sRGB]")
       ->check(tetrec::AboveZero());
-  app.add_option("--density-rate", options.density_rate,
-                 "Initial learning rate of density, of its logarithm where it is large or positive")
+  app.add_option(
+         "--density-rate", options.density_rate,
+         "Initial learning rate of density's parameter: its logarithm, or of signed density "
+         "asinh(value / scale)")
       ->check(tetrec::AboveZero());
   app.add_option("--final-rate-share", options.schedule.final_rate_share,
                  "Share to which learning rates fall exponentially")

@@ -1,4 +1,4 @@
-// Density by its parameter (Activation of field/layout.h).
+// Density as a function of its parameter (Activation of field/layout.h).
 
 layout(constant_id = kConstantSignedDensity) const int kSignedDensity = 0;
 
@@ -7,7 +7,7 @@ float DensityOfParameter(float parameter, float scale) {
   return exp(parameter);
 }
 
-// Its derivative.
+// The derivative of density by its parameter.
 float SlopeOfDensity(float parameter, float scale) {
   if (kSignedDensity != 0) return scale * cosh(parameter);
   return exp(parameter);

@@ -46,9 +46,9 @@ struct Walk {
 // A segment between the entry and the exit triangle of a tet.
 struct Segment {
   float density0, density1;  // values at its ends
-  float k0, k1;              // g . colour there
-  SegmentCut cut;
-  float s0, s1, size;  // of the part that the cut leaves; size: its length
+  float k0, k1;              // g . colour at its ends
+  SegmentCut cut;            // the part of it that has density
+  float s0, s1, size;        // optical depths at the ends of this part, and its length
   uint leaving;        // corner of the entry triangle that the exit triangle lacks: 0 a, 1 b, 2 c
   uint leaving_id;
   uint tet;

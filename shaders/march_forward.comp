@@ -64,7 +64,7 @@ void main() {
     // Thick segments are integrated outside the inner loop, which they would slow down for all rays.
     bool thick = false;
     float s0 = 0.0, s1 = 0.0;
-    vec3 color_at0 = vec3(0.0), color_at1 = vec3(0.0);  // at the ends of the segment's part
+    vec3 color_at0 = vec3(0.0), color_at1 = vec3(0.0);  // colours at the ends of the part that the cut leaves
     while (go && !thick) {
       uint tet = state.tet;
       uvec4 ids = texelFetch(tets, int(2u * tet));

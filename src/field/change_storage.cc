@@ -36,9 +36,11 @@ class RowMeans {
       for (size_t c = 0; c < attributes_.size(); ++c) {
         const bool by_density =
             attributes_[c]->activation != Activation::kExp && dense_weight_[row] > 0;
-        values.push_back(by_density         ? float(dense_sum_[first + c] / dense_weight_[row])
-                         : weight_[row] > 0 ? float(sum_[first + c] / weight_[row])
-                                            : 0.0f);
+        const double value = by_density         ? dense_sum_[first + c] / dense_weight_[row]
+                             : weight_[row] > 0 ? sum_[first + c] / weight_[row]
+                                                : 0.0;
+        // A cell has no negative values: the mean of vertices of either sign may be below 0.
+        values.push_back(float(c == size_t(kDensityOffset) ? std::max(0.0, value) : value));
       }
     }
     return values;

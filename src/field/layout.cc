@@ -71,7 +71,9 @@ std::vector<std::string> FieldLayout::ParameterNames() const {
 namespace {
 
 bool IsDensity(const Attribute& attribute) {
-  return attribute == kDensityAttribute || attribute == SignedDensity(attribute.scale);
+  Attribute without_scale = attribute;
+  without_scale.scale = 0;
+  return attribute == kDensityAttribute || without_scale == SignedDensity(0);
 }
 
 // Renderers know the harmonics by their place.
@@ -88,18 +90,22 @@ void CheckHarmonics(const FieldLayout& layout) {
   }
 }
 
+// Of signed density [1 / world unit]. Beyond them, values would overflow.
+constexpr float kLeastScale = 1e-20f, kLargestScale = 1e20f;
+
 // Only density may be signed: the updates of all others know no scale.
 void CheckSigned(const FieldLayout& layout) {
   for (const Attribute& attribute : layout.attributes) {
     if (attribute.activation != Activation::kSigned) continue;
-    if (attribute.name == kDensityAttribute.name && attribute.scale > 0 &&
-        std::isfinite(attribute.scale)) {
+    const bool has_scale = attribute.scale >= kLeastScale && attribute.scale <= kLargestScale;
+    if (attribute.name == kDensityAttribute.name && has_scale &&
+        layout.storage == FieldStorage::kVertex) {
       continue;
     }
     throw DataError(
-        fmt::format("attribute '{}' is signed with scale {}: only density can be signed, and its "
-                    "scale must be above 0 and finite",
-                    attribute.name, attribute.scale));
+        fmt::format("attribute '{}' is signed with scale {}: only density of vertices can be "
+                    "signed, with a scale from {} to {}",
+                    attribute.name, attribute.scale, kLeastScale, kLargestScale));
   }
 }
 
@@ -203,7 +209,8 @@ float ParameterOf(const Attribute& attribute, float value) {
   if (attribute.activation == Activation::kExp) {
     return value > 0 ? std::max(std::log(value), kLeastLogDensity) : kLeastLogDensity;
   }
-  if (attribute.activation == Activation::kSigned) return std::asinh(value / attribute.scale);
+  if (attribute.activation == Activation::kSigned)
+    return float(std::asinh(double(value) / double(attribute.scale)));
   return value;
 }
 

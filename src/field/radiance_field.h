@@ -20,9 +20,11 @@ struct AttributeValues {
   std::vector<float> values;  // rows x components
 };
 
+// Values of density at vertices may be negative: density is the positive part of the value, which
+// is linear inside a tet (shared/segment_cut.glsl.h). Those of cells are 0 or more.
 struct RadianceField {
   TetMesh mesh;
-  std::vector<float> density;         // (rows) sigma >= 0 [1 / world unit]
+  std::vector<float> density;         // (rows) sigma [1 / world unit]
   std::vector<glm::vec3> color_srgb;  // (rows) display sRGB, may leave [0, 1] a little
   FieldStorage storage = FieldStorage::kVertex;
   std::vector<AttributeValues> others = {};
@@ -41,7 +43,8 @@ std::vector<float> ValuesOf(const RadianceField& field);
 // The field that has them.
 RadianceField MakeField(TetMesh mesh, const FieldLayout& layout, std::span<const float> values);
 
-// Throws DataError naming the first offence: layout, sizes, negative or non-finite values.
+// Throws DataError naming the first offence: layout, sizes, non-finite values, negative ones of
+// cells.
 void CheckField(const RadianceField& field);
 
 // Own format, little endian. A field of density and colour alone: "TETRECF1", the mesh as in

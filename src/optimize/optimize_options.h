@@ -39,7 +39,7 @@ struct OptimizeOptions {
   int rays_per_step = 4096;
   LossOptions loss;
   double color_rate = AdamUpdate().color_rate;      // Adam's first step on colour [display sRGB]
-  double density_rate = AdamUpdate().density_rate;  // on the logarithm of density
+  double density_rate = AdamUpdate().density_rate;  // on its parameter
   double harmonics_rate = AdamUpdate().harmonics_rate;  // on coefficients [display sRGB]
   double max_density = AdamUpdate().max_density;        // [1 / world unit]
   // Pull of seen vertices towards empty, as a share of Adam's largest step: without it, fog in

@@ -68,8 +68,8 @@ class Renderer {
   // Averages samples x samples rays per pixel, on a regular grid.
   virtual RenderedImage Render(const RenderView& view, int samples) = 0;
   // The depth at which the ray through each pixel's centre has lost half of its light, which is a
-  // place on its way, unlike the mean depth; kNoDepth where it keeps more than half. Density is
-  // linear inside a tet, whatever the integral. The Vulkan renderers march for it.
+  // place on its way, unlike the mean depth; kNoDepth where it keeps more than half. The value
+  // of density is linear inside a tet, whatever the integral. The Vulkan renderers march for it.
   virtual DepthMap RenderDepth(const RenderView& view) = 0;
   virtual RenderCounts counts() const = 0;
   virtual nlohmann::json DescribeDevice() const = 0;

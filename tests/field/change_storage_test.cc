@@ -37,6 +37,14 @@ TEST(WithStorage, GivesACellTheMeanDensityAndTheColourOfItsDenseVertices) {
   EXPECT_NO_THROW(CheckField(cells));
 }
 
+TEST(WithStorage, GivesNoCellANegativeDensity) {
+  RadianceField field{TwoTets(), {-9, 1, -2, 2, 7}, std::vector<glm::vec3>(5, glm::vec3(0.25f))};
+  field.color_srgb[3] = {1, 0, 0};
+  const RadianceField cells = WithStorage(field, FieldStorage::kCell);
+  EXPECT_EQ(cells.density, (std::vector<float>{0, 2}));
+  EXPECT_NO_THROW(CheckField(cells));
+}
+
 TEST(WithStorage, GivesAVertexTheMeanOfItsCellsByVolume) {
   RadianceField field{TwoTets(), {3, 6}, {{1, 0, 0}, {0, 0, 1}}, FieldStorage::kCell};
   const RadianceField vertices = WithStorage(field, FieldStorage::kVertex);

@@ -57,8 +57,8 @@ TEST(FieldLayout, RefusesWhatNoKernelOrFileCouldMean) {
   ExpectRefused("activation 4", third({"extra", 5, Activation(4), RateClass::kColor}));
   ExpectRefused("'extra' is signed",
                 third({"extra", 1, Activation::kSigned, RateClass::kColor, 1}));
-  for (const float scale : {0.0f, -1.0f, INFINITY}) {
-    ExpectRefused("density can be signed", {kColorAttribute, SignedDensity(scale)});
+  for (const float scale : {0.0f, -1.0f, 1e-30f, INFINITY, NAN}) {
+    ExpectRefused("density of vertices can be signed", {kColorAttribute, SignedDensity(scale)});
   }
   ExpectRefused("rate class 3", third({"extra", 5, Activation::kExp, RateClass(3)}));
   ExpectRefused("two attributes 'density'", third({"density", 2}));

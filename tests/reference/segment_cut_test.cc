@@ -94,6 +94,17 @@ TEST(SegmentCut, GradientsAreDifferencesOfTheLight) {
   }
 }
 
+TEST(SegmentCut, StaysInTheSegmentForTinyAndHugeValues) {
+  for (const float a : {1e-45f, 1e-40f, 1.0f, 3e38f}) {
+    for (const float b : {1e-45f, 1e-40f, 1.0f, 3e38f}) {
+      for (const auto& [d0, d1] : {std::pair(-a, b), std::pair(a, -b)}) {
+        const tetrec::SegmentCut<float> cut = tetrec::CutAtZero(d0, d1);
+        EXPECT_TRUE(0 <= cut.begin && cut.begin <= cut.end && cut.end <= 1) << d0 << " " << d1;
+      }
+    }
+  }
+}
+
 TEST(SegmentCut, KeepsAllNothingOrThePartBesideThePositiveEnd) {
   const auto cut = [](double d0, double d1) {
     const auto c = tetrec::CutAtZero(d0, d1);
