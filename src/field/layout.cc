@@ -90,7 +90,7 @@ void CheckHarmonics(const FieldLayout& layout) {
   }
 }
 
-// Of signed density [1 / world unit]. Beyond them, values would overflow.
+// Bounds of the scale of signed density [1 / world unit]; beyond them, values would overflow.
 constexpr float kLeastScale = 1e-20f, kLargestScale = 1e20f;
 
 // Only density may be signed: the updates of all others know no scale.

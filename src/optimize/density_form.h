@@ -1,4 +1,4 @@
-// Whether values of density may be negative in a fit.
+// The choice between density of positive values and of either sign.
 #pragma once
 
 #include "core/words.h"

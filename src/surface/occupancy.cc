@@ -7,8 +7,8 @@
 namespace tetrec {
 namespace {
 
-// Of signed density. Larger: values of opposite sign place the surface more exactly, and outliers
-// more wrongly; 5 is best on the demo's surface, by far.
+// For signed density. With a larger number, values of opposite sign place the surface more exactly,
+// but outliers count for more; 5 is best on the demo's surface, by far.
 constexpr double kIsovaluesToSaturate = 5;
 
 std::vector<float> AveragedWithNeighbors(const TetMesh& mesh, const std::vector<float>& values) {
