@@ -15,7 +15,8 @@
 // The including kernel declares `push`, `counters` and g_color, the ray's dL/dcolour.
 
 layout(std430, binding = kBindVertexGradients) buffer VertexGradients { Sum vertex_gradients[]; };
-// If colours depend on the view, three values per row of `colors`; otherwise vertex_gradients.
+// If colours depend on the view, kColorGradientStride values per row of `colors`; otherwise
+// vertex_gradients.
 layout(std430, binding = kBindColorGradients) buffer ColorGradients { Sum color_gradients[]; };
 
 // Gradients with respect to (z, density, payload) at the ends of a segment. The one for the payload
@@ -44,7 +45,7 @@ EndGradients OfWhole(SegmentCut cut, EndGradients part) {
 void AddToVertex(uint id, vec2 gradient) {
   if (gradient.x != 0.0 || gradient.y != 0.0) {
     uint row = uint(kRowComponents) * id;
-    uint color = kHarmonics > 0 ? 3u * (g_first_color + id) : row + kColorComponent;
+    uint color = kHarmonics > 0 ? kColorGradientStride * (g_first_color + id) : row + kColorComponent;
     AddTo(color_gradients[color], g_color.r * gradient.y, push.rays.color_quanta);
     AddTo(color_gradients[color + 1u], g_color.g * gradient.y, push.rays.color_quanta);
     AddTo(color_gradients[color + 2u], g_color.b * gradient.y, push.rays.color_quanta);

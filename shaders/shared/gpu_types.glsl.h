@@ -182,6 +182,9 @@ struct SpreadPush {
   float density_scale;  // as in AdamPush
 };
 
+// Sums per row of view-dependent colours: red, green, blue, and one to make a texel.
+#define kColorGradientStride 4u
+
 // What a ray adds to the scores of its tets (ScoreKind): sums over the channels.
 #define kScoreSquaredResidual 0
 #define kScoreAbsoluteResidual 1
@@ -267,11 +270,14 @@ struct SpreadPush {
 #define kBindCenters 48         // texels vec4, one per slot: camera centre
 #define kBindViewColors 49      // vec4, rows [slot][row]: view-dependent colours, to be written
 #define kBindColors 50          // texels vec4: the same, or `vertices`
-#define kBindColorGradients 51  // three values per row [slot][row], or as kBindVertexGradients
+#define kBindColorGradients 51  // kColorGradientStride sums per row [slot][row], or as kBindVertexGradients
 // texels vec4: rows of kBindVertexGradients, kBindParameters and (first, second) kBindMoments
 #define kBindGradientTexels 52
 #define kBindParameterTexels 53
 #define kBindMomentTexels 54
+// texels vec4: rows of kBindColorGradients and kBindOtherGradients
+#define kBindColorGradientTexels 55
+#define kBindOtherGradientTexels 56
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);

@@ -178,16 +178,18 @@ void PutMoments(const Buffer& buffer, size_t count, const RowPart& part, FieldSt
   PutPart<float>(second, components, part, state.second_moment);
 }
 
+constexpr VkFormat kTexels = VK_FORMAT_R32G32B32A32_SFLOAT;
+
 OtherAttributes UploadOthers(const Device& device, const FieldState& state, bool fixed_point) {
   const RowPart part = OtherPart(state.layout);
   const uint64_t rows = state.rows();
   OtherAttributes others{.components = uint32_t(part.count), .stride = uint32_t(part.stride)};
   others.parameters = MakeBuffer(
       device, "other parameters",
-      PartOf<float>(std::span(state.parameters), size_t(state.layout.Components()), part),
-      VK_FORMAT_R32G32B32A32_SFLOAT);
-  others.moments = MakeBuffer(device, "other moments", MomentRows(state, part));
-  others.gradients = Buffer(device, "other gradients", rows * part.stride * SumBytes(fixed_point));
+      PartOf<float>(std::span(state.parameters), size_t(state.layout.Components()), part), kTexels);
+  others.moments = MakeBuffer(device, "other moments", MomentRows(state, part), kTexels);
+  others.gradients =
+      Buffer(device, "other gradients", rows * part.stride * SumBytes(fixed_point), kTexels);
   others.gradients.FillZero();
   others.has_gradients = Buffer(device, "rows with gradients", rows * 4);
   others.has_gradients.FillZero();
@@ -269,7 +271,7 @@ DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point) {
   const RowPart others = OtherPart(layout);
   const uint64_t views = layout.HarmonicsDegree() > 0 ? kMostViewsOfBatch : 0;
   const uint64_t attributes = (kStandardComponents + others.stride) * (3 * 4 + sum) + 4 +
-                              (others.count > 0 ? 4 : 0) + views * (16 + 3 * sum);
+                              (others.count > 0 ? 4 : 0) + views * (16 + kColorGradientStride * sum);
   return {.of_tet = 2 * 16 + sum + (cells ? 16 + attributes : 0),
           .of_vertex = 2 * 16 + 4 * sum + (cells ? 0 : attributes),
           .of_face = 2 * 16 + 2 * 2 * 16};
@@ -296,7 +298,6 @@ DeviceField UploadField(const Device& device, const TetMesh& mesh, const FieldSt
   field.vertices = MakeBuffer(device, "vertices", VertexRows(mesh, state.layout.storage),
                               VK_FORMAT_R32G32B32A32_SFLOAT);
   UploadBoundary(device, field);
-  constexpr VkFormat kTexels = VK_FORMAT_R32G32B32A32_SFLOAT;
   field.parameters =
       MakeBuffer(device, "parameters",
                  PartOf<float>(std::span(state.parameters), components, kStandardPart), kTexels);

@@ -72,6 +72,9 @@ void FieldUpdate::Adam(CommandRecorder& recorder, DeviceField& field, const Adam
                          {kBindHasGradients, field.others.has_gradients},
                          {kBindParameters, field.others.parameters},
                          {kBindMoments, field.others.moments},
+                         {kBindGradientTexels, field.others.gradients},
+                         {kBindParameterTexels, field.others.parameters},
+                         {kBindMomentTexels, field.others.moments},
                          {kBindRateShares, field.rate_shares}},
                         push, field.row_count);
 }

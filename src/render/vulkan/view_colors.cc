@@ -34,7 +34,8 @@ void ViewColors::MakeRoom(const DeviceField& field, size_t views) {
   colors_ =
       Buffer(*device_, "view colors", ColorBytes(field, views), VK_FORMAT_R32G32B32A32_SFLOAT);
   gradients_ = Buffer(*device_, "gradients of view colors",
-                      uint64_t{field.row_count} * views * 3 * (fixed_point_ ? 8 : 4));
+                      uint64_t{field.row_count} * views * kColorGradientStride * (fixed_point_ ? 8 : 4),
+                      VK_FORMAT_R32G32B32A32_SFLOAT);
   gradients_.FillZero();
 }
 
@@ -69,8 +70,10 @@ void ViewColors::RecordBackward(CommandRecorder& recorder, const RayPass& pass) 
                          {kBindTets, pass.field.tets},
                          {kBindCenters, pass.rays.centers},
                          {kBindColorGradients, gradients_},
+                         {kBindColorGradientTexels, gradients_},
                          {kBindVertexGradients, pass.field.gradients},
                          {kBindOtherGradients, pass.field.others.gradients},
+                         {kBindOtherGradientTexels, pass.field.others.gradients},
                          {kBindHasGradients, pass.field.others.has_gradients}},
                         PushOf(pass), pass.field.row_count);
 }
