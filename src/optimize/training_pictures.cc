@@ -29,9 +29,9 @@ Judgement TrainingPictures::JudgeField(double progress) {
   return judgement;
 }
 
-// In the last part of a run all is learned.
+// In the last part of a run all is learned. A few tiny pictures may have no tile that judges.
 bool TrainingPictures::KeepsJudging(double progress) const {
-  return options_.judging_pictures == JudgingPictures::kKept &&
+  return options_.judging_pictures == JudgingPictures::kKept && !judging_.blocks.empty() &&
          progress < options_.schedule.last_judging;
 }
 

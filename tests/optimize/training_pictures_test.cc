@@ -45,6 +45,20 @@ TEST(TrainingPictures, AreLearnedWholeFromTheStartIfNoneAreKept) {
   EXPECT_TRUE(SmallRun(options).pictures.learns_all());
 }
 
+TEST(TrainingPictures, AreLearnedWholeIfNoneOfTheirTilesJudges) {
+  int judged = 0;
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    OptimizeOptions options = SmallRunOptions();
+    options.seed = seed;
+    const SmallRun run(options, 1);
+    const bool judges = !ChooseJudgingSet(run.pictures.set(), seed).blocks.empty();
+    EXPECT_EQ(run.pictures.learns_all(), !judges) << seed;
+    judged += judges;
+  }
+  EXPECT_GT(judged, 0);
+  EXPECT_LT(judged, 12);
+}
+
 TEST(TrainingPictures, JudgeTheFieldAndAreLearnedAsBefore) {
   SmallRun run;
   const double squares = LearnedSquares(run);
