@@ -41,7 +41,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
          "asinh(value / scale)")
       ->check(tetrec::AboveZero());
   app.add_option("--final-rate-share", options.schedule.final_rate_share,
-                 "Share to which learning rates fall exponentially")
+                 "Learning rates at the end, as a share of the first ones")
       ->check(CLI::Range(1e-6, 1.0));
   tetrec::AddWordOption(
       app, "--density", options.density,
@@ -53,7 +53,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
       ->check(CLI::Range(0.0, 1.0));
   app.add_option(
          "--jitter", options.jitter_px,
-         "Random offset of rays inside their pixel: up to half of this in each direction [px]")
+         "Random offset of rays inside their share of a pixel: up to half of this part of it in "
+         "each direction")
       ->check(CLI::Range(0.0, 2.0));
   app.add_option("--subject-share", options.subject_share,
                  "Share of the rays drawn from pixels that show the subject")
@@ -79,7 +80,11 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
       "Degree of spherical harmonics by which colours depend on the view: 0 (they do not) to 3, or "
       "auto, as many as the judging pictures gain from; steps become up to three times as "
       "expensive");
-  app.add_option("--rounds", options.schedule.rounds, "Refinements of the mesh")
+  app.add_option("--fine-rays", options.schedule.fine_rays,
+                 "Share of the run after which pixels are learned by 2 x 2 rays each; 1: never")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--rounds", options.schedule.rounds,
+                 "Refinements of the mesh; by default 3 to 9, by how much it may grow")
       ->check(CLI::Range(0, 100));
   app.add_option("--last-round", options.schedule.last_round,
                  "Share of the run before the last refinement")
@@ -108,7 +113,7 @@ int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   Words words;
   tetrec::StageCommand command(
-      "optimize", 4,
+      "optimize", 5,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

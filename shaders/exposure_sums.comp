@@ -15,6 +15,8 @@ layout(std430, binding = kBindExposureSums) writeonly buffer ExposureSums { vec4
 layout(binding = kBindTargets) uniform textureBuffer targets;
 layout(push_constant) uniform Push { LossPush push; };
 
+#include "shown_pixels.glsl"
+
 void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index < push.ray_count / kBlockRays) {
@@ -26,12 +28,11 @@ void main() {
     while (ray < kBlockRays) {
       uint x = block.x + ray % kBlockWidth, y = block.y + ray / kBlockWidth;
       bool is_inside = x < size_pixel.x && y < size_pixel.y;
-      uint pixel = is_inside ? size_pixel.z + y * size_pixel.x + x : size_pixel.z;
-      vec4 target = texelFetch(targets, int(pixel));
+      vec4 target = texelFetch(targets, is_inside ? TargetTexel(size_pixel, x, y) : int(size_pixel.z));
       if (is_inside && IsJudged(target.r, target.a)) {
-        vec4 color = ray_colors[index * kBlockRays + ray];
-        float transmittance = exp(-color.a);
-        float opacity = 1.0 - transmittance;
+        ShownPixel pixel = ShownAt(index * kBlockRays + ray);
+        vec3 color = pixel.color;
+        float transmittance = pixel.transmittance, opacity = 1.0 - transmittance;
         for (int c = 0; c < 3; ++c) {
           float wanted = WantedColor(transmittance, target[c], target.a, push.background[c]);
           of_channel[c] += vec4(color[c] * opacity, color[c] * color[c], wanted * opacity,

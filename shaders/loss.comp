@@ -1,5 +1,5 @@
-// Compares every ray with its target pixel: writes dL/dcolour and dL/dtransmittance, and for each
-// workgroup a partial sum of the loss and of the squared error.
+// Compares every ray, or the mean of its pixel's rays, with the target pixel: writes dL/dcolour and
+// dL/dtransmittance, and for each workgroup a partial sum of the loss and of the squared error.
 //
 // The loss is a mean over rays and channels (shared/loss.glsl.h). What is compared is the ray as its
 // view exposes it (shared/exposure.glsl.h).
@@ -22,6 +22,8 @@ layout(std430, binding = kBindPictures) writeonly buffer Pictures { vec2 picture
 #endif
 layout(push_constant) uniform Push { LossPush push; };
 
+#include "shown_pixels.glsl"
+
 shared vec2 sums[kWorkgroupSize];
 
 void main() {
@@ -34,11 +36,11 @@ void main() {
     uint x = block.x + index % kBlockWidth, y = block.y + (index % kBlockRays) / kBlockWidth;
     vec4 gradient = vec4(0.0);
     if (x < size_pixel.x && y < size_pixel.y) {
-      vec4 target = texelFetch(targets, int(size_pixel.z + y * size_pixel.x + x));
-      vec4 color = ray_colors[index];
-      float transmittance = exp(-color.a);
+      vec4 target = texelFetch(targets, TargetTexel(size_pixel, x, y));
+      ShownPixel pixel = ShownAt(index);
+      float transmittance = pixel.transmittance;
       Exposure exposure = FetchExposure(block.view);
-      vec3 exposed = Exposed(color.rgb, transmittance, exposure);
+      vec3 exposed = Exposed(pixel.color, transmittance, exposure);
 #ifdef TETREC_PICTURES
       vec3 shown = exposed + transmittance * push.background.rgb;
       vec3 wanted = target.rgb + (1.0 - target.a) * push.background.rgb;

@@ -10,7 +10,6 @@ struct Ray {
   vec3 origin, direction, u, v;
   bool valid;       // inside the image
   uint start_tet;   // tet that contains the camera, or kNoTet
-  uint pixel;       // index into the targets
   uint slot;        // of its view in the batch
 };
 
@@ -39,7 +38,6 @@ Ray MakeRayThrough(GpuView view, uint x, uint y, vec2 jitter) {
   ray.u = vec3(1.0 + s * d.x * d.x * h, s * k, -s * d.x);
   ray.v = vec3(k, s + d.y * d.y * h, -d.y);
   ray.valid = x < view.size_pixel_tet.x && y < view.size_pixel_tet.y;
-  ray.pixel = view.size_pixel_tet.z + y * view.size_pixel_tet.x + x;
   ray.start_tet = view.size_pixel_tet.w;
   ray.slot = 0u;
   return ray;

@@ -108,6 +108,7 @@ struct LossPush {
   float gradient_scale;   // 1 / (3 x rays)
   uint writes_residuals;  // not 0: gradients are dL/dshown, for scores, which are of what is shown
   vec4 background;        // rgb [display sRGB] behind field and target
+  uint samples;           // samples x samples rays per pixel, 1 or 2
 };
 
 // D-SSIM of a batch of tiles of equal shape.
@@ -266,11 +267,12 @@ struct SpreadPush {
 // Attributes behind colour and density: gradients by row, and whether a row has any (uint).
 #define kBindOtherGradients 45
 #define kBindHasGradients 46
-#define kBindHarmonics 47       // texels: coefficients of view-dependent colour by row
-#define kBindCenters 48         // texels vec4, one per slot: camera centre
-#define kBindViewColors 49      // vec4, rows [slot][row]: view-dependent colours, to be written
-#define kBindColors 50          // texels vec4: the same, or `vertices`
-#define kBindColorGradients 51  // kColorGradientStride sums per row [slot][row], or as kBindVertexGradients
+#define kBindHarmonics 47   // texels: coefficients of view-dependent colour by row
+#define kBindCenters 48     // texels vec4, one per slot: camera centre
+#define kBindViewColors 49  // vec4, rows [slot][row]: view-dependent colours, to be written
+#define kBindColors 50      // texels vec4: the same, or `vertices`
+#define kBindColorGradients \
+  51  // kColorGradientStride sums per row [slot][row], or as kBindVertexGradients
 // texels vec4: rows of kBindVertexGradients, kBindParameters and (first, second) kBindMoments
 #define kBindGradientTexels 52
 #define kBindParameterTexels 53

@@ -40,9 +40,13 @@ BatchDrawer::BatchDrawer(const OptimizeOptions& options, const TrainingSet& set,
   if (options.loss.dssim > 0) CheckRoomForWindows(set, scene_folder);
 }
 
-TrainingBatch BatchDrawer::Draw(uint64_t iteration) {
+TrainingBatch BatchDrawer::Draw(uint64_t iteration, int samples) {
   TrainingBatch batch;
   batch.tiles = DrawBlocksOrTiles(iteration);
+  if (samples > 1 && !DrawsTiles()) {
+    batch.samples = samples;
+    RefineBlocks(iteration, samples);
+  }
   batch.blocks = blocks_;
   batch.loss = options_.loss.pixel;
   batch.dssim_weight = float(options_.loss.dssim);
@@ -59,8 +63,7 @@ glm::vec3 BatchDrawer::Background(uint64_t iteration) const {
 // Fills blocks_; returns the shape of its tiles, if it consists of tiles.
 TileShape BatchDrawer::DrawBlocksOrTiles(uint64_t iteration) {
   const size_t count = size_t(options_.rays_per_step) / kRaysPerBlock;
-  const bool with_dssim = options_.loss.dssim > 0;
-  if (!with_dssim && !needs_tiles_) {
+  if (!DrawsTiles()) {
     blocks_ = few_views_
                   ? DrawBlocksOfViews(set_, count, kMostViewsOfBatch, options_.subject_share,
                                       options_.seed, iteration)
@@ -72,6 +75,17 @@ TileShape BatchDrawer::DrawBlocksOrTiles(uint64_t iteration) {
       DrawTiles(set_, tiles, count / tiles, options_.subject_share, options_.seed, iteration);
   blocks_ = std::move(drawn.blocks);
   return drawn.shape;
+}
+
+// Gives each block's rays to a part of its pixels.
+void BatchDrawer::RefineBlocks(uint64_t iteration, int samples) {
+  Random random(options_.seed ^ 0xF1E5ull, iteration);
+  const uint32_t columns = uint32_t(kRayBlockWidth / samples);
+  const uint32_t rows = uint32_t(kRayBlockHeight / samples);
+  for (RayBlock& block : blocks_) {
+    block.x = (block.x + columns * random.Below(uint32_t(samples))) * uint32_t(samples);
+    block.y = (block.y + rows * random.Below(uint32_t(samples))) * uint32_t(samples);
+  }
 }
 
 }  // namespace tetrec

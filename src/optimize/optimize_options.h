@@ -45,7 +45,8 @@ struct OptimizeOptions {
   // Pull of seen vertices towards empty, as a share of Adam's largest step: without it, fog in
   // front of the cameras explains why photos differ in exposure.
   double density_decay = 0.05;
-  double jitter_px = 0.5;         // rays are moved inside their pixel by up to half of this
+  // Rays are moved inside their share of the pixel by up to half of this part of it: more blurs.
+  double jitter_px = 0.0;
   double subject_share = 0.85;    // share of the rays drawn where the masks show something
   bool random_background = true;  // behind field and target; false: the scene's own
   ExposureMode exposure = ExposureMode::kAuto;  // of the training photos

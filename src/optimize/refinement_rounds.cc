@@ -11,12 +11,9 @@
 
 namespace tetrec {
 
-RefinementRounds::RefinementRounds(const OptimizeOptions& options, uint64_t max_vertices,
+RefinementRounds::RefinementRounds(const OptimizeOptions& options, const GrowthPlan& plan,
                                    const RefinedParts& parts, std::filesystem::path best_file)
-    : options_(options),
-      max_vertices_(max_vertices),
-      parts_(parts),
-      best_file_(std::move(best_file)) {}
+    : options_(options), plan_(plan), parts_(parts), best_file_(std::move(best_file)) {}
 
 void RefinementRounds::Resume(const RoundsState& state) {
   state_ = state;
@@ -24,8 +21,8 @@ void RefinementRounds::Resume(const RoundsState& state) {
 }
 
 bool RefinementRounds::IsDue(double progress) const {
-  return int(state_.rounds) < options_.schedule.rounds &&
-         progress >= RoundProgress(options_.schedule, int(state_.rounds)) && IsTaught();
+  return int(state_.rounds) < plan_.rounds &&
+         progress >= RoundProgress(options_.schedule, plan_, int(state_.rounds)) && IsTaught();
 }
 
 bool RefinementRounds::IsTaught() const {
@@ -70,7 +67,7 @@ void RefinementRounds::ReturnToBest(double psnr) {
       state_.rounds, state_.best_psnr - psnr, WithThousands(best.mesh.positions.size()));
   parts_.field.Put(std::move(best.mesh),
                    WithHarmonics(best.state, parts_.field.harmonics_degree()));
-  state_.rounds = uint32_t(options_.schedule.rounds);
+  state_.rounds = uint32_t(plan_.rounds);
 }
 
 void RefinementRounds::RefineOnce() {
@@ -82,9 +79,8 @@ void RefinementRounds::RefineOnce() {
   const double look_seconds = timer.seconds();
   const size_t vertices_before = mesh.positions.size();
   RefineOptions refine;
-  refine.growth =
-      RoundGrowth(options_.schedule, int(state_.rounds), vertices_before, max_vertices_);
-  refine.max_vertices = max_vertices_;
+  refine.growth = RoundGrowth(plan_, int(state_.rounds), vertices_before);
+  refine.max_vertices = plan_.max_vertices;
   refine.seed = options_.seed + state_.rounds;
   RefineResult result = Refine(mesh, parts_.field.ReadState(), error, refine);
   parts_.field.Put(std::move(result.mesh), std::move(result.state));

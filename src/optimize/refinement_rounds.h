@@ -32,8 +32,8 @@ struct RefinedParts {
 class RefinementRounds {
  public:
   // `best_file`: keeps the best field on disk.
-  RefinementRounds(const OptimizeOptions& options, uint64_t max_vertices, const RefinedParts& parts,
-                   std::filesystem::path best_file);
+  RefinementRounds(const OptimizeOptions& options, const GrowthPlan& plan,
+                   const RefinedParts& parts, std::filesystem::path best_file);
 
   // Once steps() has been resumed.
   void Resume(const RoundsState& state);
@@ -54,7 +54,7 @@ class RefinementRounds {
   void RefineOnce();
 
   const OptimizeOptions& options_;
-  uint64_t max_vertices_;
+  GrowthPlan plan_;
   RefinedParts parts_;
   std::filesystem::path best_file_;
   RoundsState state_;

@@ -6,20 +6,43 @@
 
 namespace tetrec {
 
+namespace {
+
+// Learning rates fall to this share in a whole run, were it not for the fast fall at its end.
+constexpr double kSlowFall = 0.2;
+constexpr double kFastFall = 0.75;  // the progress at which it begins
+
+constexpr double kUsualGrowth = 4.0 / 3.0;
+constexpr int kFewestRounds = 3, kMostRounds = 9;
+
+}  // namespace
+
 double RateShare(const ScheduleOptions& options, double progress) {
-  return std::pow(options.final_rate_share, std::clamp(progress, 0.0, 1.0));
+  const double at = std::clamp(progress, 0.0, 1.0);
+  const double slow_end = std::max(kSlowFall, options.final_rate_share);
+  const double fast = std::max(0.0, at - kFastFall) / (1.0 - kFastFall);
+  return std::pow(slow_end, at) * (1.0 - fast * (1.0 - options.final_rate_share / slow_end));
 }
 
-double RoundProgress(const ScheduleOptions& options, int round) {
-  return options.last_round * std::pow(double(round + 1) / options.rounds, 1.7);
+int SamplesPerSide(const ScheduleOptions& options, double progress, double rays) {
+  return progress >= options.fine_rays && rays >= options.rays_before_fine ? 2 : 1;
 }
 
-double RoundGrowth(const ScheduleOptions& options, int round, uint64_t vertices,
-                   uint64_t max_vertices) {
-  const int left = std::max(1, options.rounds - round);
-  const double growth =
-      std::pow(double(max_vertices) / double(std::max<uint64_t>(vertices, 1)), 1.0 / left);
-  return std::clamp(growth, 1.0, 2.5);
+GrowthPlan PlanGrowth(const ScheduleOptions& options, uint64_t vertices, uint64_t max_vertices) {
+  const double factor = double(max_vertices) / double(std::max<uint64_t>(vertices, 1));
+  const double rounds = std::ceil(std::log(std::max(factor, 1.0)) / std::log(kUsualGrowth));
+  return {options.rounds.value_or(std::clamp(int(rounds), kFewestRounds, kMostRounds)),
+          max_vertices};
+}
+
+double RoundProgress(const ScheduleOptions& options, const GrowthPlan& plan, int round) {
+  return options.last_round * std::pow(double(round + 1) / plan.rounds, 1.7);
+}
+
+double RoundGrowth(const GrowthPlan& plan, int round, uint64_t vertices) {
+  const int left = std::max(1, plan.rounds - round);
+  const double factor = double(plan.max_vertices) / double(std::max<uint64_t>(vertices, 1));
+  return std::clamp(std::pow(factor, 1.0 / left), 1.0, 2.5);
 }
 
 uint64_t AffordableVertices(double seconds, uint64_t pixels) {

@@ -2,13 +2,19 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 namespace tetrec {
 
 struct ScheduleOptions {
-  int rounds = 5;                  // refinements
+  std::optional<int> rounds;       // refinements; by default as many as PlanGrowth finds
   double last_round = 0.55;        // progress at the last refinement; the rest settles
-  double final_rate_share = 0.05;  // learning rates fall exponentially to this share
+  double final_rate_share = 0.02;  // of the learning rates at the end
+  // From this progress on, pixels are learned by 2 x 2 rays each, if they have had
+  // rays_before_fine on average: then a field gains more by what is smaller than a pixel than by
+  // more pixels.
+  double fine_rays = 0.75;
+  double rays_before_fine = 3;
   // Until this progress the judging pictures are kept from learning.
   double last_judging = 0.7;
   // A refinement that loses more than this on the judging pictures is taken back [dB].
@@ -18,17 +24,31 @@ struct ScheduleOptions {
   uint64_t min_round_steps = 150;
 };
 
-// The learning rates at a progress, as a share of the first ones.
+// The learning rates at a progress, as a share of the first ones. For three quarters of a run they
+// fall slowly, as what is new must still be learned, then fast, so that the noise of batches
+// settles.
 double RateShare(const ScheduleOptions& options, double progress);
+
+// Rays per pixel along each side at a progress. `rays`: so far, per pixel to be learned.
+int SamplesPerSide(const ScheduleOptions& options, double progress, double rays);
+
+// How a mesh grows in a run.
+struct GrowthPlan {
+  int rounds;
+  uint64_t max_vertices;
+};
+
+// Unless the options give their number, as many rounds, 3 to 9, as multiply the vertices by 4/3
+// each: errors that are looked at more often place vertices better, but every look takes time.
+GrowthPlan PlanGrowth(const ScheduleOptions& options, uint64_t vertices, uint64_t max_vertices);
 
 // The progress at which round `round` (from 0) is due. The first rounds follow each other quickly,
 // because a coarse mesh is fitted fast and cheaply.
-double RoundProgress(const ScheduleOptions& options, int round);
+double RoundProgress(const ScheduleOptions& options, const GrowthPlan& plan, int round);
 
-// The growth in round `round` with which equal factors lead from `vertices` to `max_vertices` in
-// the rounds that are left, but no more than 2.5.
-double RoundGrowth(const ScheduleOptions& options, int round, uint64_t vertices,
-                   uint64_t max_vertices);
+// The growth in round `round` with which equal factors lead from `vertices` to the most in the
+// rounds that are left, but no more than 2.5.
+double RoundGrowth(const GrowthPlan& plan, int round, uint64_t vertices);
 
 // The number of vertices that a run can fit: measured on NeRF-synthetic lego at 200x200 and two
 // cores, where 180 k were still improving after 120 s. Never more than one per 16 pixels: with one

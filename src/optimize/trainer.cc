@@ -56,7 +56,7 @@ bool CamerasWereEstimated(const fs::path& scene_folder) {
 class Trainer {
  public:
   Trainer(const OptimizeOptions& options, const fs::path& scene_folder, const Scene& scene,
-          TrainingSet set, Stage& stage)
+          TrainingSet set, uint64_t start_vertices, Stage& stage)
       : options_(options),
         scene_folder_(scene_folder),
         scene_(scene),
@@ -72,8 +72,8 @@ class Trainer {
         steps_(options, batches_, *renderer_),
         poses_(options, pictures_, *renderer_),
         harmonics_(options, field_, pictures_, steps_),
-        rounds_(options, max_vertices_, {field_, pictures_, batches_, steps_, *renderer_},
-                stage.Scratch("best.bin")),
+        rounds_(options, PlanGrowth(options.schedule, start_vertices, max_vertices_),
+                {field_, pictures_, batches_, steps_, *renderer_}, stage.Scratch("best.bin")),
         checkpoint_path_(stage.Scratch("checkpoint.bin")) {}
 
   RadianceField Run(const RadianceField& start) {
@@ -293,7 +293,7 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   const RadianceField start = ReadField(start_folder / "field.tetf");
   CheckConvexDomain(start.mesh);  // refinement fills it with new tets
   TrainingSet set = LoadTrainingSet(scene_folder, scene, scene.ViewsOf(Split::kTrain));
-  Trainer trainer(options, scene_folder, scene, std::move(set), stage);
+  Trainer trainer(options, scene_folder, scene, std::move(set), start.mesh.positions.size(), stage);
   WriteField(stage.Output("field.tetf"), trainer.Run(start));
   trainer.WriteEstimates();
   WriteWorld(scene, scene_folder, stage);

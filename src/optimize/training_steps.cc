@@ -6,7 +6,7 @@
 namespace tetrec {
 
 StepResult TrainingSteps::Take(double progress, bool sums_exposures) {
-  TrainingBatch batch = Draw(iteration_);
+  TrainingBatch batch = Draw(iteration_, progress);
   batch.sums_exposures = sums_exposures;
   ++iteration_;
   return renderer_.Step(batch, UpdateOf(iteration_, progress));
@@ -14,12 +14,14 @@ StepResult TrainingSteps::Take(double progress, bool sums_exposures) {
 
 void TrainingSteps::Try(uint64_t count, double progress) {
   for (uint64_t iteration = iteration_; iteration < iteration_ + count; ++iteration) {
-    renderer_.Step(Draw(iteration), UpdateOf(iteration + 1, progress));
+    renderer_.Step(Draw(iteration, progress), UpdateOf(iteration + 1, progress));
   }
 }
 
-TrainingBatch TrainingSteps::Draw(uint64_t iteration) {
-  const TrainingBatch batch = batches_.Draw(iteration);
+TrainingBatch TrainingSteps::Draw(uint64_t iteration, double progress) {
+  const double rays_per_pixel = double(rays_) / double(batches_.SubjectPixels());
+  const TrainingBatch batch =
+      batches_.Draw(iteration, SamplesPerSide(options_.schedule, progress, rays_per_pixel));
   rays_ += batch.rays();
   return batch;
 }

@@ -28,7 +28,7 @@ class TrainingSteps {
   void CountTried(uint64_t count) { iteration_ += count; }
 
  private:
-  TrainingBatch Draw(uint64_t iteration);
+  TrainingBatch Draw(uint64_t iteration, double progress);
   // The update that ends step `step`, counted from 1.
   AdamUpdate UpdateOf(uint64_t step, double progress) const;
 

@@ -30,6 +30,9 @@ struct RayBlock {
 };
 constexpr int kRayBlockWidth = 4, kRayBlockHeight = 2, kRaysPerBlock = 8;
 
+// The largest TrainingBatch::samples.
+constexpr int kMostTrainingSamples = 2;
+
 // Blocks per row and rows of blocks of a tile: a rectangle of one view, row of blocks by row.
 struct TileShape {
   uint32_t columns = 0, rows = 0;
@@ -48,7 +51,11 @@ struct TrainingBatch {
   // its picture.
   TileShape tiles;
   glm::vec3 background_srgb{0.0f};  // behind field and target
-  float jitter_px = 0.0f;
+  // samples x samples rays per pixel, 1 or 2; with 2, blocks are of 2 x 1 pixels, their x and y
+  // count rays and are even, and what a pixel is compared with is the mean of its rays. Only 1 with
+  // a dssim_weight, and for scores.
+  int samples = 1;
+  float jitter_px = 0.0f;  // of a ray inside its share of the pixel, as a part of that
   uint32_t seed = 0;
   // The loss is a mean over this many rays: those of all batches whose gradients are summed for
   // one update. 0: those of this batch.

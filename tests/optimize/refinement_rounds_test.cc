@@ -12,8 +12,9 @@ class RefinementRoundsTest : public ::testing::Test {
  protected:
   const ScratchFolder folder_;
   SmallRun run_;
+  const GrowthPlan plan_{4, 2000};
   RefinementRounds rounds_{run_.options,
-                           2000,
+                           plan_,
                            {run_.field, run_.pictures, run_.batches, run_.steps, *run_.renderer},
                            folder_ / "best.bin"};
   size_t vertices() const { return run_.field.mesh().positions.size(); }
@@ -21,8 +22,8 @@ class RefinementRoundsTest : public ::testing::Test {
 
 TEST_F(RefinementRoundsTest, AreDueOneAfterAnother) {
   const ScheduleOptions& schedule = run_.options.schedule;
-  for (int round = 0; round < schedule.rounds; ++round) {
-    const double due = RoundProgress(schedule, round);
+  for (int round = 0; round < plan_.rounds; ++round) {
+    const double due = RoundProgress(schedule, plan_, round);
     EXPECT_FALSE(rounds_.IsDue(due - 1e-3));
     ASSERT_TRUE(rounds_.IsDue(due));
     rounds_.Resume({uint32_t(round + 1), 0.0});

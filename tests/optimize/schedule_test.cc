@@ -13,7 +13,9 @@ TEST(RateShare, FallsFromOneToTheFinalShare) {
     options.final_rate_share = last;
     EXPECT_EQ(RateShare(options, 0.0), 1.0);
     EXPECT_DOUBLE_EQ(RateShare(options, 1.0), last);
-    EXPECT_DOUBLE_EQ(RateShare(options, 0.5), std::sqrt(last));  // exponential: geometric mean
+    // Exponential before the end: geometric mean.
+    EXPECT_DOUBLE_EQ(RateShare(options, 0.5),
+                     std::sqrt(RateShare(options, 0.25) * RateShare(options, 0.75)));
     double before = 1.0;
     for (int i = 1; i <= 100; ++i) {
       const double share = RateShare(options, i / 100.0);
@@ -29,13 +31,42 @@ TEST(RateShare, StaysAtItsEndsOutsideTheRun) {
   EXPECT_EQ(RateShare(options, 1.5), RateShare(options, 1.0));
 }
 
-TEST(RoundProgress, RisesToTheLastRound) {
-  for (const int rounds : {1, 2, 5, 12}) {
-    ScheduleOptions options;
+TEST(RateShare, FallsFastAtTheEnd) {
+  const ScheduleOptions options;
+  const double slow = RateShare(options, 0.5) - RateShare(options, 0.75);
+  EXPECT_GT(RateShare(options, 0.75) - RateShare(options, 1.0), 1.5 * slow);
+}
+
+TEST(SamplesPerSide, AreTwoOnceThePixelsAreKnownAndTheRunIsLate) {
+  const ScheduleOptions options;
+  EXPECT_EQ(SamplesPerSide(options, options.fine_rays, options.rays_before_fine), 2);
+  EXPECT_EQ(SamplesPerSide(options, options.fine_rays - 0.01, 100), 1);
+  EXPECT_EQ(SamplesPerSide(options, 1.0, options.rays_before_fine - 0.1), 1);
+}
+
+TEST(PlanGrowth, HasMoreRoundsWhereThereIsMoreToGrow) {
+  const ScheduleOptions options;
+  EXPECT_EQ(PlanGrowth(options, 1000, 1000).rounds, 3);
+  EXPECT_EQ(PlanGrowth(options, 1000, 500).rounds, 3);
+  EXPECT_EQ(PlanGrowth(options, 1000, 4000).rounds, 5);
+  EXPECT_EQ(PlanGrowth(options, 10, 1000000000).rounds, 9);
+  EXPECT_EQ(PlanGrowth(options, 1000, 4000).max_vertices, 4000u);
+}
+
+TEST(PlanGrowth, TakesAGivenNumberOfRounds) {
+  ScheduleOptions options;
+  for (const int rounds : {0, 1, 40}) {
     options.rounds = rounds;
+    EXPECT_EQ(PlanGrowth(options, 1000, 4000).rounds, rounds);
+  }
+}
+
+TEST(RoundProgress, RisesToTheLastRound) {
+  const ScheduleOptions options;
+  for (const int rounds : {1, 2, 5, 12}) {
     double before = 0.0, gap_before = 0.0;
     for (int round = 0; round < rounds; ++round) {
-      const double progress = RoundProgress(options, round);
+      const double progress = RoundProgress(options, {rounds, 1000}, round);
       EXPECT_GT(progress, before);
       EXPECT_GT(progress - before, gap_before) << "the first rounds come soon after one another";
       gap_before = progress - before;
@@ -46,10 +77,10 @@ TEST(RoundProgress, RisesToTheLastRound) {
 }
 
 // Vertices after all rounds, if each round grows as much as it may.
-double AfterAllRounds(const ScheduleOptions& options, uint64_t start, uint64_t max_vertices) {
+double AfterAllRounds(const GrowthPlan& plan, uint64_t start) {
   uint64_t vertices = start;
-  for (int round = 0; round < options.rounds; ++round) {
-    const double growth = RoundGrowth(options, round, vertices, max_vertices);
+  for (int round = 0; round < plan.rounds; ++round) {
+    const double growth = RoundGrowth(plan, round, vertices);
     EXPECT_GE(growth, 1.0);
     EXPECT_LE(growth, 2.5);
     vertices = uint64_t(std::llround(double(vertices) * growth));
@@ -59,36 +90,33 @@ double AfterAllRounds(const ScheduleOptions& options, uint64_t start, uint64_t m
 
 TEST(RoundGrowth, LeadsToTheBudget) {
   for (const int rounds : {1, 3, 5, 8}) {
-    ScheduleOptions options;
-    options.rounds = rounds;
     for (const double factor : {1.0, 1.3, 2.0, 2.4}) {
       const uint64_t start = 10000;
-      const double budget = std::floor(double(start) * std::pow(factor, rounds));
+      const GrowthPlan plan{rounds, uint64_t(double(start) * std::pow(factor, rounds))};
       // The last round aims at the budget itself, so only its own rounding remains.
-      EXPECT_NEAR(AfterAllRounds(options, start, uint64_t(budget)), budget, 1.0);
-      EXPECT_NEAR(RoundGrowth(options, 0, start, uint64_t(budget)), factor, 1e-4);
+      EXPECT_NEAR(AfterAllRounds(plan, start), double(plan.max_vertices), 1.0);
+      EXPECT_NEAR(RoundGrowth(plan, 0, start), factor, 1e-4);
     }
   }
 }
 
 TEST(RoundGrowth, IsCappedWhereTheBudgetIsFar) {
-  const ScheduleOptions options;
-  EXPECT_EQ(RoundGrowth(options, 0, 1000, 1000000000), 2.5);
+  const GrowthPlan plan{5, 1000000000};
+  EXPECT_EQ(RoundGrowth(plan, 0, 1000), 2.5);
   // Each round rounds up by half a vertex or less, which later rounds multiply: below 1 %.
-  EXPECT_NEAR(AfterAllRounds(options, 1000, 1000000000), 1000 * std::pow(2.5, 5), 1000);
+  EXPECT_NEAR(AfterAllRounds(plan, 1000), 1000 * std::pow(2.5, 5), 1000);
 }
 
 TEST(RoundGrowth, CatchesUpAfterARoundThatGrewLess) {
-  const ScheduleOptions options;
-  EXPECT_GT(RoundGrowth(options, 1, 1000, 32000), RoundGrowth(options, 1, 2000, 32000));
-  EXPECT_DOUBLE_EQ(RoundGrowth(options, 4, 20000, 32000), 1.6);
+  const GrowthPlan plan{5, 32000};
+  EXPECT_GT(RoundGrowth(plan, 1, 1000), RoundGrowth(plan, 1, 2000));
+  EXPECT_DOUBLE_EQ(RoundGrowth(plan, 4, 20000), 1.6);
 }
 
 TEST(RoundGrowth, IsOneWhereTheBudgetIsSpent) {
-  const ScheduleOptions options;
-  EXPECT_EQ(RoundGrowth(options, 2, 1000, 1000), 1.0);
-  EXPECT_EQ(RoundGrowth(options, 2, 1000, 10), 1.0);
-  EXPECT_EQ(RoundGrowth(options, 99, 1000, 1500), 1.5);  // after the last round
+  EXPECT_EQ(RoundGrowth({5, 1000}, 2, 1000), 1.0);
+  EXPECT_EQ(RoundGrowth({5, 10}, 2, 1000), 1.0);
+  EXPECT_EQ(RoundGrowth({5, 1500}, 99, 1000), 1.5);  // after the last round
 }
 
 TEST(AffordableVertices, GrowsWithTimeUpToAVertexForSixteenPixels) {

@@ -36,5 +36,45 @@ TEST(TrainingSteps, AfterAResumeAreThoseThatWouldHaveFollowed) {
   EXPECT_EQ(resumed.steps.rays(), 3u * 256u);
 }
 
+// Blocks of fine rays are halves of the blocks that would have been drawn, inside the same
+// pictures.
+TEST(BatchDrawer, DrawsFineRaysThroughTheSamePixels) {
+  SmallRun run;
+  bool has_half[2][2] = {};
+  for (uint64_t iteration = 0; iteration < 20; ++iteration) {
+    const TrainingBatch coarse = run.batches.Draw(iteration);
+    const std::vector<RayBlock> blocks(coarse.blocks.begin(), coarse.blocks.end());
+    const TrainingBatch fine = run.batches.Draw(iteration, 2);
+    EXPECT_EQ(coarse.samples, 1);
+    EXPECT_EQ(fine.samples, 2);
+    ASSERT_EQ(fine.blocks.size(), blocks.size());
+    for (size_t i = 0; i < blocks.size(); ++i) {
+      EXPECT_EQ(fine.blocks[i].view, blocks[i].view);
+      const uint32_t right = fine.blocks[i].x / 2 - blocks[i].x;
+      const uint32_t down = fine.blocks[i].y / 2 - blocks[i].y;
+      EXPECT_TRUE(fine.blocks[i].x % 2 == 0 && fine.blocks[i].y % 2 == 0);
+      ASSERT_TRUE((right == 0 || right == 2) && (down == 0 || down == 1));
+      has_half[right / 2][down] = true;
+    }
+  }
+  EXPECT_TRUE(has_half[0][0] && has_half[0][1] && has_half[1][0] && has_half[1][1]);
+}
+
+TEST(TrainingSteps, TakeFineRaysAtTheEnd) {
+  OptimizeOptions options = SmallRunOptions();
+  options.schedule.rays_before_fine = 0;
+  SmallRun run(options);
+  const double late = options.schedule.fine_rays;
+  run.steps.Take(late - 0.1, false);
+  const FieldState before = run.field.ReadState();
+  run.steps.Take(late, false);
+  const FieldState fine = run.field.ReadState();
+  run.options.schedule.fine_rays = 1.0;
+  run.field.PutState(before);
+  run.steps.Resume(1, run.steps.rays() / 2);
+  run.steps.Take(late, false);
+  EXPECT_TRUE(run.field.ReadState().parameters != fine.parameters);
+}
+
 }  // namespace
 }  // namespace tetrec

@@ -103,15 +103,16 @@ class ReferenceRenderer final : public ProbedRenderer {
     forward_->blocks.assign(batch.blocks.begin(), batch.blocks.end());
     forward_->jitter_px = batch.jitter_px;
     forward_->seed = batch.seed;
+    forward_->samples = batch.samples;
     const Batch rays = ForwardBatch();
     std::vector<Vec4<Real>>& gradients = forward_->gradients;
     gradients.resize(rays.rays());
-    const std::vector<Vec4<Real>> colors = March(rays);
+    const std::vector<Vec4<Real>> shown = ShownPixels(rays, March(rays));
     const Real scale = Real(1) / Real(3 * batch.rays_of_mean());
-    StepResult result = CompareWithTargets(rays, colors, batch, scale, gradients);
+    StepResult result = CompareWithTargets(rays, shown, batch, scale, gradients);
     ChainToRays(rays, batch, gradients);
-    if (batch.sums_exposures) SumExposures(rays, colors, batch);
-    if (batch.dssim_weight > 0) MixDssim(rays, colors, batch, gradients, result);
+    if (batch.sums_exposures) SumExposures(rays, shown, batch);
+    if (batch.dssim_weight > 0) MixDssim(rays, shown, batch, gradients, result);
     return result;
   }
 
@@ -226,12 +227,12 @@ class ReferenceRenderer final : public ProbedRenderer {
 
   // A gradient scale of 1/2 makes the gradients of L2 the residuals themselves.
   StepResult AddScores(const TrainingBatch& batch, ScoreKind kind) override {
-    const Batch rays{views_, batch.blocks, batch.jitter_px, batch.seed};
+    const Batch rays{views_, batch.blocks, batch.jitter_px, batch.seed, batch.samples};
     TrainingBatch by_square = batch;
     by_square.loss = LossKind::kL2;
     std::vector<Vec4<Real>> residuals(rays.rays());
     const StepResult result =
-        CompareWithTargets(rays, March(rays), by_square, Real(0.5), residuals);
+        CompareWithTargets(rays, ShownPixels(rays, March(rays)), by_square, Real(0.5), residuals);
     AddShares(rays, residuals, kind);
     return OneStepLate(result);
   }
@@ -305,7 +306,7 @@ class ReferenceRenderer final : public ProbedRenderer {
 
   std::vector<glm::vec4> MarchBlocks(const RenderView& view,
                                      std::span<const RayBlock> blocks) override {
-    const std::vector<Vec4<Real>> rays = March({std::span(&view, 1), blocks, 0.0f, 0});
+    const std::vector<Vec4<Real>> rays = March({std::span(&view, 1), blocks, 0.0f, 0, 1});
     return {rays.begin(), rays.end()};
   }
 
@@ -331,14 +332,16 @@ class ReferenceRenderer final : public ProbedRenderer {
     std::span<const RayBlock> blocks;
     float jitter_px;
     uint32_t seed;
+    int samples;  // per pixel along each side
 
     size_t rays() const { return blocks.size() * kRaysPerBlock; }
     uint32_t IndexOfView(size_t ray) const { return blocks[ray / kRaysPerBlock].view; }
     const RenderView& ViewOf(size_t ray) const { return views[IndexOfView(ray)]; }
     bool InPicture(size_t ray) const {
-      const glm::ivec2 at = PixelOfRay(blocks, ray);
+      const glm::ivec2 at = PixelAt(ray);
       return at.x < ViewOf(ray).camera.width && at.y < ViewOf(ray).camera.height;
     }
+    glm::ivec2 PixelAt(size_t ray) const { return PixelOfRay(blocks, ray) / samples; }
   };
 
   // What Backward needs of the batch of Forward.
@@ -346,11 +349,12 @@ class ReferenceRenderer final : public ProbedRenderer {
     std::vector<RayBlock> blocks;
     float jitter_px = 0;
     uint32_t seed = 0;
+    int samples = 1;
     std::vector<Vec4<Real>> gradients;  // dL/d(rgb, transmittance) of each ray
   };
 
   Batch ForwardBatch() const {
-    return {views_, forward_->blocks, forward_->jitter_px, forward_->seed};
+    return {views_, forward_->blocks, forward_->jitter_px, forward_->seed, forward_->samples};
   }
 
   template <class RayOf, class GradientOf>
@@ -439,8 +443,9 @@ class ReferenceRenderer final : public ProbedRenderer {
     const uint32_t random = gpu_types::Hash(batch.seed ^ gpu_types::Hash(uint32_t(i)));
     const glm::dvec2 unit(gpu_types::UnitFloat(random),
                           gpu_types::UnitFloat(gpu_types::Hash(random)));
-    const glm::dvec2 in_pixel = 0.5 + double(batch.jitter_px) * (unit - 0.5);
-    return RayThrough<Real>(batch.ViewOf(i), glm::dvec2(PixelOfRay(batch.blocks, i)) + in_pixel);
+    const glm::dvec2 inside = 0.5 + double(batch.jitter_px) * (unit - 0.5);
+    const glm::dvec2 in_grid = glm::dvec2(PixelOfRay(batch.blocks, i)) + inside;
+    return RayThrough<Real>(batch.ViewOf(i), in_grid / double(batch.samples));
   }
 
   RayResult<Real> Integrate(const RadianceField& seen, const WorldRay<Real>& ray) {
@@ -468,9 +473,26 @@ class ReferenceRenderer final : public ProbedRenderer {
     return colors;
   }
 
+  // As shown_pixels.glsl, for every ray: colour before the background and transmittance of its
+  // pixel, the means over the pixel's rays.
+  static std::vector<Vec4<Real>> ShownPixels(const Batch& batch, std::vector<Vec4<Real>> colors) {
+    for (Vec4<Real>& color : colors) color.a = std::exp(-color.a);
+    if (batch.samples == 1) return colors;
+    TETREC_CHECK(batch.samples == 2, "1 or 2 x 2 rays per pixel");
+    std::vector<Vec4<Real>> shown;
+    for (size_t ray = 0; ray < colors.size(); ++ray) {
+      Vec4<Real> sum(Real(0));
+      for (const size_t other : {ray, ray ^ 1, ray ^ kRayBlockWidth, ray ^ (kRayBlockWidth + 1)}) {
+        sum += colors[other];
+      }
+      shown.push_back(Real(0.25) * sum);
+    }
+    return shown;
+  }
+
   // As loss.comp: the means of the loss and of the squared error, and dL/dshown of every ray, 0
-  // outside the image.
-  StepResult CompareWithTargets(const Batch& batch, std::span<const Vec4<Real>> colors,
+  // outside the image. `shown`: ShownPixels.
+  StepResult CompareWithTargets(const Batch& batch, std::span<const Vec4<Real>> shown,
                                 const TrainingBatch& training, Real gradient_scale,
                                 std::span<Vec4<Real>> gradients) const {
     const int loss = training.loss == LossKind::kL2 ? kLossL2 : kLossL1;
@@ -480,9 +502,8 @@ class ReferenceRenderer final : public ProbedRenderer {
       gradients[i] = Vec4<Real>(Real(0));
       if (!batch.InPicture(i)) continue;
       const Vec4<Real> target = TargetOf(batch, i);
-      const Real transmittance = std::exp(-colors[i].a);
       for (int c = 0; c < 3; ++c) {
-        const Real residual = ResidualOf(Exposed(batch, i, colors[i])[c], transmittance, target[c],
+        const Real residual = ResidualOf(Exposed(batch, i, shown[i])[c], shown[i].a, target[c],
                                          target.a, background[c]);
         gradients[i][c] = gradient_scale * LossSlope(loss, residual);
         result.loss += double(LossOf(loss, residual));
@@ -498,14 +519,13 @@ class ReferenceRenderer final : public ProbedRenderer {
     return exposures_[batch.blocks[ray / kRaysPerBlock].view];
   }
 
-  // The colour of a ray as its view exposes it.
-  Vec3<Real> Exposed(const Batch& batch, size_t ray, const Vec4<Real>& color) const {
+  // The colour of a ray's pixel as its view exposes it.
+  Vec3<Real> Exposed(const Batch& batch, size_t ray, const Vec4<Real>& shown) const {
     const ViewExposure& exposure = ExposureOf(batch, ray);
-    const Real transmittance = std::exp(-color.a);
     Vec3<Real> exposed;
     for (int c = 0; c < 3; ++c) {
       exposed[c] =
-          ExposedColor(color[c], transmittance, Real(exposure.gain[c]), Real(exposure.offset[c]));
+          ExposedColor(shown[c], shown.a, Real(exposure.gain[c]), Real(exposure.offset[c]));
     }
     return exposed;
   }
@@ -527,18 +547,17 @@ class ReferenceRenderer final : public ProbedRenderer {
   }
 
   // As exposure_sums.comp.
-  void SumExposures(const Batch& batch, std::span<const Vec4<Real>> colors,
+  void SumExposures(const Batch& batch, std::span<const Vec4<Real>> shown,
                     const TrainingBatch& training) {
     for (size_t i = 0; i < batch.rays(); ++i) {
       if (i % kRaysPerBlock == 0) block_sums_.push_back({batch.blocks[i / kRaysPerBlock].view, {}});
       if (!batch.InPicture(i)) continue;
       const Vec4<Real> target = TargetOf(batch, i);
       if (!IsJudged(target.r, target.a)) continue;
-      const Real transmittance = std::exp(-colors[i].a);
       for (int c = 0; c < 3; ++c) {
         const Real wanted =
-            WantedColor(transmittance, target[c], target.a, Real(training.background_srgb[c]));
-        block_sums_.back().sums[size_t(c)].Add(double(colors[i][c]), 1.0 - double(transmittance),
+            WantedColor(shown[i].a, target[c], target.a, Real(training.background_srgb[c]));
+        block_sums_.back().sums[size_t(c)].Add(double(shown[i][c]), 1.0 - double(shown[i].a),
                                                double(wanted));
       }
     }
@@ -546,7 +565,7 @@ class ReferenceRenderer final : public ProbedRenderer {
 
   Vec4<Real> TargetOf(const Batch& batch, size_t ray) const {
     const TargetImage& target = targets_[batch.blocks[ray / kRaysPerBlock].view];
-    const glm::ivec2 at = PixelOfRay(batch.blocks, ray);
+    const glm::ivec2 at = batch.PixelAt(ray);
     const uint32_t rgba8 = target.rgba8[size_t(at.y) * size_t(target.width) + size_t(at.x)];
     Vec4<Real> value;
     for (int c = 0; c < 4; ++c) value[c] = Real(rgba8 >> (8 * c) & 255u) / Real(255);
@@ -554,12 +573,13 @@ class ReferenceRenderer final : public ProbedRenderer {
   }
 
   // Gives D-SSIM its share of the loss and of the rays' gradients, tile by tile.
-  void MixDssim(const Batch& batch, std::span<const Vec4<Real>> colors,
+  void MixDssim(const Batch& batch, std::span<const Vec4<Real>> shown,
                 const TrainingBatch& training, std::span<Vec4<Real>> gradients,
                 StepResult& result) const {
     const int width = int(training.tiles.columns) * kRayBlockWidth;
     const int height = int(training.tiles.rows) * kRayBlockHeight;
     const size_t pixels = size_t(width) * size_t(height);
+    TETREC_CHECK(batch.samples == 1, "D-SSIM takes one ray per pixel");
     TETREC_CHECK(pixels > 0 && batch.rays() % pixels == 0, "D-SSIM needs tiles");
     const glm::dvec3 background(training.background_srgb);
     const double weight = training.dssim_weight;
@@ -573,18 +593,18 @@ class ReferenceRenderer final : public ProbedRenderer {
         const glm::ivec2 at = PixelOfRay(batch.blocks, ray) - corner;
         return size_t(at.y) * size_t(width) + size_t(at.x);
       };
-      std::vector<glm::dvec3> shown(pixels), wanted(pixels);
+      std::vector<glm::dvec3> rendered(pixels), wanted(pixels);
       for (size_t ray = first; ray < first + pixels; ++ray) {
         TETREC_CHECK(batch.InPicture(ray), "a tile of D-SSIM leaves its picture");
-        const glm::dvec4 color(colors[ray]), target(TargetOf(batch, ray));
-        shown[place(ray)] =
-            glm::dvec3(Exposed(batch, ray, colors[ray])) + std::exp(-color.a) * background;
+        const glm::dvec4 target(TargetOf(batch, ray));
+        rendered[place(ray)] =
+            glm::dvec3(Exposed(batch, ray, shown[ray])) + double(shown[ray].a) * background;
         wanted[place(ray)] = glm::dvec3(target) + (1.0 - target.a) * background;
         if (!IsJudged(target.r, target.a)) {
-          shown[place(ray)] = wanted[place(ray)] = glm::dvec3(kNotJudged);
+          rendered[place(ray)] = wanted[place(ray)] = glm::dvec3(kNotJudged);
         }
       }
-      const Dssim dssim = EvaluateDssim(shown, wanted, width, height);
+      const Dssim dssim = EvaluateDssim(rendered, wanted, width, height);
       result.loss += share * dssim.value;
       for (size_t ray = first; ray < first + pixels; ++ray) {
         const glm::dvec3 g = share_of_mean * dssim.gradient[place(ray)];

@@ -55,6 +55,12 @@ std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
   return nullptr;
 }
 
+// The training views as grids of rays, with one number of rays per pixel.
+struct RayViews {
+  std::vector<GpuView> views;
+  Buffer buffer;  // the same
+};
+
 class VulkanRenderer final : public ProbedRenderer {
  public:
   explicit VulkanRenderer(const RendererOptions& options)
@@ -246,6 +252,7 @@ class VulkanRenderer final : public ProbedRenderer {
     by_square.loss = LossKind::kL2;
     by_square.dssim_weight = 0;
     by_square.sums_exposures = false;
+    TETREC_CHECK(batch.samples == 1, "scores take one ray per pixel");
     FixedPoint fixed;
     fixed.largest_quanta = float(kLargestScore * kScoreQuanta);
     return InFlightBatch(march_, by_square, {0.5f, true}, fixed,
@@ -422,7 +429,7 @@ class VulkanRenderer final : public ProbedRenderer {
     view_colors_.Record(recorder, pass);
     integrator.Forward(recorder, pass);
     if (batch.dssim_weight > 0) CheckTiles(batch);
-    loss_.Record(recorder, slot, batch, gradients, training_views_, targets_, exposures_);
+    loss_.Record(recorder, slot, batch, gradients, RaysOf(batch).buffer, targets_, exposures_);
   }
 
   void RecordBackward(CommandRecorder& recorder, const RayPass& pass) {
@@ -445,18 +452,23 @@ class VulkanRenderer final : public ProbedRenderer {
   }
 
   void UploadViews() {
-    gpu_views_.clear();
+    for (RayViews& rays : ray_views_) rays.views.clear();
     uint32_t tet = 0;
     for (size_t i = 0; i < views_.size(); ++i) {
       tet = FindTet(field_.mesh, views_[i].cam_from_world.Inverse().translation,
                     tet == kNoTet ? 0 : tet, field_.not_convex.empty());
-      gpu_views_.push_back(MakeGpuView(views_[i], 1, first_pixels_[i], tet));
+      for (int samples = 1; samples <= kMostTrainingSamples; ++samples) {
+        ray_views_[size_t(samples - 1)].views.push_back(
+            MakeGpuView(views_[i], samples, first_pixels_[i], tet));
+      }
     }
-    training_views_ = MakeBuffer(*device_, "views", gpu_views_, VK_FORMAT_R32G32B32A32_UINT);
+    for (RayViews& rays : ray_views_) {
+      rays.buffer = MakeBuffer(*device_, "views", rays.views, VK_FORMAT_R32G32B32A32_UINT);
+    }
   }
 
   void PutBlocks(RayBatch& rays, std::span<const RayBlock> blocks) {
-    rays.SetBlocks(*device_, blocks, gpu_views_);
+    rays.SetBlocks(*device_, blocks, ray_views_[0].views);
     if (view_colors_.NeedsRoom(field_, rays.slots)) {
       WaitAll();  // for the other batch in flight
       view_colors_.MakeRoom(field_, rays.slots);
@@ -478,10 +490,18 @@ class VulkanRenderer final : public ProbedRenderer {
     return ChooseFixedPoint(gradient_scale, rays, field_.most_tets_at_vertex, field_.diagonal);
   }
 
+  const RayViews& RaysOf(const TrainingBatch& batch) const {
+    TETREC_CHECK(batch.samples >= 1 && batch.samples <= kMostTrainingSamples,
+                 "1 or 2 x 2 rays per pixel");
+    TETREC_CHECK(batch.samples == 1 || batch.dssim_weight == 0, "D-SSIM takes one ray per pixel");
+    return ray_views_[size_t(batch.samples - 1)];
+  }
+
   // A pass over a batch of the training views.
   RayPass PassOver(RayBatch& rays, const TrainingBatch& batch, const FixedPoint& fixed) {
+    const RayViews& of_batch = RaysOf(batch);
     RayPass pass =
-        MakePass(field_, rays, training_views_, batch.blocks, gpu_views_[batch.blocks[0].view],
+        MakePass(field_, rays, of_batch.buffer, batch.blocks, of_batch.views[batch.blocks[0].view],
                  counters_.buffer(), options_.stop_transmittance, fixed);
     pass.push.jitter_seed = batch.seed;
     pass.push.jitter_px = batch.jitter_px;
@@ -513,9 +533,9 @@ class VulkanRenderer final : public ProbedRenderer {
   std::array<std::unique_ptr<CommandRecorder>, 2> recorders_;
   CommandRecorder part_recorder_;
   DeviceField field_;
-  Buffer targets_, training_views_;
+  Buffer targets_;
   std::vector<RenderView> views_;
-  std::vector<GpuView> gpu_views_;  // as in training_views_
+  std::array<RayViews, kMostTrainingSamples> ray_views_;  // by TrainingBatch::samples, from 1 on
   std::vector<uint32_t> first_pixels_;
   std::array<BatchSlot, 2> in_flight_;  // of steps and scores
   BatchSlot part_;                      // for Forward and Backward

@@ -1,0 +1,31 @@
+// What the view of a ray shows at the ray's pixel: the ray, or the mean of the pixel's 2 x 2 rays,
+// which are in one block. The including kernel declares `push`, a LossPush, and ray_colors.
+
+struct ShownPixel {
+  vec3 color;  // before the background and the exposure
+  float transmittance;
+};
+
+ShownPixel ShownByRay(uint ray) {
+  vec4 color = ray_colors[ray];
+  return ShownPixel(color.rgb, exp(-color.a));
+}
+
+ShownPixel ShownAt(uint ray) {
+  ShownPixel shown = ShownByRay(ray);
+  if (push.samples == 2u) {
+    // Neighbours differ in the lowest bits of column and row.
+    ShownPixel beside = ShownByRay(ray ^ 1u), below = ShownByRay(ray ^ kBlockWidth);
+    ShownPixel across = ShownByRay(ray ^ (kBlockWidth + 1u));
+    shown.color = 0.25 * (shown.color + beside.color + below.color + across.color);
+    shown.transmittance = 0.25 * (shown.transmittance + beside.transmittance + below.transmittance +
+                                  across.transmittance);
+  }
+  return shown;
+}
+
+// The texel of the target for ray (x, y) of a view with this size in rays and this first texel
+// (GpuView).
+int TargetTexel(uvec4 size_pixel, uint x, uint y) {
+  return int(size_pixel.z + (y / push.samples) * (size_pixel.x / push.samples) + x / push.samples);
+}
