@@ -40,8 +40,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
          "Initial learning rate of density's parameter: its logarithm, or of signed density "
          "asinh(value / scale)")
       ->check(tetrec::AboveZero());
-  app.add_option("--final-rate-share", options.schedule.final_rate_share,
-                 "Learning rates at the end, as a share of the first ones")
+  app.add_option(
+         "--final-rate-share", options.schedule.final_rate_share,
+         "Share to which learning rates fall exponentially; by default they fall slowly at first, "
+         "fast in the last quarter, and further in longer runs")
       ->check(CLI::Range(1e-6, 1.0));
   tetrec::AddWordOption(
       app, "--density", options.density,
@@ -80,9 +82,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
       "Degree of spherical harmonics by which colours depend on the view: 0 (they do not) to 3, or "
       "auto, as many as the judging pictures gain from; steps become up to three times as "
       "expensive");
-  app.add_option("--fine-rays", options.schedule.fine_rays,
-                 "Share of the run after which pixels are learned by 2 x 2 rays each; 1: never")
-      ->check(CLI::Range(0.0, 1.0));
+  tetrec::AddWordOption(
+      app, "--fine-rays", options.fine_rays,
+      "2 x 2 rays per pixel in the last quarter of the run, whose mean is compared with the photo: "
+      "auto (if the judging pictures gain by them), on or off");
   app.add_option("--rounds", options.schedule.rounds,
                  "Refinements of the mesh; by default 3 to 9, by how much it may grow")
       ->check(CLI::Range(0, 100));

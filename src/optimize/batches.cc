@@ -43,10 +43,8 @@ BatchDrawer::BatchDrawer(const OptimizeOptions& options, const TrainingSet& set,
 TrainingBatch BatchDrawer::Draw(uint64_t iteration, int samples) {
   TrainingBatch batch;
   batch.tiles = DrawBlocksOrTiles(iteration);
-  if (samples > 1 && !DrawsTiles()) {
-    batch.samples = samples;
-    RefineBlocks(iteration, samples);
-  }
+  batch.samples = samples;
+  if (samples > 1) RefineBlocks(iteration, samples);
   batch.blocks = blocks_;
   batch.loss = options_.loss.pixel;
   batch.dssim_weight = float(options_.loss.dssim);
@@ -79,6 +77,7 @@ TileShape BatchDrawer::DrawBlocksOrTiles(uint64_t iteration) {
 
 // Gives each block's rays to a part of its pixels.
 void BatchDrawer::RefineBlocks(uint64_t iteration, int samples) {
+  TETREC_CHECK(!DrawsTiles(), "tiles are of one ray per pixel");
   Random random(options_.seed ^ 0xF1E5ull, iteration);
   const uint32_t columns = uint32_t(kRayBlockWidth / samples);
   const uint32_t rows = uint32_t(kRayBlockHeight / samples);

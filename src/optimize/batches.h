@@ -18,19 +18,19 @@ class BatchDrawer {
   BatchDrawer(const OptimizeOptions& options, const TrainingSet& set, bool needs_tiles,
               const glm::vec3& background_srgb, const std::filesystem::path& scene_folder);
 
-  // Its blocks stay valid until the next call. `samples`: TrainingBatch::samples; one ray per pixel
-  // is drawn if the loss or the renderer needs tiles.
+  // Its blocks stay valid until the next call. `samples`: TrainingBatch::samples, 1 if
+  // DrawsTiles.
   TrainingBatch Draw(uint64_t iteration, int samples = 1);
   // If `few`, each batch draws its rays from at most kMostViewsOfBatch views.
   void UseFewViews(bool few) { few_views_ = few; }
   bool few_views() const { return few_views_; }
-  // The pixels around the subject, or all if there are no masks.
-  uint64_t SubjectPixels() const { return set_.subject_blocks.size() * kRaysPerBlock; }
   // Behind field and targets: random, or the scene's own.
   glm::vec3 Background(uint64_t iteration) const;
 
- private:
+  // Whether the loss or the renderer needs tiles: then there is one ray per pixel.
   bool DrawsTiles() const { return needs_tiles_ || options_.loss.dssim > 0; }
+
+ private:
   TileShape DrawBlocksOrTiles(uint64_t iteration);
   void RefineBlocks(uint64_t iteration, int samples);
 

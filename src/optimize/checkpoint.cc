@@ -16,7 +16,7 @@ namespace {
 
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '6'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '7'};
 
 void CheckFinite(const std::vector<float>& values, const FieldLayout& layout,
                  const std::string& name, const char* what) {
@@ -44,6 +44,14 @@ static_assert(sizeof(HarmonicsState) == 3 * sizeof(uint32_t));
 static_assert(sizeof(ViewExposure) == 6 * sizeof(double));
 static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
 static_assert(sizeof(CorrectedPose) == 13 * sizeof(double));
+
+FineRaysState ReadFineRays(ByteReader& reader, const std::string& name) {
+  const uint32_t state = reader.Read<uint32_t>("fine rays");
+  if (state > uint32_t(FineRaysState::kUsed)) {
+    throw DataError(fmt::format("{}: fine rays are {}, not 0, 1 or 2", name, state));
+  }
+  return FineRaysState(state);
+}
 
 ExposureState ReadExposure(ByteReader& reader) {
   const uint64_t views = reader.Read<uint64_t>("exposure count");
@@ -113,6 +121,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   writer.Write(checkpoint.metrics_bytes);
   writer.Write(checkpoint.best_psnr);
   writer.Write(checkpoint.harmonics);
+  writer.Write(checkpoint.fine_rays);
   writer.Write(uint64_t(checkpoint.mesh.positions.size()));
   writer.Write(uint64_t(checkpoint.mesh.tets.size()));
   AppendLayout(writer, checkpoint.state.layout);
@@ -144,6 +153,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.metrics_bytes = reader.Read<uint64_t>("metrics bytes");
   result.best_psnr = reader.Read<double>("best PSNR");
   result.harmonics = reader.Read<HarmonicsState>("harmonics");
+  result.fine_rays = ReadFineRays(reader, name);
   const uint64_t vertices = reader.Read<uint64_t>("vertex count");
   const uint64_t tets = reader.Read<uint64_t>("tet count");
   FieldState& state = result.state;

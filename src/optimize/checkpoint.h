@@ -6,6 +6,7 @@
 #include "optimize/camera_poses.h"
 #include "optimize/exposure.h"
 #include "optimize/harmonics.h"
+#include "optimize/optimize_options.h"
 
 #include <filesystem>
 #include <span>
@@ -20,14 +21,16 @@ struct Checkpoint {
   uint64_t metrics_bytes = 0;  // length of metrics.csv at that time
   double best_psnr = 0;        // of the judging pictures, before a refinement
   HarmonicsState harmonics;
+  FineRaysState fine_rays = FineRaysState::kNotTried;
   TetMesh mesh;
   FieldState state;
   ExposureState exposure;
   PoseState poses;
 };
 
-// Own format, little endian: "TETRECK6", u64 iteration, f64 seconds, u64 rays, u32 rounds,
-// u64 metrics bytes, f64 best PSNR, harmonics unlocked, judged and closed u32 x 3, u64 V, u64 T,
+// Own format, little endian: "TETRECK7", u64 iteration, f64 seconds, u64 rays, u32 rounds,
+// u64 metrics bytes, f64 best PSNR, harmonics unlocked, judged and closed u32 x 3, u32 fine rays
+// (0 not tried, 1 not used, 2 used), u64 V, u64 T,
 // the layout (AppendLayout), positions f32 x 3 V, tets and neighbours u32 x 4 T each, then
 // parameters, first moments and second moments, each f32 x rows x components; then u64 exposures E,
 // for each gains and offsets, f64 x 3 each, and for each the sums of its three channels, f64 x 5

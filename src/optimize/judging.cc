@@ -57,6 +57,20 @@ std::vector<TargetImage> TargetsWhere(const TrainingSet& set, const JudgingSet& 
   return targets;
 }
 
+// The blocks of rays through the pixels of `blocks`, samples x samples per pixel.
+std::vector<RayBlock> BlocksOfRays(std::span<const RayBlock> blocks, int samples) {
+  std::vector<RayBlock> rays;
+  for (const RayBlock& block : blocks) {
+    for (int i = 0; i < samples * samples; ++i) {
+      RayBlock part = block;
+      part.x = block.x * uint32_t(samples) + uint32_t(i % samples * kRayBlockWidth);
+      part.y = block.y * uint32_t(samples) + uint32_t(i / samples * kRayBlockHeight);
+      rays.push_back(part);
+    }
+  }
+  return rays;
+}
+
 // Of one view, or of several together.
 struct ErrorSum {
   double squares = 0, rays = 0;
@@ -107,14 +121,17 @@ std::vector<TargetImage> TargetsToJudge(const TrainingSet& set, const JudgingSet
 }
 
 Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
-                const glm::vec3& background_srgb) {
+                const glm::vec3& background_srgb, int samples) {
   std::vector<ErrorSum> views;
   ErrorSum all, whole, tiles;
   const std::span<const RayBlock> blocks = judging.blocks;
   for (size_t begin = 0, end = 0; begin < blocks.size(); begin = end) {
     while (end < blocks.size() && blocks[end].view == blocks[begin].view) ++end;
     TrainingBatch batch;
-    batch.blocks = blocks.subspan(begin, end - begin);
+    batch.samples = samples;
+    const std::vector<RayBlock> rays_of_view =
+        BlocksOfRays(blocks.subspan(begin, end - begin), samples);
+    batch.blocks = rays_of_view;
     batch.background_srgb = background_srgb;
     const double rays = double(batch.rays());
     const ErrorSum sum{renderer.Forward(batch).squared_error * rays, rays};

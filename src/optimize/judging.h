@@ -30,15 +30,16 @@ JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed);
 std::vector<TargetImage> TargetsToLearn(const TrainingSet& set, const JudgingSet& judging);
 std::vector<TargetImage> TargetsToJudge(const TrainingSet& set, const JudgingSet& judging);
 
-// The PSNR of the mean squared error [dB] of whole views and of tiles, one ray per pixel, and of
-// all judging pixels with its standard error over the views.
+// The PSNR of the mean squared error [dB] of whole views and of tiles, and of all judging pixels
+// with its standard error over the views.
 struct Judgement {
   double psnr = 0, standard_error = 0;
   double views_psnr = 0, tiles_psnr = 0;  // 0 if there are none
 };
 
 // The renderer's targets are TargetsToJudge. `background_srgb`: behind field and targets.
+// `samples`: TrainingBatch::samples.
 Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
-                const glm::vec3& background_srgb);
+                const glm::vec3& background_srgb, int samples = 1);
 
 }  // namespace tetrec

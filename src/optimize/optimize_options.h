@@ -32,6 +32,19 @@ template <>
 inline constexpr auto kWords<JudgingPictures> = std::to_array<Word<JudgingPictures>>(
     {{JudgingPictures::kKept, "kept"}, {JudgingPictures::kLearned, "learned"}});
 
+// Rays per pixel in the last part of a run (fine_rays.h).
+enum class FineRaysChoice {
+  kAuto,  // 2 x 2 if the judging pictures gain by them
+  kOn,    // 2 x 2
+  kOff,   // one
+};
+template <>
+inline constexpr auto kWords<FineRaysChoice> = std::to_array<Word<FineRaysChoice>>(
+    {{FineRaysChoice::kAuto, "auto"}, {FineRaysChoice::kOn, "on"}, {FineRaysChoice::kOff, "off"}});
+
+// What a run has found out about them. Checkpoints contain the numbers.
+enum class FineRaysState : uint32_t { kNotTried, kNotUsed, kUsed };
+
 struct OptimizeOptions {
   double time_limit_s = 300;  // of optimisation, with refinement and watching; 0: none
   uint64_t iterations = 0;    // 0: by time
@@ -52,6 +65,7 @@ struct OptimizeOptions {
   ExposureMode exposure = ExposureMode::kAuto;  // of the training photos
   PoseMode poses = PoseMode::kAuto;             // corrections of the training cameras
   HarmonicsChoice harmonics = HarmonicsChoice::kNone;
+  FineRaysChoice fine_rays = FineRaysChoice::kAuto;
   uint64_t max_vertices = 0;      // 0: as many as the time affords
   double score_rays_per_tet = 1;  // by which a refinement judges the tets
   int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv

@@ -8,24 +8,26 @@ namespace tetrec {
 
 namespace {
 
-// Learning rates fall to this share in a whole run, were it not for the fast fall at its end.
-constexpr double kSlowFall = 0.2;
-constexpr double kFastFall = 0.75;  // the progress at which it begins
+constexpr double kFastFall = 0.75;    // the progress at which rates begin to fall fast
+constexpr double kFinalOfSlow = 0.1;  // what the fast fall leaves of them
+
+// The share to which rates would fall in a whole run without the fast fall. On lego, 0.2 gains 0.7
+// dB against 0.05 after 1,200 steps and 0.2 dB after 4,000; on the demo it gains 0.3 dB after 800
+// and loses 0.14 dB after 6,000.
+double SlowFall(double steps) {
+  return std::clamp(0.2 * std::pow(1500.0 / std::max(steps, 1.0), 0.7), 0.03, 0.3);
+}
 
 constexpr double kUsualGrowth = 4.0 / 3.0;
 constexpr int kFewestRounds = 3, kMostRounds = 9;
 
 }  // namespace
 
-double RateShare(const ScheduleOptions& options, double progress) {
+double RateShare(const ScheduleOptions& options, double progress, double steps) {
   const double at = std::clamp(progress, 0.0, 1.0);
-  const double slow_end = std::max(kSlowFall, options.final_rate_share);
+  if (options.final_rate_share) return std::pow(*options.final_rate_share, at);
   const double fast = std::max(0.0, at - kFastFall) / (1.0 - kFastFall);
-  return std::pow(slow_end, at) * (1.0 - fast * (1.0 - options.final_rate_share / slow_end));
-}
-
-int SamplesPerSide(const ScheduleOptions& options, double progress, double rays) {
-  return progress >= options.fine_rays && rays >= options.rays_before_fine ? 2 : 1;
+  return std::pow(SlowFall(steps), at) * (1.0 - fast * (1.0 - kFinalOfSlow));
 }
 
 GrowthPlan PlanGrowth(const ScheduleOptions& options, uint64_t vertices, uint64_t max_vertices) {

@@ -7,14 +7,11 @@
 namespace tetrec {
 
 struct ScheduleOptions {
-  std::optional<int> rounds;       // refinements; by default as many as PlanGrowth finds
-  double last_round = 0.55;        // progress at the last refinement; the rest settles
-  double final_rate_share = 0.02;  // of the learning rates at the end
-  // From this progress on, pixels are learned by 2 x 2 rays each, if they have had
-  // rays_before_fine on average: then a field gains more by what is smaller than a pixel than by
-  // more pixels.
-  double fine_rays = 0.75;
-  double rays_before_fine = 3;
+  std::optional<int> rounds;  // refinements; by default as many as PlanGrowth finds
+  double last_round = 0.55;   // progress at the last refinement; the rest settles
+  // Share to which the learning rates fall exponentially; by default they fall as RateShare does.
+  std::optional<double> final_rate_share;
+  double fine_rays = 0.75;  // progress from which pixels may be learned by 2 x 2 rays each
   // Until this progress the judging pictures are kept from learning.
   double last_judging = 0.7;
   // A refinement that loses more than this on the judging pictures is taken back [dB].
@@ -26,11 +23,9 @@ struct ScheduleOptions {
 
 // The learning rates at a progress, as a share of the first ones. For three quarters of a run they
 // fall slowly, as what is new must still be learned, then fast, so that the noise of batches
-// settles.
-double RateShare(const ScheduleOptions& options, double progress);
-
-// Rays per pixel along each side at a progress. `rays`: so far, per pixel to be learned.
-int SamplesPerSide(const ScheduleOptions& options, double progress, double rays);
+// settles. `steps`: of the whole run, as far as is known. The more there are, the further rates
+// fall before the end: a short run ends before all is learned, in a long one noise does harm.
+double RateShare(const ScheduleOptions& options, double progress, double steps);
 
 // How a mesh grows in a run.
 struct GrowthPlan {

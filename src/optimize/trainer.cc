@@ -11,6 +11,7 @@
 #include "optimize/batches.h"
 #include "optimize/checkpoint.h"
 #include "optimize/exposure.h"
+#include "optimize/fine_rays.h"
 #include "optimize/fitted_field.h"
 #include "optimize/harmonics_trials.h"
 #include "optimize/pose_sweeps.h"
@@ -72,6 +73,7 @@ class Trainer {
         steps_(options, batches_, *renderer_),
         poses_(options, pictures_, *renderer_),
         harmonics_(options, field_, pictures_, steps_),
+        fine_rays_(options, field_, pictures_, steps_),
         rounds_(options, PlanGrowth(options.schedule, start_vertices, max_vertices_),
                 {field_, pictures_, batches_, steps_, *renderer_}, stage.Scratch("best.bin")),
         checkpoint_path_(stage.Scratch("checkpoint.bin")) {}
@@ -137,6 +139,7 @@ class Trainer {
     steps_.Resume(checkpoint.iteration, checkpoint.rays);
     rounds_.Resume({checkpoint.rounds, checkpoint.best_psnr});
     harmonics_.Resume(checkpoint.harmonics);
+    fine_rays_.Resume(checkpoint.fine_rays);
     exposure_ = ResumedExposure(std::move(checkpoint.exposure));
     poses_.Resume(std::move(checkpoint.poses), name, Done());
     field_.Put(std::move(checkpoint.mesh), std::move(checkpoint.state));
@@ -157,7 +160,7 @@ class Trainer {
         continue;
       }
       if (poses_.IsDue(done)) CorrectPoses(done);
-      if (harmonics_.Advance(done)) continue;
+      if (harmonics_.Advance(done) || fine_rays_.Advance(done)) continue;
       pictures_.EndJudgingIfDue(done);
       history.Add(TakeStep(done));
       history.Record(Figures(done));
@@ -220,6 +223,7 @@ class Trainer {
     checkpoint.metrics_bytes = metrics_bytes;
     checkpoint.best_psnr = rounds_.state().best_psnr;
     checkpoint.harmonics = harmonics_.state();
+    checkpoint.fine_rays = fine_rays_.state();
     checkpoint.mesh = field_.mesh();
     checkpoint.state = field_.ReadState();
     checkpoint.exposure = exposure_.State(*renderer_);
@@ -237,6 +241,7 @@ class Trainer {
     stage_.Count("rounds", rounds_.state().rounds);
     stage_.Count("emptied_rows", field_.emptied_rows());
     stage_.Count("harmonics_degree", field_.harmonics_degree());
+    stage_.Count("fine_rays", int(fine_rays_.state() == FineRaysState::kUsed));
     stage_.Seconds("optimize", seconds_);
     if (psnr) stage_.Count("watched_psnr", *psnr);
     ReportRays();
@@ -278,6 +283,7 @@ class Trainer {
   ExposureEstimate exposure_;
   PoseSweeps poses_;
   HarmonicsTrials harmonics_;
+  FineRays fine_rays_;
   RefinementRounds rounds_;
   fs::path checkpoint_path_;
   double seconds_ = 0;          // of optimisation

@@ -22,9 +22,9 @@ void TrainingPictures::EndJudgingIfDue(double progress) {
   if (!learns_all_ && !KeepsJudging(progress)) ChooseLearned(progress);
 }
 
-Judgement TrainingPictures::JudgeField(double progress) {
+Judgement TrainingPictures::JudgeField(double progress, int samples) {
   renderer_.SetTargets(set_.views, TargetsToJudge(set_, judging_));
-  const Judgement judgement = Judge(renderer_, judging_, background_srgb_);
+  const Judgement judgement = Judge(renderer_, judging_, background_srgb_, samples);
   ChooseLearned(progress);
   return judgement;
 }

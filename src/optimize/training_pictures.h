@@ -37,8 +37,8 @@ class TrainingPictures {
   void PlaceCameras(std::span<const CorrectedPose> poses, double progress);
   // Lets the judging pictures be learned if the time of judging is over.
   void EndJudgingIfDue(double progress);
-  // What the judging pictures say of the renderer's field.
-  Judgement JudgeField(double progress);
+  // What the judging pictures say of the renderer's field. `samples`: TrainingBatch::samples.
+  Judgement JudgeField(double progress, int samples = 1);
 
  private:
   bool KeepsJudging(double progress) const;

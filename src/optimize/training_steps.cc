@@ -19,15 +19,20 @@ void TrainingSteps::Try(uint64_t count, double progress) {
 }
 
 TrainingBatch TrainingSteps::Draw(uint64_t iteration, double progress) {
-  const double rays_per_pixel = double(rays_) / double(batches_.SubjectPixels());
-  const TrainingBatch batch =
-      batches_.Draw(iteration, SamplesPerSide(options_.schedule, progress, rays_per_pixel));
+  const bool fine = uses_fine_rays_ && progress >= options_.schedule.fine_rays;
+  const TrainingBatch batch = batches_.Draw(iteration, fine ? 2 : 1);
   rays_ += batch.rays();
   return batch;
 }
 
+// A run by time is taken to go on at its pace.
+double TrainingSteps::ExpectedSteps(uint64_t step, double progress) const {
+  if (options_.time_limit_s <= 0) return double(options_.iterations);
+  return double(step) / std::clamp(progress, 1e-3, 1.0);
+}
+
 AdamUpdate TrainingSteps::UpdateOf(uint64_t step, double progress) const {
-  const double share = RateShare(options_.schedule, progress);
+  const double share = RateShare(options_.schedule, progress, ExpectedSteps(step, progress));
   return {.step = uint32_t(std::min<uint64_t>(step, 1u << 30)),
           .color_rate = options_.color_rate * share,
           .density_rate = options_.density_rate * share,

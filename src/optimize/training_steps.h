@@ -19,6 +19,10 @@ class TrainingSteps {
   uint64_t rays() const { return rays_; }            // of all steps, tried ones too
   void Resume(uint64_t iteration, uint64_t rays) { iteration_ = iteration, rays_ = rays; }
 
+  // From ScheduleOptions::fine_rays on, pixels are learned by 2 x 2 rays each, or by one.
+  void UseFineRays(bool fine) { uses_fine_rays_ = fine; }
+  bool CanTakeFineRays() const { return !batches_.DrawsTiles(); }
+
   // `sums_exposures`: TrainingBatch::sums_exposures. The result is that of an earlier step
   // (TrainingRenderer::Step).
   StepResult Take(double progress, bool sums_exposures);
@@ -29,6 +33,7 @@ class TrainingSteps {
 
  private:
   TrainingBatch Draw(uint64_t iteration, double progress);
+  double ExpectedSteps(uint64_t step, double progress) const;
   // The update that ends step `step`, counted from 1.
   AdamUpdate UpdateOf(uint64_t step, double progress) const;
 
@@ -36,6 +41,7 @@ class TrainingSteps {
   BatchDrawer& batches_;
   TrainingRenderer& renderer_;
   uint64_t iteration_ = 0, rays_ = 0;
+  bool uses_fine_rays_ = false;
 };
 
 }  // namespace tetrec

@@ -15,12 +15,12 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECK6", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
-// bytes, f64 best PSNR, u32 x 3 harmonics, u64 V, u64 T, then the layout: u32 storage, u32
-// attributes, and of "color" and "density" the length of the name, the name, and 3 u32 each.
-// Positions follow.
-constexpr size_t kSecondsAt = 16, kVertexCountAt = 64, kTetCountAt = 72, kStorageAt = 80,
-                 kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
+// Where the fields start: "TETRECK7", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
+// bytes, f64 best PSNR, u32 x 3 harmonics, u32 fine rays, u64 V, u64 T, then the layout: u32
+// storage, u32 attributes, and of "color" and "density" the length of the name, the name, and 3 u32
+// each. Positions follow.
+constexpr size_t kSecondsAt = 16, kFineRaysAt = 64, kVertexCountAt = 68, kTetCountAt = 76,
+                 kStorageAt = 84, kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
 constexpr size_t kPosesBytes = 4 + 8 + kPoses * 13 * sizeof(double);
@@ -40,6 +40,7 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   checkpoint.rounds = 4;
   checkpoint.metrics_bytes = 777;
   checkpoint.best_psnr = 23.5;
+  checkpoint.fine_rays = FineRaysState::kNotUsed;
   checkpoint.mesh = BuildDelaunay(points).mesh;
   FieldState& state = checkpoint.state;
   state.layout = layout;

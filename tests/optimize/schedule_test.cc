@@ -7,41 +7,51 @@
 namespace tetrec {
 namespace {
 
-TEST(RateShare, FallsFromOneToTheFinalShare) {
+TEST(RateShare, FallsFromOne) {
+  const ScheduleOptions options;
+  for (const double steps : {1.0, 500.0, 5000.0, 1e6}) {
+    EXPECT_EQ(RateShare(options, 0.0, steps), 1.0);
+    double before = 1.0;
+    for (int i = 1; i <= 100; ++i) {
+      const double share = RateShare(options, i / 100.0, steps);
+      EXPECT_LT(share, before);
+      before = share;
+    }
+    EXPECT_GT(before, 0.0);
+  }
+}
+
+TEST(RateShare, FallsFastAtTheEnd) {
+  const ScheduleOptions options;
+  const auto fall = [&](double from) {
+    return RateShare(options, from, 4000) / RateShare(options, from + 0.25, 4000);
+  };
+  EXPECT_DOUBLE_EQ(fall(0.25), fall(0.5));  // exponential
+  EXPECT_DOUBLE_EQ(fall(0.75), 10 * fall(0.5));
+}
+
+TEST(RateShare, FallsFurtherInLongerRuns) {
+  const ScheduleOptions options;
+  for (const double progress : {0.1, 0.5, 1.0}) {
+    EXPECT_LT(RateShare(options, progress, 8000), RateShare(options, progress, 2000));
+    EXPECT_EQ(RateShare(options, progress, 1e7), RateShare(options, progress, 1e6));
+  }
+}
+
+TEST(RateShare, FallsExponentiallyToAGivenShare) {
   for (const double last : {1.0, 0.3, 0.05, 0.001}) {
     ScheduleOptions options;
     options.final_rate_share = last;
-    EXPECT_EQ(RateShare(options, 0.0), 1.0);
-    EXPECT_DOUBLE_EQ(RateShare(options, 1.0), last);
-    // Exponential before the end: geometric mean.
-    EXPECT_DOUBLE_EQ(RateShare(options, 0.5),
-                     std::sqrt(RateShare(options, 0.25) * RateShare(options, 0.75)));
-    double before = 1.0;
-    for (int i = 1; i <= 100; ++i) {
-      const double share = RateShare(options, i / 100.0);
-      EXPECT_LE(share, before);
-      before = share;
-    }
+    EXPECT_EQ(RateShare(options, 0.0, 1000), 1.0);
+    EXPECT_DOUBLE_EQ(RateShare(options, 1.0, 1000), last);
+    EXPECT_DOUBLE_EQ(RateShare(options, 0.5, 1000), std::sqrt(last));  // the geometric mean
   }
 }
 
 TEST(RateShare, StaysAtItsEndsOutsideTheRun) {
   const ScheduleOptions options;
-  EXPECT_EQ(RateShare(options, -0.5), 1.0);
-  EXPECT_EQ(RateShare(options, 1.5), RateShare(options, 1.0));
-}
-
-TEST(RateShare, FallsFastAtTheEnd) {
-  const ScheduleOptions options;
-  const double slow = RateShare(options, 0.5) - RateShare(options, 0.75);
-  EXPECT_GT(RateShare(options, 0.75) - RateShare(options, 1.0), 1.5 * slow);
-}
-
-TEST(SamplesPerSide, AreTwoOnceThePixelsAreKnownAndTheRunIsLate) {
-  const ScheduleOptions options;
-  EXPECT_EQ(SamplesPerSide(options, options.fine_rays, options.rays_before_fine), 2);
-  EXPECT_EQ(SamplesPerSide(options, options.fine_rays - 0.01, 100), 1);
-  EXPECT_EQ(SamplesPerSide(options, 1.0, options.rays_before_fine - 0.1), 1);
+  EXPECT_EQ(RateShare(options, -0.5, 1000), 1.0);
+  EXPECT_EQ(RateShare(options, 1.5, 1000), RateShare(options, 1.0, 1000));
 }
 
 TEST(PlanGrowth, HasMoreRoundsWhereThereIsMoreToGrow) {

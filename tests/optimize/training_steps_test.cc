@@ -60,21 +60,5 @@ TEST(BatchDrawer, DrawsFineRaysThroughTheSamePixels) {
   EXPECT_TRUE(has_half[0][0] && has_half[0][1] && has_half[1][0] && has_half[1][1]);
 }
 
-TEST(TrainingSteps, TakeFineRaysAtTheEnd) {
-  OptimizeOptions options = SmallRunOptions();
-  options.schedule.rays_before_fine = 0;
-  SmallRun run(options);
-  const double late = options.schedule.fine_rays;
-  run.steps.Take(late - 0.1, false);
-  const FieldState before = run.field.ReadState();
-  run.steps.Take(late, false);
-  const FieldState fine = run.field.ReadState();
-  run.options.schedule.fine_rays = 1.0;
-  run.field.PutState(before);
-  run.steps.Resume(1, run.steps.rays() / 2);
-  run.steps.Take(late, false);
-  EXPECT_TRUE(run.field.ReadState().parameters != fine.parameters);
-}
-
 }  // namespace
 }  // namespace tetrec

@@ -1,0 +1,58 @@
+// The choice between one ray and 2 x 2 rays per pixel in the last part of a run.
+#include "optimize/fine_rays.h"
+
+#include "core/log.h"
+#include "optimize/harmonics.h"
+
+namespace tetrec {
+namespace {
+
+// Shortly before the judging pictures are learned (ScheduleOptions::last_judging).
+constexpr double kTrialProgress = 0.66;
+// The progress whose learning rates the trial takes: at those of its own time, noise would decide.
+constexpr double kRatesOfTrial = 0.95;
+constexpr double kLeastGain = 0.02;  // [dB]
+
+}  // namespace
+
+FineRays::FineRays(const OptimizeOptions& options, FittedField& field, TrainingPictures& pictures,
+                   TrainingSteps& steps)
+    : options_(options), field_(field), pictures_(pictures), steps_(steps) {
+  if (options.fine_rays != FineRaysChoice::kAuto) Decide(options.fine_rays == FineRaysChoice::kOn);
+}
+
+void FineRays::Resume(FineRaysState state) {
+  if (state != FineRaysState::kNotTried) Decide(state == FineRaysState::kUsed);
+}
+
+void FineRays::Decide(bool uses_fine_rays) {
+  state_ = uses_fine_rays ? FineRaysState::kUsed : FineRaysState::kNotUsed;
+  steps_.UseFineRays(uses_fine_rays);
+}
+
+bool FineRays::Advance(double progress) {
+  if (state_ != FineRaysState::kNotTried || progress < kTrialProgress) return false;
+  if (pictures_.learns_all() || !steps_.CanTakeFineRays()) {
+    Decide(false);
+    return false;
+  }
+  const FieldState before = field_.ReadState();
+  const double one = TrialPsnr(before, false, progress);
+  const double four = TrialPsnr(before, true, progress);
+  field_.PutState(before);
+  LogInfo(
+      "judging pictures after {} steps: {:.2f} dB by 2 x 2 rays per pixel, {:.2f} dB by one: the "
+      "last part of the run takes {}",
+      TrialSteps(steps_.iteration()), four, one, four > one + kLeastGain ? "2 x 2" : "one");
+  Decide(four > one + kLeastGain);
+  return true;
+}
+
+double FineRays::TrialPsnr(const FieldState& start, bool fine, double progress) {
+  field_.PutState(start);
+  steps_.UseFineRays(fine);
+  steps_.Try(TrialSteps(steps_.iteration()), kRatesOfTrial);
+  return pictures_.JudgeField(progress, 2).psnr;
+}
+
+}  // namespace tetrec

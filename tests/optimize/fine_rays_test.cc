@@ -1,0 +1,82 @@
+#include "optimize/fine_rays.h"
+
+#include "optimize/small_run.h"
+
+#include <gtest/gtest.h>
+
+namespace tetrec {
+namespace {
+
+OptimizeOptions WithChoice(FineRaysChoice choice) {
+  OptimizeOptions options = SmallRunOptions();
+  options.fine_rays = choice;
+  return options;
+}
+
+struct FineRun : SmallRun {
+  explicit FineRun(FineRaysChoice choice) : SmallRun(WithChoice(choice)) {}
+  // The rays of a step late in the run, by how a step changes the field.
+  bool TakesFineRays() {
+    const FieldState before = field.ReadState();
+    steps.Take(0.9, false);
+    const FieldState taken = field.ReadState();
+    const uint64_t rays = steps.rays() / 2;
+    field.PutState(before);
+    steps.Resume(steps.iteration() - 1, rays);
+    steps.UseFineRays(true);
+    steps.Take(0.9, false);
+    const bool fine = taken.parameters == field.ReadState().parameters;
+    fine_rays.Resume(fine_rays.state());
+    return fine;
+  }
+  FineRays fine_rays{options, field, pictures, steps};
+};
+
+TEST(FineRays, AreTakenOrNotAsChosen) {
+  FineRun on(FineRaysChoice::kOn), off(FineRaysChoice::kOff);
+  for (FineRun* run : {&on, &off}) {
+    run->PutField(0.2);
+    EXPECT_FALSE(run->fine_rays.Advance(0.69));
+  }
+  EXPECT_EQ(on.fine_rays.state(), FineRaysState::kUsed);
+  EXPECT_EQ(off.fine_rays.state(), FineRaysState::kNotUsed);
+  EXPECT_TRUE(on.TakesFineRays());
+  EXPECT_FALSE(off.TakesFineRays());
+}
+
+// The trial decides by what it measured, and leaves the field as it was.
+TEST(FineRays, AreTriedOnceShortlyBeforeJudgingEnds) {
+  FineRun run(FineRaysChoice::kAuto);
+  run.PutField(0.2);
+  EXPECT_FALSE(run.fine_rays.Advance(0.5));
+  EXPECT_EQ(run.fine_rays.state(), FineRaysState::kNotTried);
+  const FieldState before = run.field.ReadState();
+  EXPECT_TRUE(run.fine_rays.Advance(0.69));
+  EXPECT_NE(run.fine_rays.state(), FineRaysState::kNotTried);
+  EXPECT_TRUE(run.field.ReadState().parameters == before.parameters);
+  EXPECT_TRUE(run.field.ReadState().second_moment == before.second_moment);
+  EXPECT_EQ(run.steps.iteration(), 0u);
+  EXPECT_EQ(run.TakesFineRays(), run.fine_rays.state() == FineRaysState::kUsed);
+  EXPECT_FALSE(run.fine_rays.Advance(0.69));
+}
+
+TEST(FineRays, AreNotTakenWhereNothingCanJudge) {
+  FineRun run(FineRaysChoice::kAuto);
+  run.pictures.EndJudgingIfDue(1.0);
+  EXPECT_FALSE(run.fine_rays.Advance(1.0));
+  EXPECT_EQ(run.fine_rays.state(), FineRaysState::kNotUsed);
+}
+
+TEST(FineRays, ContinueAsTheyWereDecided) {
+  for (const FineRaysState state : {FineRaysState::kUsed, FineRaysState::kNotUsed}) {
+    FineRun run(FineRaysChoice::kAuto);
+    run.PutField(0.2);
+    run.fine_rays.Resume(state);
+    EXPECT_FALSE(run.fine_rays.Advance(0.69));
+    EXPECT_EQ(run.fine_rays.state(), state);
+    EXPECT_EQ(run.TakesFineRays(), state == FineRaysState::kUsed);
+  }
+}
+
+}  // namespace
+}  // namespace tetrec
