@@ -62,10 +62,12 @@ vec4 TakeGradients(uint texel) {
 #else
   vec4 gradient = texelFetch(gradient_texels, int(texel));
 #endif
-  other_gradients[at] = Sum(0);
-  other_gradients[at + 1u] = Sum(0);
-  other_gradients[at + 2u] = Sum(0);
-  other_gradients[at + 3u] = Sum(0);
+  if (gradient != vec4(0.0)) {
+    other_gradients[at] = Sum(0);
+    other_gradients[at + 1u] = Sum(0);
+    other_gradients[at + 2u] = Sum(0);
+    other_gradients[at + 3u] = Sum(0);
+  }
   return gradient;
 }
 

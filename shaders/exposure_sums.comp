@@ -28,8 +28,9 @@ void main() {
     while (ray < kBlockRays) {
       uint x = block.x + ray % kBlockWidth, y = block.y + ray / kBlockWidth;
       bool is_inside = x < size_pixel.x && y < size_pixel.y;
+      bool is_first = x % push.samples == 0u && y % push.samples == 0u;  // of its pixel
       vec4 target = texelFetch(targets, is_inside ? TargetTexel(size_pixel, x, y) : int(size_pixel.z));
-      if (is_inside && IsJudged(target.r, target.a)) {
+      if (is_inside && is_first && IsJudged(target.r, target.a)) {
         ShownPixel pixel = ShownAt(index * kBlockRays + ray);
         vec3 color = pixel.color;
         float transmittance = pixel.transmittance, opacity = 1.0 - transmittance;

@@ -1,5 +1,5 @@
-// The rays of a batch, in blocks of 4 x 2 pixels that name their views. The including kernel declares
-// `push` with its RayPush `rays`. Every ray is moved inside its pixel by its own jitter; with
+// The rays of a batch, in blocks of 4 x 2 that name their views. The including kernel declares `push`
+// with its RayPush `rays`. Every ray is moved inside its cell of the grid by its own jitter; with
 // TETREC_ONE_JITTER all rays of the batch are moved alike, as rasterisation requires.
 #include "shared/random.glsl.h"
 #include "views.glsl"

@@ -33,7 +33,7 @@ using std::sqrt;
 #define TETREC_T(type) type
 // A branch that is really skipped: lavapipe runs both sides of an `if` under masks, but skips a
 // loop that no lane enters. The kernel defines TETREC_NEVER, a condition that is false whenever a
-// ray exists, which the compiler cannot know (it would turn the loop back into an `if`).
+// thread has work, which the compiler cannot know (it would turn the loop back into an `if`).
 #define TETREC_RARELY(condition) for (bool rarely_ = (condition); rarely_; rarely_ = TETREC_NEVER)
 #endif
 

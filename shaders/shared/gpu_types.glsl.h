@@ -17,7 +17,7 @@ using uvec4 = glm::uvec4;
 // lavapipe packs lanes along x only: a local size that is not a multiple of 8 is 300 times
 // slower.
 #define kWorkgroupSize 64
-// Rays come in blocks of 4 x 2 neighbouring pixels, one 8-wide subgroup on lavapipe.
+// Rays come in blocks of 4 x 2 neighbours, one 8-wide subgroup on lavapipe.
 #define kBlockWidth 4
 #define kBlockHeight 2
 #define kBlockRays 8
@@ -30,12 +30,12 @@ struct GpuView {
   vec4 down_in_world_fy;     // camera y axis | fy [px]
   vec4 forward_in_world_cx;  // camera z axis | cx [px]
   vec4 center_in_world_cy;   // camera centre | cy [px]
-  // width, height [px], first pixel of the target image, tet that contains the centre or kNoTet
+  // width, height [rays], first pixel of the target image, tet that contains the centre or kNoTet
   uvec4 size_pixel_tet;
 };
 
-// A 4 x 2 block of rays of one view; x, y [px] of its first pixel; the view's place among those of
-// its batch.
+// A 4 x 2 block of rays of one view; x, y of its first ray in the view's grid; the view's place
+// among those of its batch.
 struct GpuBlock {
   uint view, x, y, slot;
 };

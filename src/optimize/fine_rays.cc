@@ -2,16 +2,17 @@
 #include "optimize/fine_rays.h"
 
 #include "core/log.h"
-#include "optimize/harmonics.h"
 
 namespace tetrec {
 namespace {
 
-// Shortly before the judging pictures are learned (ScheduleOptions::last_judging).
+// Shortly before the judging pictures are learned.
 constexpr double kTrialProgress = 0.66;
+static_assert(kTrialProgress < ScheduleOptions().last_judging);
+// In shorter runs the trial would take a large share of the steps.
+constexpr uint64_t kFewestStepsBefore = 8 * kFewestTrialSteps;
 // The progress whose learning rates the trial takes: at those of its own time, noise would decide.
 constexpr double kRatesOfTrial = 0.95;
-constexpr double kLeastGain = 0.02;  // [dB]
 
 }  // namespace
 
@@ -32,26 +33,30 @@ void FineRays::Decide(bool uses_fine_rays) {
 
 bool FineRays::Advance(double progress) {
   if (state_ != FineRaysState::kNotTried || progress < kTrialProgress) return false;
-  if (pictures_.learns_all() || !steps_.CanTakeFineRays()) {
+  if (pictures_.learns_all() || !steps_.CanTakeFineRays() ||
+      steps_.iteration() < kFewestStepsBefore) {
     Decide(false);
     return false;
   }
   const FieldState before = field_.ReadState();
-  const double one = TrialPsnr(before, false, progress);
-  const double four = TrialPsnr(before, true, progress);
+  FineRaysTrial trial;
+  trial.one_psnr = TrialPsnr(before, false, progress);
+  trial.four_psnr = TrialPsnr(before, true, progress);
   field_.PutState(before);
+  trial_ = trial;
+  Decide(trial.FourGain());
   LogInfo(
       "judging pictures after {} steps: {:.2f} dB by 2 x 2 rays per pixel, {:.2f} dB by one: the "
       "last part of the run takes {}",
-      TrialSteps(steps_.iteration()), four, one, four > one + kLeastGain ? "2 x 2" : "one");
-  Decide(four > one + kLeastGain);
+      TrialSteps(steps_.iteration()), trial.four_psnr, trial.one_psnr,
+      trial.FourGain() ? "2 x 2" : "one");
   return true;
 }
 
 double FineRays::TrialPsnr(const FieldState& start, bool fine, double progress) {
   field_.PutState(start);
   steps_.UseFineRays(fine);
-  steps_.Try(TrialSteps(steps_.iteration()), kRatesOfTrial);
+  steps_.Try(TrialSteps(steps_.iteration()), progress, kRatesOfTrial);
   return pictures_.JudgeField(progress, 2).psnr;
 }
 

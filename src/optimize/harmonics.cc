@@ -36,10 +36,6 @@ HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& st
   return progress >= kUnlock[state.unlocked] ? HarmonicsStep::kUnlock : HarmonicsStep::kNone;
 }
 
-uint64_t TrialSteps(uint64_t iteration) {
-  return std::clamp(iteration / 8, kFewestTrialSteps, kMostTrialSteps);
-}
-
 FieldState WithoutHighestDegree(const TetMesh& mesh, const FieldState& state,
                                 std::span<const RenderView> views) {
   const int degree = state.layout.HarmonicsDegree();

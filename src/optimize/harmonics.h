@@ -42,11 +42,8 @@ HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& st
 // A degree stays if the judging pictures gain more than this by it [dB].
 inline constexpr double kLeastHarmonicsGain = 0.05;
 
-// To judge a degree, the field is trained on with it and without it, for an eighth of the steps so
-// far, within these bounds: without it, colours must first become the means of what they were from
-// all sides.
-inline constexpr uint64_t kFewestTrialSteps = 40, kMostTrialSteps = 200;
-uint64_t TrialSteps(uint64_t iteration);
+// To judge a degree, the field is trained on with it and without it for TrialSteps: without it,
+// colours must first become the means of what they were from all sides.
 
 // The state without its highest degree, whose mean over the views goes to the colours.
 FieldState WithoutHighestDegree(const TetMesh& mesh, const FieldState& state,

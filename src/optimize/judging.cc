@@ -79,6 +79,24 @@ struct ErrorSum {
   double Psnr() const { return rays > 0 ? -10 * std::log10(std::max(squares / rays, 1e-12)) : 0; }
 };
 
+// Of blocks of one view, in batches of bounded size.
+ErrorSum ErrorOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
+                 const glm::vec3& background_srgb, int samples) {
+  constexpr size_t kBlocksOfBatch = 8192;
+  ErrorSum sum;
+  for (size_t first = 0; first < blocks.size(); first += kBlocksOfBatch) {
+    const std::vector<RayBlock> rays_of_part = BlocksOfRays(
+        blocks.subspan(first, std::min(kBlocksOfBatch, blocks.size() - first)), samples);
+    TrainingBatch batch;
+    batch.blocks = rays_of_part;
+    batch.samples = samples;
+    batch.background_srgb = background_srgb;
+    const double rays = double(batch.rays());
+    sum.Add({renderer.Forward(batch).squared_error * rays, rays});
+  }
+  return sum;
+}
+
 // The standard error of the ratio of sums, over the views, to first order; in decibels.
 double StandardError(std::span<const ErrorSum> views, const ErrorSum& all) {
   if (views.size() < 2 || all.squares <= 0) return 0;
@@ -127,14 +145,8 @@ Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
   const std::span<const RayBlock> blocks = judging.blocks;
   for (size_t begin = 0, end = 0; begin < blocks.size(); begin = end) {
     while (end < blocks.size() && blocks[end].view == blocks[begin].view) ++end;
-    TrainingBatch batch;
-    batch.samples = samples;
-    const std::vector<RayBlock> rays_of_view =
-        BlocksOfRays(blocks.subspan(begin, end - begin), samples);
-    batch.blocks = rays_of_view;
-    batch.background_srgb = background_srgb;
-    const double rays = double(batch.rays());
-    const ErrorSum sum{renderer.Forward(batch).squared_error * rays, rays};
+    const ErrorSum sum =
+        ErrorOf(renderer, blocks.subspan(begin, end - begin), background_srgb, samples);
     views.push_back(sum);
     all.Add(sum);
     (judging.is_whole[blocks[begin].view] ? whole : tiles).Add(sum);

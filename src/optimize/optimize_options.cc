@@ -41,6 +41,13 @@ void OptimizeOptions::Check() const {
         "density is signed, but storage is cell: density is constant in a cell, so there is no "
         "place at which it could change its sign; use storage vertex");
   }
+  const bool march =
+      renderer.kind == RendererKind::kMarch || renderer.kind == RendererKind::kReference;
+  if (fine_rays == FineRaysChoice::kOn && (loss.dssim > 0 || !march)) {
+    throw UsageError(
+        "fine_rays is on, but losses with D-SSIM and the renderers ppll and projection train with "
+        "one ray per pixel; use fine_rays off");
+  }
   if (!(max_density > 0 && max_density <= 1e30)) fail("max_density", max_density, "above 0");
 }
 

@@ -5,16 +5,20 @@
 
 namespace tetrec {
 
+uint64_t TrialSteps(uint64_t iteration) {
+  return std::clamp(iteration / 8, kFewestTrialSteps, kMostTrialSteps);
+}
+
 StepResult TrainingSteps::Take(double progress, bool sums_exposures) {
   TrainingBatch batch = Draw(iteration_, progress);
   batch.sums_exposures = sums_exposures;
   ++iteration_;
-  return renderer_.Step(batch, UpdateOf(iteration_, progress));
+  return renderer_.Step(batch, UpdateOf(iteration_, progress, progress));
 }
 
-void TrainingSteps::Try(uint64_t count, double progress) {
+void TrainingSteps::Try(uint64_t count, double progress, double as_at) {
   for (uint64_t iteration = iteration_; iteration < iteration_ + count; ++iteration) {
-    renderer_.Step(Draw(iteration, progress), UpdateOf(iteration + 1, progress));
+    renderer_.Step(Draw(iteration, as_at), UpdateOf(iteration + 1, progress, as_at));
   }
 }
 
@@ -31,8 +35,8 @@ double TrainingSteps::ExpectedSteps(uint64_t step, double progress) const {
   return double(step) / std::clamp(progress, 1e-3, 1.0);
 }
 
-AdamUpdate TrainingSteps::UpdateOf(uint64_t step, double progress) const {
-  const double share = RateShare(options_.schedule, progress, ExpectedSteps(step, progress));
+AdamUpdate TrainingSteps::UpdateOf(uint64_t step, double progress, double as_at) const {
+  const double share = RateShare(options_.schedule, as_at, ExpectedSteps(step, progress));
   return {.step = uint32_t(std::min<uint64_t>(step, 1u << 30)),
           .color_rate = options_.color_rate * share,
           .density_rate = options_.density_rate * share,

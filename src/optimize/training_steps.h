@@ -9,6 +9,11 @@
 
 namespace tetrec {
 
+// How long a trial trains on, in two ways, to compare them: for an eighth of the steps so far,
+// within these bounds.
+inline constexpr uint64_t kFewestTrialSteps = 40, kMostTrialSteps = 200;
+uint64_t TrialSteps(uint64_t iteration);
+
 // `progress` is that of the run, in [0, 1].
 class TrainingSteps {
  public:
@@ -27,15 +32,16 @@ class TrainingSteps {
   // (TrainingRenderer::Step).
   StepResult Take(double progress, bool sums_exposures);
   // Takes the next `count` steps without counting them: the same steps can be taken again, from
-  // another state of the field.
-  void Try(uint64_t count, double progress);
+  // another state of the field. Rates and rays per pixel are those of the progress `as_at`.
+  void Try(uint64_t count, double progress, double as_at);
+  void Try(uint64_t count, double progress) { Try(count, progress, progress); }
   void CountTried(uint64_t count) { iteration_ += count; }
 
  private:
   TrainingBatch Draw(uint64_t iteration, double progress);
   double ExpectedSteps(uint64_t step, double progress) const;
   // The update that ends step `step`, counted from 1.
-  AdamUpdate UpdateOf(uint64_t step, double progress) const;
+  AdamUpdate UpdateOf(uint64_t step, double progress, double as_at) const;
 
   const OptimizeOptions& options_;
   BatchDrawer& batches_;

@@ -23,7 +23,7 @@ struct TargetImage {
 // (shared/loss.glsl.h).
 inline constexpr uint32_t kNotJudgedTarget = 0x00FFFFFF;
 
-// 4 x 2 rays through neighbouring pixels of view `view`, the first at (x, y). Renderers set `slot`,
+// 4 x 2 neighbouring rays of view `view`, the first at (x, y). Renderers set `slot`,
 // the view's place among those of the batch.
 struct RayBlock {
   uint32_t view, x, y, slot = 0;

@@ -83,6 +83,7 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.iteration, written.iteration);
     EXPECT_EQ(read.seconds, written.seconds);
     EXPECT_EQ(read.rays, written.rays);
+    EXPECT_EQ(read.fine_rays, written.fine_rays);
     EXPECT_EQ(read.rounds, written.rounds);
     EXPECT_EQ(read.metrics_bytes, written.metrics_bytes);
     EXPECT_EQ(read.mesh.positions, written.mesh.positions);
@@ -190,6 +191,11 @@ TEST(Checkpoint, RefusesHugeCountsBeforeItTakesMemory) {
       ExpectError<DataError>([&] { ParseCheckpoint(With(good, at, count), "c.bin"); }, {"c.bin"});
     }
   }
+}
+
+TEST(Checkpoint, RefusesAnUnknownStateOfFineRays) {
+  const std::vector<uint8_t> bytes = With(BytesOf(MakeCheckpoint()), kFineRaysAt, uint32_t{3});
+  ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); }, {"c.bin", "fine rays", "3"});
 }
 
 TEST(Checkpoint, RefusesCountsThatAreOffByOne) {

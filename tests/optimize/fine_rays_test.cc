@@ -15,7 +15,7 @@ OptimizeOptions WithChoice(FineRaysChoice choice) {
 
 struct FineRun : SmallRun {
   explicit FineRun(FineRaysChoice choice) : SmallRun(WithChoice(choice)) {}
-  // The rays of a step late in the run, by how a step changes the field.
+  // Whether a late step does what one with fine rays does.
   bool TakesFineRays() {
     const FieldState before = field.ReadState();
     steps.Take(0.9, false);
@@ -44,24 +44,43 @@ TEST(FineRays, AreTakenOrNotAsChosen) {
   EXPECT_FALSE(off.TakesFineRays());
 }
 
-// The trial decides by what it measured, and leaves the field as it was.
+// The trial leaves the field as it was.
 TEST(FineRays, AreTriedOnceShortlyBeforeJudgingEnds) {
   FineRun run(FineRaysChoice::kAuto);
   run.PutField(0.2);
+  run.steps.Resume(400, 0);
   EXPECT_FALSE(run.fine_rays.Advance(0.5));
   EXPECT_EQ(run.fine_rays.state(), FineRaysState::kNotTried);
   const FieldState before = run.field.ReadState();
   EXPECT_TRUE(run.fine_rays.Advance(0.69));
-  EXPECT_NE(run.fine_rays.state(), FineRaysState::kNotTried);
+  ASSERT_TRUE(run.fine_rays.trial());
+  const auto [one, four] = *run.fine_rays.trial();
+  EXPECT_NE(one, four);
+  EXPECT_EQ(run.fine_rays.state(),
+            four > one + 0.02 ? FineRaysState::kUsed : FineRaysState::kNotUsed);
   EXPECT_TRUE(run.field.ReadState().parameters == before.parameters);
   EXPECT_TRUE(run.field.ReadState().second_moment == before.second_moment);
-  EXPECT_EQ(run.steps.iteration(), 0u);
+  EXPECT_EQ(run.steps.iteration(), 400u);
   EXPECT_EQ(run.TakesFineRays(), run.fine_rays.state() == FineRaysState::kUsed);
   EXPECT_FALSE(run.fine_rays.Advance(0.69));
 }
 
+TEST(FineRays, AreTakenOnlyIfTheyGain) {
+  EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.1}).FourGain());
+  EXPECT_FALSE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.0}).FourGain());
+  EXPECT_FALSE((FineRaysTrial{.one_psnr = 30.1, .four_psnr = 30.0}).FourGain());
+}
+
+TEST(FineRays, AreNotTriedInShortRuns) {
+  FineRun run(FineRaysChoice::kAuto);
+  run.steps.Resume(100, 0);
+  EXPECT_FALSE(run.fine_rays.Advance(0.69));
+  EXPECT_EQ(run.fine_rays.state(), FineRaysState::kNotUsed);
+}
+
 TEST(FineRays, AreNotTakenWhereNothingCanJudge) {
   FineRun run(FineRaysChoice::kAuto);
+  run.steps.Resume(400, 0);
   run.pictures.EndJudgingIfDue(1.0);
   EXPECT_FALSE(run.fine_rays.Advance(1.0));
   EXPECT_EQ(run.fine_rays.state(), FineRaysState::kNotUsed);

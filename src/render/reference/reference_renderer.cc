@@ -227,6 +227,7 @@ class ReferenceRenderer final : public ProbedRenderer {
 
   // A gradient scale of 1/2 makes the gradients of L2 the residuals themselves.
   StepResult AddScores(const TrainingBatch& batch, ScoreKind kind) override {
+    TETREC_CHECK(batch.samples == 1, "scores take one ray per pixel");
     const Batch rays{views_, batch.blocks, batch.jitter_px, batch.seed, batch.samples};
     TrainingBatch by_square = batch;
     by_square.loss = LossKind::kL2;
@@ -340,6 +341,10 @@ class ReferenceRenderer final : public ProbedRenderer {
     bool InPicture(size_t ray) const {
       const glm::ivec2 at = PixelAt(ray);
       return at.x < ViewOf(ray).camera.width && at.y < ViewOf(ray).camera.height;
+    }
+    bool IsFirstOfPixel(size_t ray) const {
+      const glm::ivec2 at = PixelOfRay(blocks, ray);
+      return at.x % samples == 0 && at.y % samples == 0;
     }
     glm::ivec2 PixelAt(size_t ray) const { return PixelOfRay(blocks, ray) / samples; }
   };
@@ -551,7 +556,7 @@ class ReferenceRenderer final : public ProbedRenderer {
                     const TrainingBatch& training) {
     for (size_t i = 0; i < batch.rays(); ++i) {
       if (i % kRaysPerBlock == 0) block_sums_.push_back({batch.blocks[i / kRaysPerBlock].view, {}});
-      if (!batch.InPicture(i)) continue;
+      if (!batch.InPicture(i) || !batch.IsFirstOfPixel(i)) continue;
       const Vec4<Real> target = TargetOf(batch, i);
       if (!IsJudged(target.r, target.a)) continue;
       for (int c = 0; c < 3; ++c) {
