@@ -271,7 +271,8 @@ DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point) {
   const RowPart others = OtherPart(layout);
   const uint64_t views = layout.HarmonicsDegree() > 0 ? kMostViewsOfBatch : 0;
   const uint64_t attributes = (kStandardComponents + others.stride) * (3 * 4 + sum) + 4 +
-                              (others.count > 0 ? 4 : 0) + views * (16 + kColorGradientStride * sum);
+                              (others.count > 0 ? 4 : 0) +
+                              views * (16 + kColorGradientStride * sum);
   return {.of_tet = 2 * 16 + sum + (cells ? 16 + attributes : 0),
           .of_vertex = 2 * 16 + 4 * sum + (cells ? 0 : attributes),
           .of_face = 2 * 16 + 2 * 2 * 16};

@@ -33,9 +33,10 @@ void ViewColors::MakeRoom(const DeviceField& field, size_t views) {
   Clear();  // frees the old rooms before the new ones take memory
   colors_ =
       Buffer(*device_, "view colors", ColorBytes(field, views), VK_FORMAT_R32G32B32A32_SFLOAT);
-  gradients_ = Buffer(*device_, "gradients of view colors",
-                      uint64_t{field.row_count} * views * kColorGradientStride * (fixed_point_ ? 8 : 4),
-                      VK_FORMAT_R32G32B32A32_SFLOAT);
+  gradients_ =
+      Buffer(*device_, "gradients of view colors",
+             uint64_t{field.row_count} * views * kColorGradientStride * (fixed_point_ ? 8 : 4),
+             VK_FORMAT_R32G32B32A32_SFLOAT);
   gradients_.FillZero();
 }
 
