@@ -11,8 +11,6 @@ constexpr double kTrialProgress = 0.66;
 static_assert(kTrialProgress < ScheduleOptions().last_judging);
 // In shorter runs the trial would take a large share of the steps.
 constexpr uint64_t kFewestStepsBefore = 8 * kFewestTrialSteps;
-// The progress whose learning rates the trial takes: at those of its own time, noise would decide.
-constexpr double kRatesOfTrial = 0.95;
 
 }  // namespace
 
@@ -56,7 +54,7 @@ bool FineRays::Advance(double progress) {
 double FineRays::TrialPsnr(const FieldState& start, bool fine, double progress) {
   field_.PutState(start);
   steps_.UseFineRays(fine);
-  steps_.Try(TrialSteps(steps_.iteration()), progress, kRatesOfTrial);
+  steps_.Try(TrialSteps(steps_.iteration()), progress, kRatesOfTrials);
   return pictures_.JudgeField(progress, 2).psnr;
 }
 

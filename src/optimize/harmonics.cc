@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace tetrec {
 namespace {
@@ -34,6 +35,12 @@ HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& st
   const uint32_t most = judges ? uint32_t(kMostHarmonicsDegree) : uint32_t(choice);
   if (state.closed != 0 || state.unlocked >= most) return HarmonicsStep::kNone;
   return progress >= kUnlock[state.unlocked] ? HarmonicsStep::kUnlock : HarmonicsStep::kNone;
+}
+
+bool IsWorthHarmonics(double with, double without) {
+  constexpr double kStep = 1.0 / 255;
+  const double gain = std::pow(10, -without / 10) - std::pow(10, -with / 10);
+  return with > without + 0.05 && gain > kStep * kStep;
 }
 
 FieldState WithoutHighestDegree(const TetMesh& mesh, const FieldState& state,

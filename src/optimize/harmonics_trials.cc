@@ -35,7 +35,7 @@ void HarmonicsTrials::Judge(double progress) {
   FieldState trained = field_.ReadState();
   field_.PutState(WithoutHighestDegree(field_.mesh(), before, pictures_.set().views));
   const double without = TrialPsnr(steps, progress);
-  const bool stays = with > without + kLeastHarmonicsGain;
+  const bool stays = IsWorthHarmonics(with, without);
   LogInfo(
       "judging pictures after {} steps: {:.2f} dB with harmonics of degree {}, {:.2f} dB without: "
       "{}",
@@ -46,7 +46,7 @@ void HarmonicsTrials::Judge(double progress) {
 }
 
 double HarmonicsTrials::TrialPsnr(uint64_t steps, double progress) {
-  steps_.Try(steps, progress);
+  steps_.Try(steps, progress, kRatesOfTrials);
   return pictures_.JudgeField(progress).psnr;
 }
 

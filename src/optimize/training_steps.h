@@ -14,6 +14,9 @@ namespace tetrec {
 inline constexpr uint64_t kFewestTrialSteps = 40, kMostTrialSteps = 200;
 uint64_t TrialSteps(uint64_t iteration);
 
+// The progress whose learning rates trials take: at those of their own time, noise would decide.
+inline constexpr double kRatesOfTrials = 0.95;
+
 // `progress` is that of the run, in [0, 1].
 class TrainingSteps {
  public:

@@ -48,6 +48,14 @@ std::vector<HarmonicsStep> StepsOf(HarmonicsChoice choice, bool stays) {
   return steps;
 }
 
+TEST(Harmonics, StayIfThePicturesGainVisibly) {
+  EXPECT_TRUE(IsWorthHarmonics(28.1, 28.0));
+  EXPECT_FALSE(IsWorthHarmonics(28.04, 28.0));
+  EXPECT_FALSE(IsWorthHarmonics(28.0, 28.1));
+  EXPECT_FALSE(IsWorthHarmonics(37.2, 37.0));  // less than one step of 8 bits
+  EXPECT_TRUE(IsWorthHarmonics(38.0, 37.0));
+}
+
 TEST(Harmonics, AreUnlockedUpToTheChosenDegree) {
   using enum HarmonicsStep;
   using Steps = std::vector<HarmonicsStep>;
