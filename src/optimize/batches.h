@@ -27,7 +27,7 @@ class BatchDrawer {
   // Behind field and targets: random, or the scene's own.
   glm::vec3 Background(uint64_t iteration) const;
 
-  // Whether the loss or the renderer needs tiles: then there is one ray per pixel.
+  // Whether the loss or the renderer needs tiles, which have one ray per pixel.
   bool DrawsTiles() const { return needs_tiles_ || options_.loss.dssim > 0; }
 
  private:

@@ -39,8 +39,8 @@ enum class HarmonicsStep { kNone, kUnlock, kJudge };
 HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& state,
                                 double progress);
 
-// Whether a degree stays: if the judging pictures gain 0.05 dB by it, and in the mean squared error
-// one step of 8 bits. `with` and `without`: their PSNR [dB].
+// A degree stays if the judging pictures gain more than 0.05 dB by it, and if their mean squared
+// error falls by more than one step of 8 bits, squared. `with` and `without`: their PSNR [dB].
 bool IsWorthHarmonics(double with, double without);
 
 // To judge a degree, the field is trained on with it and without it for TrialSteps: without it,

@@ -79,7 +79,7 @@ struct ErrorSum {
   double Psnr() const { return rays > 0 ? -10 * std::log10(std::max(squares / rays, 1e-12)) : 0; }
 };
 
-// Of blocks of one view, in batches of bounded size.
+// The error of blocks of one view, which are rendered in batches of bounded size.
 ErrorSum ErrorOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
                  const glm::vec3& background_srgb, int samples) {
   constexpr size_t kBlocksOfBatch = 8192;
