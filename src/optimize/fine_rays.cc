@@ -16,7 +16,7 @@ constexpr uint64_t kFewestStepsBefore = 8 * kFewestTrialSteps;
 
 FineRays::FineRays(const OptimizeOptions& options, FittedField& field, TrainingPictures& pictures,
                    TrainingSteps& steps)
-    : options_(options), field_(field), pictures_(pictures), steps_(steps) {
+    : field_(field), pictures_(pictures), steps_(steps) {
   if (options.fine_rays != FineRaysChoice::kAuto) Decide(options.fine_rays == FineRaysChoice::kOn);
 }
 

@@ -6,7 +6,6 @@
 // after 2,400. So a trial decides.
 #pragma once
 
-#include "core/words.h"
 #include "optimize/fitted_field.h"
 #include "optimize/optimize_options.h"
 #include "optimize/training_pictures.h"
@@ -38,11 +37,9 @@ class FineRays {
 
  private:
   void Decide(bool uses_fine_rays);
-  // The PSNR of the judging pictures after some steps, which are not counted, as at the end of a
-  // run [dB].
+  // The PSNR of the judging pictures after steps as at the end of a run, which do not count [dB].
   double TrialPsnr(const FieldState& start, bool fine, double progress);
 
-  const OptimizeOptions& options_;
   FittedField& field_;
   TrainingPictures& pictures_;
   TrainingSteps& steps_;
