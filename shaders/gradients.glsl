@@ -14,10 +14,8 @@
 //
 // The including kernel declares `push`, `counters` and g_color, the ray's dL/dcolour.
 
+// Rows of the field, or, if colours depend on the view, of each slot (view_color_sums.glsl).
 layout(std430, binding = kBindVertexGradients) buffer VertexGradients { Sum vertex_gradients[]; };
-// If colours depend on the view, kColorGradientStride values per row of `colors`; otherwise
-// vertex_gradients.
-layout(std430, binding = kBindColorGradients) buffer ColorGradients { Sum color_gradients[]; };
 
 // Gradients with respect to (z, density, payload) at the ends of a segment. The one for the payload
 // is the weight of the end's colour: dL/dcolour is g times it.
@@ -44,11 +42,11 @@ EndGradients OfWhole(SegmentCut cut, EndGradients part) {
 // x: dL/ddensity, y: the sum of colour weights.
 void AddToVertex(uint id, vec2 gradient) {
   if (gradient.x != 0.0 || gradient.y != 0.0) {
-    uint row = uint(kRowComponents) * id;
-    uint color = kHarmonics > 0 ? kColorGradientStride * (g_first_color + id) : row + kColorComponent;
-    AddTo(color_gradients[color], g_color.r * gradient.y, push.rays.color_quanta);
-    AddTo(color_gradients[color + 1u], g_color.g * gradient.y, push.rays.color_quanta);
-    AddTo(color_gradients[color + 2u], g_color.b * gradient.y, push.rays.color_quanta);
+    uint row = uint(kRowComponents) * ((kHarmonics > 0 ? g_first_color : 0u) + id);
+    uint color = row + kColorComponent;
+    AddTo(vertex_gradients[color], g_color.r * gradient.y, push.rays.color_quanta);
+    AddTo(vertex_gradients[color + 1u], g_color.g * gradient.y, push.rays.color_quanta);
+    AddTo(vertex_gradients[color + 2u], g_color.b * gradient.y, push.rays.color_quanta);
     AddTo(vertex_gradients[row + kDensityComponent], gradient.x, push.rays.density_quanta);
   }
 }

@@ -2,6 +2,8 @@
 // [slot][row], which the renderers read in place of the field's own colours.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "shared/gpu_types.glsl.h"
+layout(push_constant) uniform Push { ViewColorPush push; };
 #include "view_colors.glsl"
 
 layout(binding = kBindHarmonics) uniform textureBuffer harmonics;  // rows of push.other_stride

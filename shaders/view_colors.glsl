@@ -1,10 +1,9 @@
-// What the kernels of view-dependent colour share: a row's place and the basis towards it.
-#include "shared/gpu_types.glsl.h"
+// What the kernels of view-dependent colour share: a row's place and the basis towards it. The
+// including kernel declares `push`.
 #include "shared/harmonics.glsl.h"
 #include "thread_index.glsl"
 
 layout(local_size_x = kWorkgroupSize) in;
-layout(push_constant) uniform Push { ViewColorPush push; };
 layout(binding = kBindVertices) uniform textureBuffer vertices;
 layout(binding = kBindTets) uniform utextureBuffer tets;
 layout(binding = kBindCenters) uniform textureBuffer centers;  // a camera centre per slot

@@ -1,66 +1,13 @@
-// Adds the gradients of the colours that the views of a batch saw (view_colors.comp) to those of
-// colours and coefficients, and clears them. With c(d) = c + sum_k c_k Y_k(d), dL/dc_k = Y_k dL/dc(d).
+// Adds the gradients of the colours that the views of a batch saw to those of colours and coefficients.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#ifdef TETREC_FIXED_POINT
-#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
-#define Sum int64_t
-#define ToSum(x) int64_t(roundEven(x))
-#else
-#define Sum float
-#define ToSum(x) (x)
-#endif
-#define TETREC_NEVER (push.row_count == 0u)
-#include "view_colors.glsl"
+#include "shared/gpu_types.glsl.h"
+layout(push_constant) uniform Push { ViewColorPush push; };
+#include "view_color_sums.glsl"
 
-layout(std430, binding = kBindColorGradients) buffer ColorGradients { Sum color_gradients[]; };
-layout(std430, binding = kBindVertexGradients) buffer VertexGradients { Sum vertex_gradients[]; };
 layout(std430, binding = kBindOtherGradients) buffer OtherGradients { Sum other_gradients[]; };
 layout(std430, binding = kBindHasGradients) writeonly buffer HasGradients { uint has_gradients[]; };
-// The same sums as texels, which are read whole.
-layout(binding = kBindColorGradientTexels) uniform textureBuffer color_gradient_texels;
-layout(binding = kBindOtherGradientTexels) uniform textureBuffer other_gradient_texels;
-
-// The sums of a row over all slots, and whether any is not 0.
-bool has_any = false;
-Sum by_red = Sum(0), by_green = Sum(0), by_blue = Sum(0);
-vec3 by_coefficient[kMostHarmonics] =
-    vec3[kMostHarmonics](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0),
-                         vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-
-#define AddHarmonic(k) by_coefficient[k - 1] += HarmonicAt(k, d) * by_color;
-
-// Takes the gradients of one slot. Everything happens in registers: rows of coefficients are long,
-// and to add to them for each slot would cost more than all rays. Most rows have no ray in most
-// slots.
-void TakeSlot(uint slot, uint row, vec3 place) {
-  uint texel = slot * push.row_count + row, at = kColorGradientStride * texel;
-#ifdef TETREC_FIXED_POINT
-  Sum r = color_gradients[at], g = color_gradients[at + 1u], b = color_gradients[at + 2u];
-#else
-  vec4 sums = texelFetch(color_gradient_texels, int(texel));
-  Sum r = sums.r, g = sums.g, b = sums.b;
-#endif
-  TETREC_RARELY(r != Sum(0) || g != Sum(0) || b != Sum(0)) {
-    color_gradients[at] = Sum(0);
-    color_gradients[at + 1u] = Sum(0);
-    color_gradients[at + 2u] = Sum(0);
-    by_red += r;
-    by_green += g;
-    by_blue += b;
-    has_any = true;
-    vec3 by_color = vec3(float(r), float(g), float(b));
-    vec3 d = DirectionTo(slot, place);
-    AddHarmonic(1) AddHarmonic(2) AddHarmonic(3)
-    if (kHarmonics > 3) {
-      AddHarmonic(4) AddHarmonic(5) AddHarmonic(6) AddHarmonic(7) AddHarmonic(8)
-    }
-    if (kHarmonics > 8) {
-      AddHarmonic(9) AddHarmonic(10) AddHarmonic(11) AddHarmonic(12) AddHarmonic(13)
-      AddHarmonic(14) AddHarmonic(15)
-    }
-  }
-}
+layout(binding = kBindOtherGradientTexels) uniform textureBuffer other_gradient_texels;  // the same sums
 
 // Adds four sums to a texel of gradients of coefficients.
 void Give(uint texel, vec4 sums) {
@@ -89,10 +36,7 @@ void Give(uint texel, vec4 sums) {
 
 void GiveAll(uint row) {
   has_gradients[row] = 1u;
-  uint color = row * uint(kRowComponents) + kColorComponent;
-  vertex_gradients[color] += by_red;
-  vertex_gradients[color + 1u] += by_green;
-  vertex_gradients[color + 2u] += by_blue;
+  GiveRow(row);
   uint texel = row * (push.other_stride / 4u);
   GiveFour(texel, by_coefficient[0], by_coefficient[1], by_coefficient[2], by_coefficient[3])
   if (kHarmonics > 3) {
@@ -107,12 +51,7 @@ void GiveAll(uint row) {
 void main() {
   uint row = ThreadIndex();
   if (row < push.row_count) {
-    vec3 place = PlaceOfRow(row);
-    uint slot = 0u;
-    while (slot < push.slots) {
-      TakeSlot(slot, row, place);
-      slot += 1u;
-    }
-    TETREC_RARELY(has_any) GiveAll(row);
+    bool is_seen = TakeSlots(row);
+    TETREC_RARELY(is_seen) GiveAll(row);
   }
 }

@@ -35,6 +35,22 @@ TETREC_FN TETREC_T(AdamState)
   return next;
 }
 
+// Attributes behind colour and density have long rows, of which few have gradients in a step. So
+// they are learned without momentum, as by RMSprop, and all components of a row share one second
+// moment; a row without gradients stays as it is. The moment is at least a quarter of what it gets,
+// so that no step is larger than twice the rate, in the root mean square over the row: not the
+// first one, and not that of a row that only faint rays had passed.
+TETREC_FN Real SharedMoment(Real before, Real mean_square, Real beta2) {
+  Real moment = beta2 * before + (Real(1.0) - beta2) * mean_square;
+  Real least = Real(0.25) * mean_square;
+  return moment < least ? least : moment;
+}
+
+// What the gradients of such a row are multiplied by to make its step. `rate` has no correction.
+TETREC_FN Real SharedRate(Real rate, Real moment, Real epsilon) {
+  return rate / (sqrt(moment) + epsilon);
+}
+
 // Lets a signed parameter that falls through 0 stop there once, without its momentum: below 0 most
 // rays no longer move it, so it should not get there by what others have changed since.
 TETREC_FN TETREC_T(AdamState) StopAtZero(TETREC_T(AdamState) next, Real before) {

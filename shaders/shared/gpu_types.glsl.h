@@ -130,7 +130,7 @@ struct AdamPush {
   float density_scale;                   // of Activation::kSigned; not read otherwise
   float density_decay;                   // of the density parameter of a seen row, per step
   uint first_cell;                       // as in RayPush
-  uint stride;                           // of rows of attributes behind colour and density
+  uint stride, moment_stride;            // of rows of attributes behind colour and density
 };
 
 // View-dependent colours of the views of a batch.
@@ -139,6 +139,17 @@ struct ViewColorPush {
   uint first_cell;  // as in RayPush
   uint slots;
   uint other_stride;  // of rows of attributes behind colour and density
+};
+
+// The same with the step of their coefficients.
+struct ViewColorStepPush {
+  uint row_count;
+  uint first_cell;
+  uint slots;
+  uint other_stride;
+  uint moment_stride;
+  float rate, beta2, epsilon;
+  float quantum;  // of fixed-point gradients
 };
 
 // Lengths of the runs of values that one thread counts, adds or moves in prefix sums and sorts.
@@ -182,9 +193,6 @@ struct SpreadPush {
   uint first_cell;      // as in RayPush
   float density_scale;  // as in AdamPush
 };
-
-// Sums per row of view-dependent colours: red, green, blue, and one to make a texel.
-#define kColorGradientStride 4u
 
 // What a ray adds to the scores of its tets (ScoreKind): sums over the channels.
 #define kScoreSquaredResidual 0
@@ -267,18 +275,17 @@ struct SpreadPush {
 // Attributes behind colour and density: gradients by row, and whether a row has any (uint).
 #define kBindOtherGradients 45
 #define kBindHasGradients 46
-#define kBindHarmonics 47   // texels: coefficients of view-dependent colour by row
-#define kBindCenters 48     // texels vec4, one per slot: camera centre
-#define kBindViewColors 49  // vec4, rows [slot][row]: view-dependent colours, to be written
-#define kBindColors 50      // texels vec4: the same, or `vertices`
-#define kBindColorGradients \
-  51  // kColorGradientStride sums per row [slot][row], or as kBindVertexGradients
+#define kBindHarmonics 47      // texels: coefficients of view-dependent colour by row
+#define kBindCenters 48        // texels vec4, one per slot: camera centre
+#define kBindViewColors 49     // vec4, rows [slot][row]: view-dependent colours, to be written
+#define kBindColors 50         // texels vec4: the same, or `vertices`
+#define kBindSlotGradients 51  // rows [slot][row] as those of kBindVertexGradients
 // texels vec4: rows of kBindVertexGradients, kBindParameters and (first, second) kBindMoments
 #define kBindGradientTexels 52
 #define kBindParameterTexels 53
 #define kBindMomentTexels 54
-// texels vec4: rows of kBindColorGradients and kBindOtherGradients
-#define kBindColorGradientTexels 55
+// texels vec4: rows of kBindSlotGradients and kBindOtherGradients
+#define kBindSlotGradientTexels 55
 #define kBindOtherGradientTexels 56
 
 #ifdef __cplusplus

@@ -12,6 +12,18 @@ float MixParameters(const Attribute& attribute, float a, float b, float share) {
   return ParameterOf(attribute, glm::mix(ValueOf(attribute, a), ValueOf(attribute, b), share));
 }
 
+std::vector<float> MixRows(const std::vector<float>& rows, size_t width,
+                           std::span<const RowSource> sources) {
+  std::vector<float> result;
+  result.reserve(sources.size() * width);
+  for (const auto [a, b, share] : sources) {
+    for (size_t c = 0; c < width; ++c) {
+      result.push_back(glm::mix(rows[a * width + c], rows[b * width + c], share));
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 Attribute DensityOfValues(const RadianceField& field) {
@@ -25,7 +37,7 @@ Attribute DensityOfValues(const RadianceField& field) {
 }
 
 FieldState StateOf(const RadianceField& field, const Attribute& density) {
-  FieldState state{.layout = LayoutOf(field), .parameters = ValuesOf(field)};
+  FieldState state = WithoutMoments(LayoutOf(field), ValuesOf(field));
   state.layout.attributes[1] = density;
   CheckLayout(state.layout);
   const std::vector<const Attribute*> attributes = state.layout.ByComponent();
@@ -33,8 +45,14 @@ FieldState StateOf(const RadianceField& field, const Attribute& density) {
     float& parameter = state.parameters[i];
     parameter = ParameterOf(*attributes[i % attributes.size()], parameter);
   }
-  state.first_moment.assign(state.parameters.size(), 0.0f);
-  state.second_moment.assign(state.parameters.size(), 0.0f);
+  return state;
+}
+
+FieldState WithoutMoments(FieldLayout layout, std::vector<float> parameters) {
+  FieldState state{.layout = std::move(layout), .parameters = std::move(parameters)};
+  const size_t rows = state.rows();
+  state.first_moment.assign(rows * size_t(FieldLayout::FirstMoments()), 0.0f);
+  state.second_moment.assign(rows * size_t(state.layout.SecondMoments()), 0.0f);
   return state;
 }
 
@@ -53,21 +71,18 @@ FieldState Prolong(const FieldState& state, std::span<const RowSource> sources) 
   const std::vector<const Attribute*> attributes = state.layout.ByComponent();
   const size_t components = attributes.size();
   FieldState result{.layout = state.layout};
-  for (auto* values : {&result.parameters, &result.first_moment, &result.second_moment}) {
-    values->reserve(sources.size() * components);
-  }
+  result.parameters.reserve(sources.size() * components);
   for (const auto [a, b, share] : sources) {
     for (size_t c = 0; c < components; ++c) {
       const size_t at = a * components + c, bt = b * components + c;
       result.parameters.push_back(a == b ? state.parameters[at]
                                          : MixParameters(*attributes[c], state.parameters[at],
                                                          state.parameters[bt], share));
-      result.first_moment.push_back(
-          glm::mix(state.first_moment[at], state.first_moment[bt], share));
-      result.second_moment.push_back(
-          glm::mix(state.second_moment[at], state.second_moment[bt], share));
     }
   }
+  result.first_moment = MixRows(state.first_moment, size_t(FieldLayout::FirstMoments()), sources);
+  result.second_moment =
+      MixRows(state.second_moment, size_t(state.layout.SecondMoments()), sources);
   return result;
 }
 

@@ -8,14 +8,20 @@
 
 namespace tetrec {
 
-// rows x layout.Components() each.
 struct FieldState {
   FieldLayout layout;
-  std::vector<float> parameters;
-  std::vector<float> first_moment, second_moment;  // of Adam
+  std::vector<float> parameters;  // rows x layout.Components()
+  // Of Adam, for colour and density: rows x layout.FirstMoments().
+  std::vector<float> first_moment;
+  // Rows x layout.SecondMoments(): those of Adam, then one per attribute behind density
+  // (shared/adam.glsl.h).
+  std::vector<float> second_moment;
 
   size_t rows() const { return parameters.size() / size_t(layout.Components()); }
 };
+
+// All moments are 0, as before any learning.
+FieldState WithoutMoments(FieldLayout layout, std::vector<float> parameters);
 
 // The density attribute that has a parameter for each value of the field: signed if one of them is
 // negative.

@@ -75,6 +75,9 @@ struct FieldLayout {
   // First component of the attribute; TETREC_CHECKs that there is one of that name.
   int OffsetOf(std::string_view name) const;
   bool IsStandard() const { return attributes.size() == 2; }
+  // Moments of a row (FieldState).
+  static constexpr int FirstMoments() { return kStandardComponents; }
+  int SecondMoments() const { return kStandardComponents + int(attributes.size()) - 2; }
   const Attribute& density() const { return attributes[1]; }
   // The degree of view-dependent colour; 0: there is none.
   int HarmonicsDegree() const;

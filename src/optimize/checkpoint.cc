@@ -16,27 +16,37 @@ namespace {
 
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '7'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '8'};
 
-void CheckFinite(const std::vector<float>& values, const FieldLayout& layout,
+// `width`: values per row.
+void CheckFinite(const std::vector<float>& values, int width, FieldStorage storage,
                  const std::string& name, const char* what) {
   for (size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i])) {
-      throw DataError(fmt::format("{}: {} of {} {} is not finite", name, what,
-                                  RowName(layout.storage), i / size_t(layout.Components())));
+      throw DataError(fmt::format("{}: {} of {} {} is not finite", name, what, RowName(storage),
+                                  i / size_t(width)));
     }
   }
 }
 
-// Adam takes their root.
+// Updates take their root.
 void CheckNotNegative(const std::vector<float>& second_moment, const FieldLayout& layout,
                       const std::string& name) {
   for (size_t i = 0; i < second_moment.size(); ++i) {
     if (second_moment[i] < 0) {
       throw DataError(fmt::format("{}: a second moment of {} {} is negative", name,
-                                  RowName(layout.storage), i / size_t(layout.Components())));
+                                  RowName(layout.storage), i / size_t(layout.SecondMoments())));
     }
   }
+}
+
+void CheckValues(const FieldState& state, const std::string& name) {
+  const FieldLayout& layout = state.layout;
+  CheckFinite(state.parameters, layout.Components(), layout.storage, name, "a parameter");
+  CheckFinite(state.first_moment, FieldLayout::FirstMoments(), layout.storage, name,
+              "a first moment");
+  CheckFinite(state.second_moment, layout.SecondMoments(), layout.storage, name, "a second moment");
+  CheckNotNegative(state.second_moment, layout, name);
 }
 
 // As they are in the file.
@@ -162,10 +172,12 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.mesh.positions = reader.ReadArray<glm::vec3>(vertices, "positions");
   result.mesh.tets = reader.ReadArray<glm::uvec4>(tets, "tets");
   result.mesh.neighbors = reader.ReadArray<glm::uvec4>(tets, "neighbours");
-  const uint64_t values = RowCount(result.mesh, layout.storage) * uint64_t(layout.Components());
-  state.parameters = reader.ReadArray<float>(values, "parameters");
-  state.first_moment = reader.ReadArray<float>(values, "first moments");
-  state.second_moment = reader.ReadArray<float>(values, "second moments");
+  const uint64_t rows = RowCount(result.mesh, layout.storage);
+  state.parameters = reader.ReadArray<float>(rows * uint64_t(layout.Components()), "parameters");
+  state.first_moment =
+      reader.ReadArray<float>(rows * uint64_t(FieldLayout::FirstMoments()), "first moments");
+  state.second_moment =
+      reader.ReadArray<float>(rows * uint64_t(layout.SecondMoments()), "second moments");
   result.exposure = ReadExposure(reader);
   result.poses = ReadPoses(reader);
   reader.ExpectEnd();
@@ -176,10 +188,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
     throw DataError(fmt::format("{}: best PSNR {} is not finite", name, result.best_psnr));
   }
   CheckHarmonics(result.harmonics, name);
-  CheckFinite(state.parameters, layout, name, "a parameter");
-  CheckFinite(state.first_moment, layout, name, "a first moment");
-  CheckFinite(state.second_moment, layout, name, "a second moment");
-  CheckNotNegative(state.second_moment, layout, name);
+  CheckValues(state, name);
   CheckExposure(result.exposure, name);
   CheckPoses(result.poses, name);
   CheckTetMesh(result.mesh);

@@ -55,7 +55,7 @@ double FineRays::TrialPsnr(const FieldState& start, bool fine, double progress) 
   field_.PutState(start);
   steps_.UseFineRays(fine);
   steps_.Try(TrialSteps(steps_.iteration()), progress, kRatesOfTrials);
-  return pictures_.JudgeField(progress, 2).psnr;
+  return pictures_.JudgeField(2).psnr;
 }
 
 }  // namespace tetrec

@@ -12,7 +12,7 @@ namespace {
 
 // The progress at which degrees 1, 2 and 3 are unlocked and judged. The last one is judged before
 // the judging pictures are learned (ScheduleOptions::last_judging).
-constexpr std::array<double, 3> kUnlock = {0.12, 0.3, 0.45}, kJudge = {0.28, 0.43, 0.62};
+constexpr std::array<double, 3> kUnlock = {0.15, 0.35, 0.5}, kJudge = {0.3, 0.47, 0.62};
 
 // The mean of each function over the directions from which the views see a place.
 std::array<double, 15> MeanHarmonics(const glm::dvec3& place, std::span<const glm::dvec3> centers) {

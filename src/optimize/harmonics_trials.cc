@@ -47,7 +47,7 @@ void HarmonicsTrials::Judge(double progress) {
 
 double HarmonicsTrials::TrialPsnr(uint64_t steps, double progress) {
   steps_.Try(steps, progress, kRatesOfTrials);
-  return pictures_.JudgeField(progress).psnr;
+  return pictures_.JudgeField().psnr;
 }
 
 }  // namespace tetrec

@@ -64,7 +64,7 @@ struct OptimizeOptions {
   bool random_background = true;  // behind field and target; false: the scene's own
   ExposureMode exposure = ExposureMode::kAuto;  // of the training photos
   PoseMode poses = PoseMode::kAuto;             // corrections of the training cameras
-  HarmonicsChoice harmonics = HarmonicsChoice::kNone;
+  HarmonicsChoice harmonics = HarmonicsChoice::kAuto;
   FineRaysChoice fine_rays = FineRaysChoice::kAuto;
   uint64_t max_vertices = 0;      // 0: as many as the time affords
   double score_rays_per_tet = 1;  // by which a refinement judges the tets

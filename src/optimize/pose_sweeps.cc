@@ -52,9 +52,9 @@ double PoseSweeps::Sweep(std::span<const ViewExposure> exposures, double progres
 
 // What the corrections gain on the judging pictures with the field as it is [dB].
 double PoseSweeps::GainOnJudging(double progress) {
-  const double corrected = pictures_.JudgeField(progress).psnr;
+  const double corrected = pictures_.JudgeField().psnr;
   pictures_.PlaceCameras({}, progress);
-  const double given = pictures_.JudgeField(progress).psnr;
+  const double given = pictures_.JudgeField().psnr;
   pictures_.PlaceCameras(state().poses, progress);
   return corrected - given;
 }

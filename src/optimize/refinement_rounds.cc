@@ -30,13 +30,13 @@ bool RefinementRounds::IsTaught() const {
          parts_.steps.iteration() - last_iteration_ >= options_.schedule.min_round_steps;
 }
 
-void RefinementRounds::Advance(double progress) {
-  if (parts_.pictures.learns_all() || IsWorthRefining(progress)) RefineOnce();
+void RefinementRounds::Advance() {
+  if (parts_.pictures.learns_all() || IsWorthRefining()) RefineOnce();
 }
 
 // Judges the field that the last round led to.
-bool RefinementRounds::IsWorthRefining(double progress) {
-  const Judgement now = parts_.pictures.JudgeField(progress);
+bool RefinementRounds::IsWorthRefining() {
+  const Judgement now = parts_.pictures.JudgeField();
   LogInfo(
       "judging pictures before round {}: {:.2f} dB, standard error {:.2f} (views {:.2f}, tiles "
       "{:.2f})",

@@ -42,13 +42,13 @@ class RefinementRounds {
   bool IsDue(double progress) const;
   // Refines the mesh, or, if the round before made the judging pictures worse, returns to the field
   // before that and refines no more.
-  void Advance(double progress);
+  void Advance();
   // The judging pictures gained by something else than the field [dB].
   void RaiseBest(double gain) { state_.best_psnr += gain; }
 
  private:
   bool IsTaught() const;
-  bool IsWorthRefining(double progress);
+  bool IsWorthRefining();
   void SaveBest(double psnr);
   void ReturnToBest(double psnr);
   void RefineOnce();

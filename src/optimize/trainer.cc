@@ -155,13 +155,14 @@ class Trainer {
       seconds_ = seconds_before + timer.seconds();
       const double done = Done();
       if (done >= 1.0 || StopRequested()) return;
-      pictures_.EndJudgingIfDue(done);  // first, so that nothing is judged by what was learned
       if (rounds_.IsDue(done)) {
-        rounds_.Advance(done);
+        rounds_.Advance();
         continue;
       }
-      if (poses_.IsDue(done)) CorrectPoses(done);
       if (harmonics_.Advance(done) || fine_rays_.Advance(done)) continue;
+      if (poses_.IsDue(done)) CorrectPoses(done);
+      // After all trials that are due, which may be late because others took long.
+      pictures_.EndJudgingIfDue(done);
       history.Add(TakeStep(done));
       history.Record(Figures(done));
       if (seconds_ - last_checkpoint >= options_.checkpoint_interval_s) {

@@ -15,17 +15,17 @@ TrainingPictures::TrainingPictures(const OptimizeOptions& options, TrainingSet s
 void TrainingPictures::PlaceCameras(std::span<const CorrectedPose> poses, double progress) {
   set_.views = given_views_;
   for (size_t i = 0; i < poses.size(); ++i) set_.views[i].cam_from_world = poses[i].cam_from_world;
-  ChooseLearned(progress);
+  ChooseLearned(!KeepsJudging(progress));
 }
 
 void TrainingPictures::EndJudgingIfDue(double progress) {
-  if (!learns_all_ && !KeepsJudging(progress)) ChooseLearned(progress);
+  if (!learns_all_ && !KeepsJudging(progress)) ChooseLearned(true);
 }
 
-Judgement TrainingPictures::JudgeField(double progress, int samples) {
+Judgement TrainingPictures::JudgeField(int samples) {
   renderer_.SetTargets(set_.views, TargetsToJudge(set_, judging_));
   const Judgement judgement = Judge(renderer_, judging_, background_srgb_, samples);
-  ChooseLearned(progress);
+  ChooseLearned(learns_all_);
   return judgement;
 }
 
@@ -35,8 +35,8 @@ bool TrainingPictures::KeepsJudging(double progress) const {
          progress < options_.schedule.last_judging;
 }
 
-void TrainingPictures::ChooseLearned(double progress) {
-  learns_all_ = !KeepsJudging(progress);
+void TrainingPictures::ChooseLearned(bool all) {
+  learns_all_ = all;
   ListBlocks(set_, learns_all_ ? std::vector<uint8_t>() : judging_.is_whole);
   renderer_.SetTargets(set_.views, learns_all_ ? set_.targets : WithoutJudging());
 }

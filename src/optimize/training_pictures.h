@@ -37,12 +37,13 @@ class TrainingPictures {
   void PlaceCameras(std::span<const CorrectedPose> poses, double progress);
   // Lets the judging pictures be learned if the time of judging is over.
   void EndJudgingIfDue(double progress);
-  // What the judging pictures say of the renderer's field. `samples`: TrainingBatch::samples.
-  Judgement JudgeField(double progress, int samples = 1);
+  // What the judging pictures say of the renderer's field. They are kept from learning, or learned,
+  // as before, however late it is. `samples`: TrainingBatch::samples.
+  Judgement JudgeField(int samples = 1);
 
  private:
   bool KeepsJudging(double progress) const;
-  void ChooseLearned(double progress);
+  void ChooseLearned(bool all);
 
   const OptimizeOptions& options_;
   TrainingRenderer& renderer_;

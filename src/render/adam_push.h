@@ -17,6 +17,12 @@ static_assert(uint32_t(RateClass::kColor) == kRateColor &&
               uint32_t(RateClass::kDensity) == kRateDensity &&
               uint32_t(RateClass::kHarmonics) == kRateHarmonics && kRateClasses <= 4);
 
+// For attributes that are learned without it: their rates have no correction.
+inline AdamUpdate WithoutMomentum(AdamUpdate update) {
+  update.beta1 = 0;
+  return update;
+}
+
 // Quanta of fixed-point gradients are 1.
 inline gpu_types::AdamPush MakeAdamPush(const AdamUpdate& update, const Attribute& density,
                                         uint32_t row_count) {

@@ -10,20 +10,37 @@
 
 namespace tetrec {
 
-void CheckRows(std::span<const float> values, const FieldLayout& layout, size_t rows,
-               const char* what) {
-  const size_t components = size_t(layout.Components());
-  const char* owner = RowName(layout.storage);
-  if (values.size() != rows * components) {
-    throw DataError(fmt::format("{} {}: {} {} have {} components each", values.size(), what, rows,
-                                layout.storage == FieldStorage::kCell ? "tets" : "vertices",
-                                components));
+namespace {
+
+// `names`: of the values of a row.
+void CheckRowsOf(std::span<const float> values, FieldStorage storage, size_t rows,
+                 const std::vector<std::string>& names, const char* what) {
+  const size_t width = names.size();
+  if (values.size() != rows * width) {
+    throw DataError(fmt::format("{} {}: {} {} have {} each", values.size(), what, rows,
+                                storage == FieldStorage::kCell ? "tets" : "vertices", width));
   }
   for (size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i])) continue;
-    throw DataError(fmt::format("{} {} has {} that are not finite: {} is {}", owner, i / components,
-                                what, layout.ParameterNames()[i % components], values[i]));
+    throw DataError(fmt::format("{} {} has {} that are not finite: {} is {}", RowName(storage),
+                                i / width, what, names[i % width], values[i]));
   }
+}
+
+void CheckMoments(const FieldState& state, size_t rows) {
+  const FieldLayout& layout = state.layout;
+  std::vector<std::string> names = layout.ParameterNames();
+  names.resize(size_t(FieldLayout::FirstMoments()));
+  CheckRowsOf(state.first_moment, layout.storage, rows, names, "first moments");
+  for (size_t i = 2; i < layout.attributes.size(); ++i) names.push_back(layout.attributes[i].name);
+  CheckRowsOf(state.second_moment, layout.storage, rows, names, "second moments");
+}
+
+}  // namespace
+
+void CheckRows(std::span<const float> values, const FieldLayout& layout, size_t rows,
+               const char* what) {
+  CheckRowsOf(values, layout.storage, rows, layout.ParameterNames(), what);
 }
 
 void CheckRenderable(const TetMesh& mesh, const FieldState& state) {
@@ -31,8 +48,7 @@ void CheckRenderable(const TetMesh& mesh, const FieldState& state) {
   CheckLayout(state.layout);
   const size_t rows = RowCount(mesh, state.layout.storage);
   CheckRows(state.parameters, state.layout, rows, "parameters");
-  CheckRows(state.first_moment, state.layout, rows, "first moments");
-  CheckRows(state.second_moment, state.layout, rows, "second moments");
+  CheckMoments(state, rows);
 }
 
 void CheckRateShares(std::span<const float> shares, size_t rows) {

@@ -22,7 +22,7 @@ glm::vec3 ColorSeen(const glm::vec3& color, const float* coefficients, int count
   return glm::vec3(sum);
 }
 
-// Copies what rows of two layouts have in common.
+// Copies what parameters of two layouts have in common.
 std::vector<float> WithComponents(const std::vector<float>& rows, const FieldLayout& from,
                                   const FieldLayout& to) {
   const size_t old_size = size_t(from.Components()), new_size = size_t(to.Components());
@@ -34,6 +34,25 @@ std::vector<float> WithComponents(const std::vector<float>& rows, const FieldLay
       const int count = std::min(attribute.components, same->components);
       std::copy_n(rows.begin() + long(row * old_size) + from.OffsetOf(attribute.name), count,
                   result.begin() + long(row * new_size) + to.OffsetOf(attribute.name));
+    }
+  }
+  return result;
+}
+
+// The same for second moments.
+std::vector<float> WithSecondMoments(const std::vector<float>& rows, const FieldLayout& from,
+                                     const FieldLayout& to) {
+  const size_t old_size = size_t(from.SecondMoments()), new_size = size_t(to.SecondMoments());
+  std::vector<float> result(rows.size() / old_size * new_size, 0.0f);
+  for (size_t row = 0; row * old_size < rows.size(); ++row) {
+    const auto before = rows.begin() + long(row * old_size);
+    const auto after = result.begin() + long(row * new_size);
+    std::copy_n(before, kStandardComponents, after);
+    for (size_t i = 2; i < to.attributes.size(); ++i) {
+      const auto same = std::ranges::find(from.attributes, to.attributes[i].name, &Attribute::name);
+      if (same == from.attributes.end()) continue;
+      after[long(i) + kStandardComponents - 2] =
+          before[same - from.attributes.begin() + kStandardComponents - 2];
     }
   }
   return result;
@@ -89,9 +108,8 @@ FieldState WithHarmonics(const FieldState& state, int degree) {
   if (degree > 0) {
     layout.attributes.insert(layout.attributes.begin() + 2, HarmonicsAttribute(degree));
   }
-  return {layout, WithComponents(state.parameters, state.layout, layout),
-          WithComponents(state.first_moment, state.layout, layout),
-          WithComponents(state.second_moment, state.layout, layout)};
+  return {layout, WithComponents(state.parameters, state.layout, layout), state.first_moment,
+          WithSecondMoments(state.second_moment, state.layout, layout)};
 }
 
 }  // namespace tetrec

@@ -23,8 +23,8 @@ glm::dvec3 DirectionTo(const glm::dvec3& place, const glm::dvec3& center);
 // field without harmonics is returned as it is.
 RadianceField FieldSeenFrom(const RadianceField& field, const glm::dvec3& center);
 
-// The state with view-dependent colour of another degree: coefficients that it did not have are 0,
-// and so are their moments; those that it does not keep are forgotten.
+// The state with view-dependent colour of another degree: coefficients that it did not have are 0;
+// those that it does not keep are forgotten. Their moment stays, and is 0 for a first degree.
 FieldState WithHarmonics(const FieldState& state, int degree);
 
 }  // namespace tetrec

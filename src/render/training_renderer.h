@@ -40,7 +40,7 @@ struct TileShape {
 
 // If colours depend on the view, renderers compute them for each view of a batch: the fewer, the
 // less work and memory. A batch may have more than this, but memory is set aside for no more.
-inline constexpr size_t kMostViewsOfBatch = 8;
+inline constexpr size_t kMostViewsOfBatch = 4;
 
 // Rays and what they are compared by.
 struct TrainingBatch {
@@ -67,12 +67,13 @@ struct TrainingBatch {
   uint64_t rays_of_mean() const { return update_rays > 0 ? update_rays : rays(); }
 };
 
-// One update by Adam (Kingma and Ba 2015).
+// One update by Adam (Kingma and Ba 2015); attributes behind density are updated without the first
+// moment (shared/adam.glsl.h).
 struct AdamUpdate {
   uint32_t step = 1;  // counts from 1
   float beta1 = 0.9f, beta2 = 0.99f;
   float epsilon = 1e-12f;  // gradients of a mean over many rays are tiny
-  double color_rate = 0.02, density_rate = 0.2, harmonics_rate = 0.005;  // by RateClass
+  double color_rate = 0.02, density_rate = 0.2, harmonics_rate = 0.015;  // by RateClass
   double max_density = 1e5;  // bound of density, and of attributes of kExp [1 / world unit]
   // Pull of seen rows towards empty, as a share of Adam's largest step.
   double density_decay = 0.0;

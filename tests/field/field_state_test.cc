@@ -31,8 +31,8 @@ TEST(FieldState, HasTheParametersOfAFieldRowByRow) {
   EXPECT_EQ(state.parameters[3 * 9 + kDensityOffset], std::log(3.5f));
   EXPECT_EQ(state.parameters[kDensityOffset], kLeastLogDensity) << "density 0 has no logarithm";
   EXPECT_EQ(state.parameters[9 + kStandardComponents + 2], field.others[0].values[5 + 2]);
-  EXPECT_EQ(state.first_moment, std::vector<float>(36, 0.0f));
-  EXPECT_EQ(state.second_moment, std::vector<float>(36, 0.0f));
+  EXPECT_EQ(state.first_moment, std::vector<float>(4 * 4, 0.0f));
+  EXPECT_EQ(state.second_moment, std::vector<float>(4 * 5, 0.0f)) << "one of the other attribute";
 }
 
 TEST(FieldState, KeepsTheSignsOfSignedDensity) {
@@ -62,19 +62,23 @@ TEST(FieldState, BecomesTheFieldAgain) {
 
 TEST(Prolong, InterpolatesValuesNotParameters) {
   FieldState state = StateOf(OneTet());
-  for (size_t i = 0; i < state.parameters.size(); ++i) {
-    state.first_moment[i] = float(i);
-    state.second_moment[i] = 100.0f + float(i);
-  }
+  for (size_t i = 0; i < state.first_moment.size(); ++i) state.first_moment[i] = float(i);
+  for (size_t i = 0; i < state.second_moment.size(); ++i) state.second_moment[i] = 100 + float(i);
   const RowSource sources[] = {{2, 2, 0.0f}, {1, 3, 0.25f}};
   const FieldState result = Prolong(state, sources);
   ASSERT_EQ(result.layout, state.layout);
   ASSERT_EQ(result.rows(), 2u);
+  ASSERT_EQ(result.first_moment.size(), 2u * 4);
+  ASSERT_EQ(result.second_moment.size(), 2u * 5);
+  for (size_t c = 0; c < 4; ++c) {
+    EXPECT_EQ(result.first_moment[c], state.first_moment[2 * 4 + c]) << "copied";
+    EXPECT_EQ(result.first_moment[4 + c], float(4 + c) + 0.25f * 8.0f);
+  }
+  for (size_t c = 0; c < 5; ++c) {
+    EXPECT_EQ(result.second_moment[5 + c], 100.0f + float(5 + c) + 0.25f * 10.0f);
+  }
   for (size_t c = 0; c < 9; ++c) {
     EXPECT_EQ(result.parameters[c], state.parameters[2 * 9 + c]) << "copied";
-    EXPECT_EQ(result.first_moment[c], state.first_moment[2 * 9 + c]);
-    EXPECT_EQ(result.first_moment[9 + c], float(9 + c) + 0.25f * 18.0f);
-    EXPECT_EQ(result.second_moment[9 + c], 100.0f + float(9 + c) + 0.25f * 18.0f);
     if (c == kDensityOffset) continue;
     const float a = state.parameters[9 + c], b = state.parameters[3 * 9 + c];
     EXPECT_FLOAT_EQ(result.parameters[9 + c], 0.75f * a + 0.25f * b);

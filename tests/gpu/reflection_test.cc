@@ -39,8 +39,7 @@ TEST(ReflectionTest, BackwardMarchWithPositions) {
                           Is(kBindVertexGradients, Access::kReadWrite, true, "VertexGradients"),
                           Is(kBindCounters, Access::kReadWrite, true, "Counters"),
                           Is(kBindPositionGradients, Access::kReadWrite, true, "PositionGradients"),
-                          Is(kBindColors, Access::kTexelRead, true, "colors"),
-                          Is(kBindColorGradients, Access::kReadWrite, true, "ColorGradients")));
+                          Is(kBindColors, Access::kTexelRead, true, "colors")));
   EXPECT_EQ(march.push_bytes, sizeof(gpu_types::MarchPush));
   EXPECT_THAT(march.local_size, ElementsAre(kWorkgroupSize, 1, 1));
   EXPECT_THAT(march.constant_ids,

@@ -15,7 +15,7 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECK7", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
+// Where the fields start: "TETRECK8", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
 // bytes, f64 best PSNR, u32 x 3 harmonics, u32 fine rays, u64 V, u64 T, then the layout: u32
 // storage, u32 attributes, and of "color" and "density" the length of the name, the name, and 3 u32
 // each. Positions follow.
@@ -43,10 +43,10 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   checkpoint.fine_rays = FineRaysState::kNotUsed;
   checkpoint.mesh = BuildDelaunay(points).mesh;
   FieldState& state = checkpoint.state;
-  state.layout = layout;
   const size_t rows = RowCount(checkpoint.mesh, layout.storage);
+  state = WithoutMoments(layout, std::vector<float>(rows * size_t(layout.Components())));
   for (auto* values : {&state.parameters, &state.first_moment, &state.second_moment}) {
-    for (size_t i = 0; i < rows * size_t(layout.Components()); ++i) values->push_back(unit());
+    for (float& value : *values) value = unit();
   }
   checkpoint.exposure.exposures.resize(3);
   checkpoint.exposure.sums.resize(3);

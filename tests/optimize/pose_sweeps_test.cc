@@ -69,9 +69,9 @@ TEST(PoseSweeps, GoOnFromAResumedState) {
             state.poses[2].cam_from_world.rotation);
   EXPECT_FALSE(sweeps.IsDue(0.25));
   ASSERT_TRUE(sweeps.IsDue(0.28));
-  const double turned = run.pictures.JudgeField(0.28).psnr;
+  const double turned = run.pictures.JudgeField().psnr;
   EXPECT_EQ(sweeps.Sweep({}, 0.28), 0.0);  // the first sweep has decided
-  EXPECT_GT(run.pictures.JudgeField(0.28).psnr, turned);
+  EXPECT_GT(run.pictures.JudgeField().psnr, turned);
   EXPECT_EQ(sweeps.state().sweeps, 2u);
 }
 

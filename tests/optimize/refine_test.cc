@@ -375,9 +375,9 @@ FieldState LinearOther(const TetMesh& mesh, const Attribute& attribute,
   for (const glm::vec3& p : mesh.positions) {
     for (int c = 0; c < state.layout.Components(); ++c) {
       state.parameters.push_back(c < 4 ? 0.5f : truth(p, c));
-      state.first_moment.push_back(0.1f * truth(p, c));
-      state.second_moment.push_back(10.0f + truth(p, c));
     }
+    for (int c = 0; c < 4; ++c) state.first_moment.push_back(0.1f * truth(p, c));
+    for (int c = 0; c < 5; ++c) state.second_moment.push_back(10.0f + truth(p, c));
   }
   return state;
 }
@@ -404,8 +404,17 @@ TEST(Refine, ReproducesOtherLinearAttributesTooHarmonicsAmongThem) {
       if (c >= 4) {
         EXPECT_NEAR(result.state.parameters[at], value, kRounding);
       }
-      EXPECT_NEAR(result.state.first_moment[at], 0.1f * value, 0.1f * kRounding);
-      EXPECT_NEAR(result.state.second_moment[at], 10.0f + value, 2 * kRounding);
+    }
+    ASSERT_EQ(result.state.first_moment.size(), 4 * result.state.rows());
+    ASSERT_EQ(result.state.second_moment.size(), 5 * result.state.rows());
+    for (size_t row = 0; row < result.state.rows(); ++row) {
+      const glm::vec3& place = result.mesh.positions[row];
+      for (int c = 0; c < 5; ++c) {
+        const float value = truth(place, c);
+        EXPECT_NEAR(result.state.second_moment[5 * row + size_t(c)], 10.0f + value, 2 * kRounding);
+        if (c == 4) continue;
+        EXPECT_NEAR(result.state.first_moment[4 * row + size_t(c)], 0.1f * value, 0.1f * kRounding);
+      }
     }
   }
 }

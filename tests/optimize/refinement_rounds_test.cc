@@ -33,12 +33,12 @@ TEST_F(RefinementRoundsTest, AreDueOneAfterAnother) {
 
 TEST_F(RefinementRoundsTest, GoOnWithAFieldThatGained) {
   run_.PutField(0.2);
-  rounds_.Advance(0.1);
+  rounds_.Advance();
   const double first = rounds_.state().best_psnr;
   const size_t refined = vertices();
   EXPECT_GT(refined, WavyBox(0.2).mesh.positions.size());
   run_.PutField(0.4);
-  rounds_.Advance(0.2);
+  rounds_.Advance();
   EXPECT_EQ(rounds_.state().rounds, 2u);
   EXPECT_GT(rounds_.state().best_psnr, first);
 }
@@ -47,12 +47,12 @@ TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {
   run_.steps.Take(0.0, false);  // so that there are moments
   const std::vector<glm::vec3> positions = run_.field.mesh().positions;
   const FieldState best = run_.field.ReadState();
-  rounds_.Advance(0.1);
+  rounds_.Advance();
   ASSERT_GT(vertices(), positions.size());
   FieldState worse = run_.field.ReadState();
   for (float& parameter : worse.parameters) parameter = 0.0f;
   run_.field.PutState(worse);
-  rounds_.Advance(0.2);
+  rounds_.Advance();
   const FieldState now = run_.field.ReadState();
   EXPECT_TRUE(run_.field.mesh().positions == positions);
   EXPECT_TRUE(now.parameters == best.parameters);
@@ -62,9 +62,9 @@ TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {
 
 TEST_F(RefinementRoundsTest, TakeNothingBackWhereNothingJudges) {
   run_.pictures.EndJudgingIfDue(1.0);
-  rounds_.Advance(1.0);
+  rounds_.Advance();
   run_.PutField(0.0);
-  rounds_.Advance(1.0);
+  rounds_.Advance();
   EXPECT_EQ(rounds_.state().rounds, 2u);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "best.bin"));
 }

@@ -62,10 +62,10 @@ TEST(TrainingPictures, AreLearnedWholeIfNoneOfTheirTilesJudges) {
 TEST(TrainingPictures, JudgeTheFieldAndAreLearnedAsBefore) {
   SmallRun run;
   const double squares = LearnedSquares(run);
-  const double right = run.pictures.JudgeField(0.1).psnr;
+  const double right = run.pictures.JudgeField().psnr;
   EXPECT_EQ(LearnedSquares(run), squares);
   run.PutField(0.0);
-  EXPECT_LT(run.pictures.JudgeField(0.1).psnr, right - 10);
+  EXPECT_LT(run.pictures.JudgeField().psnr, right - 10);
   EXPECT_FALSE(run.pictures.learns_all());
 }
 
@@ -76,12 +76,12 @@ TEST(TrainingPictures, TakeCamerasAndGiveThemBack) {
   for (const RenderView& view : given) {
     poses.push_back({MotionOf(glm::dvec3(0.0, 0.3, 0.0), glm::dvec3(0.0)) * view.cam_from_world});
   }
-  const double right = run.pictures.JudgeField(0.1).psnr;
+  const double right = run.pictures.JudgeField().psnr;
   run.pictures.PlaceCameras(poses, 0.1);
   EXPECT_EQ(run.pictures.set().views[1].cam_from_world.rotation, poses[1].cam_from_world.rotation);
-  EXPECT_LT(run.pictures.JudgeField(0.1).psnr, right - 10);
+  EXPECT_LT(run.pictures.JudgeField().psnr, right - 10);
   run.pictures.PlaceCameras({}, 0.1);
-  EXPECT_EQ(run.pictures.JudgeField(0.1).psnr, right);
+  EXPECT_EQ(run.pictures.JudgeField().psnr, right);
 }
 
 }  // namespace

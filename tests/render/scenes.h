@@ -167,12 +167,11 @@ inline void ExpectStateComesBack(ProbedRenderer& renderer, const TetMesh& mesh,
                                  const FieldLayout& layout) {
   std::mt19937 random(1);
   std::normal_distribution<float> normal;
-  FieldState state{.layout = layout};
-  for (size_t i = 0; i < RowCount(mesh, layout.storage) * size_t(layout.Components()); ++i) {
-    state.parameters.push_back(normal(random));
-    state.first_moment.push_back(normal(random));
-    state.second_moment.push_back(std::abs(normal(random)));
-  }
+  const size_t values = RowCount(mesh, layout.storage) * size_t(layout.Components());
+  FieldState state = WithoutMoments(layout, std::vector<float>(values));
+  for (float& parameter : state.parameters) parameter = normal(random);
+  for (float& moment : state.first_moment) moment = normal(random);
+  for (float& moment : state.second_moment) moment = std::abs(normal(random));
   renderer.SetState(mesh, state);
   const FieldState back = renderer.ReadState();
   EXPECT_EQ(back.layout, layout);

@@ -3,13 +3,12 @@
 #include "render/reference/reference_renderer.h"
 
 #include "core/error.h"
-#include "render/adam_push.h"
 #include "render/field_checks.h"
 #include "render/ray_blocks.h"
 #include "render/reference/batch.h"
 #include "render/reference/dssim.h"
+#include "render/reference/row_update.h"
 #include "render/seen_colors.h"
-#include "shared/adam.glsl.h"
 #include "shared/exposure.glsl.h"
 #include "shared/loss.glsl.h"
 #include "shared/random.glsl.h"
@@ -167,46 +166,15 @@ class ReferenceRenderer final : public ProbedRenderer {
   }
 
   void Update(const AdamUpdate& update) override {
-    const gpu_types::AdamPush push =
-        MakeAdamPush(update, state_.layout.density(), uint32_t(state_.rows()));
-    const AdamRates<Real> rates{Real(push.beta1), Real(push.beta2), Real(push.epsilon),
-                                Real(push.second_moment_correction)};
+    const RowUpdate<Real> row_update(update, state_.layout);
     const std::vector<const Attribute*> attributes = state_.layout.ByComponent();
-    const size_t components = attributes.size();
-    std::vector<Real> by_parameter(components);
+    std::vector<Real> by_parameter(attributes.size());
     for (size_t row = 0; row < state_.rows(); ++row) {
-      bool is_seen = false, others_have_gradients = false;
-      for (size_t c = 0; c < components; ++c) {
+      for (size_t c = 0; c < attributes.size(); ++c) {
         by_parameter[c] =
             Real(SumAt(row, c)) * ActivationSlope(*attributes[c], Real(ValueAt(row, c)));
-        if (c < kStandardComponents) {
-          is_seen |= by_parameter[c] != Real(0);
-        } else {
-          others_have_gradients |= SumAt(row, c) != 0.0;
-        }
       }
-      // As adam_others.comp.
-      const size_t moving = others_have_gradients ? components : size_t(kStandardComponents);
-      for (size_t c = 0; c < moving; ++c) {
-        const size_t at = row * components + c;
-        float &parameter = state_.parameters[at], &first = state_.first_moment[at],
-              &second = state_.second_moment[at];
-        AdamState<Real> next = AdamStep(
-            AdamState<Real>{Real(parameter), Real(first), Real(second)}, rates,
-            Real(rate_shares_[row] * push.rates[int(attributes[c]->rate)]), by_parameter[c]);
-        if (c == kDensityOffset && is_seen)
-          next.parameter -= Real(rate_shares_[row] * push.density_decay);
-        const bool is_density = c == kDensityOffset;
-        next.parameter = ClampParameter(int(attributes[c]->activation), next.parameter,
-                                        Real(is_density ? push.least_density : push.least_log),
-                                        Real(is_density ? push.largest_density : push.largest_log));
-        if (attributes[c]->activation == Activation::kSigned) {
-          next = StopAtZero(next, Real(parameter));
-        }
-        parameter = float(next.parameter);
-        first = float(next.first);
-        second = float(next.second);
-      }
+      row_update.Apply(state_, row, by_parameter, Real(rate_shares_[row]));
       Spread(row);
     }
     ClearSums();

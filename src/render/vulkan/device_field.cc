@@ -148,51 +148,52 @@ void PutPart(std::span<const T> part_rows, size_t components, const RowPart& par
   }
 }
 
-// All first moments of a row, then all second ones.
-std::vector<float> MomentRows(const FieldState& state, const RowPart& part) {
-  const size_t components = size_t(state.layout.Components());
-  const std::vector<float> first = PartOf<float>(std::span(state.first_moment), components, part);
-  const std::vector<float> second = PartOf<float>(std::span(state.second_moment), components, part);
+// The second moments of the other attributes in FieldState::second_moment.
+RowPart OtherMomentPart(const FieldLayout& layout) {
+  const size_t count = layout.attributes.size() - 2;
+  return {kStandardComponents, count, count};
+}
+
+// Of colour and density: all first moments of a row, then all second ones.
+std::vector<float> AdamMomentRows(const FieldState& state) {
+  const size_t width = size_t(state.layout.SecondMoments());
   std::vector<float> rows;
-  rows.reserve(2 * first.size());
-  for (size_t at = 0; at < first.size(); at += part.stride) {
-    for (const auto* moments : {&first, &second}) {
-      rows.insert(rows.end(), moments->begin() + long(at),
-                  moments->begin() + long(at + part.stride));
-    }
+  rows.reserve(2 * state.first_moment.size());
+  for (size_t row = 0; row < state.rows(); ++row) {
+    const auto first = state.first_moment.begin() + long(row * kStandardComponents);
+    const auto second = state.second_moment.begin() + long(row * width);
+    rows.insert(rows.end(), first, first + kStandardComponents);
+    rows.insert(rows.end(), second, second + kStandardComponents);
   }
   return rows;
 }
 
-// The opposite: puts the part of moments back.
-void PutMoments(const Buffer& buffer, size_t count, const RowPart& part, FieldState& state) {
-  const std::vector<float> rows = buffer.DownloadAs<float>(2 * count * part.stride);
-  std::vector<float> first, second;
-  for (size_t at = 0; at < rows.size(); at += 2 * part.stride) {
-    const auto from = rows.begin() + long(at), middle = from + long(part.stride);
-    first.insert(first.end(), from, middle);
-    second.insert(second.end(), middle, middle + long(part.stride));
+// The opposite.
+void PutAdamMoments(std::span<const float> rows, FieldState& state) {
+  const size_t width = size_t(state.layout.SecondMoments());
+  for (size_t row = 0; row < state.rows(); ++row) {
+    const auto from = rows.begin() + long(2 * row * kStandardComponents);
+    std::copy_n(from, kStandardComponents,
+                state.first_moment.begin() + long(row * kStandardComponents));
+    std::copy_n(from + kStandardComponents, kStandardComponents,
+                state.second_moment.begin() + long(row * width));
   }
-  const size_t components = size_t(state.layout.Components());
-  PutPart<float>(first, components, part, state.first_moment);
-  PutPart<float>(second, components, part, state.second_moment);
 }
 
 constexpr VkFormat kTexels = VK_FORMAT_R32G32B32A32_SFLOAT;
 
-OtherAttributes UploadOthers(const Device& device, const FieldState& state, bool fixed_point) {
+OtherAttributes UploadOthers(const Device& device, const FieldState& state) {
   const RowPart part = OtherPart(state.layout);
-  const uint64_t rows = state.rows();
-  OtherAttributes others{.components = uint32_t(part.count), .stride = uint32_t(part.stride)};
+  const RowPart moments = OtherMomentPart(state.layout);
+  OtherAttributes others{.components = uint32_t(part.count),
+                         .stride = uint32_t(part.stride),
+                         .attributes = uint32_t(moments.count)};
   others.parameters = MakeBuffer(
       device, "other parameters",
       PartOf<float>(std::span(state.parameters), size_t(state.layout.Components()), part), kTexels);
-  others.moments = MakeBuffer(device, "other moments", MomentRows(state, part), kTexels);
-  others.gradients =
-      Buffer(device, "other gradients", rows * part.stride * SumBytes(fixed_point), kTexels);
-  others.gradients.FillZero();
-  others.has_gradients = Buffer(device, "rows with gradients", rows * 4);
-  others.has_gradients.FillZero();
+  others.moments = MakeBuffer(
+      device, "other moments",
+      PartOf<float>(std::span(state.second_moment), size_t(state.layout.SecondMoments()), moments));
   return others;
 }
 
@@ -265,14 +266,15 @@ DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point) {
   const uint64_t sum = SumBytes(fixed_point);
   const bool cells = layout.storage == FieldStorage::kCell;
   // Rows of 16 bytes: 2 per tet; 2 per vertex and 4 sums; for what has attributes a parameter, two
-  // moments and a sum per component (others than the standard ones padded to 4), a rate share, and
-  // one row more if that is a tet; 2 per face, and twice as many nodes of 2 as there are faces, at
-  // most. View-dependent colours of a row and their sums for each view of a batch.
+  // moments and a sum per component, a rate share, behind colour and density a parameter and a sum
+  // per component (padded to 4) and a moment per attribute, and one row more if that is a tet; 2
+  // per face, and twice as many nodes of 2 as there are faces, at most. View-dependent colours of a
+  // row and their sums for each view of a batch.
   const RowPart others = OtherPart(layout);
   const uint64_t views = layout.HarmonicsDegree() > 0 ? kMostViewsOfBatch : 0;
-  const uint64_t attributes = (kStandardComponents + others.stride) * (3 * 4 + sum) + 4 +
-                              (others.count > 0 ? 4 : 0) +
-                              views * (16 + kColorGradientStride * sum);
+  const uint64_t attributes = kStandardComponents * (3 * 4 + sum) + 4 + others.stride * (4 + sum) +
+                              4 * OtherMomentPart(layout).count + (others.count > 0 ? 4 : 0) +
+                              views * (16 + kStandardComponents * sum);
   return {.of_tet = 2 * 16 + sum + (cells ? 16 + attributes : 0),
           .of_vertex = 2 * 16 + 4 * sum + (cells ? 0 : attributes),
           .of_face = 2 * 16 + 2 * 2 * 16};
@@ -302,8 +304,8 @@ DeviceField UploadField(const Device& device, const TetMesh& mesh, const FieldSt
   field.parameters =
       MakeBuffer(device, "parameters",
                  PartOf<float>(std::span(state.parameters), components, kStandardPart), kTexels);
-  field.moments = MakeBuffer(device, "moments", MomentRows(state, kStandardPart), kTexels);
-  if (!state.layout.IsStandard()) field.others = UploadOthers(device, state, fixed_point);
+  field.moments = MakeBuffer(device, "moments", AdamMomentRows(state), kTexels);
+  if (!state.layout.IsStandard()) field.others = UploadOthers(device, state);
   field.rate_shares = MakeBuffer(device, "rate shares", std::vector<float>(field.row_count, 1.0f));
   field.gradients =
       Buffer(device, "field gradients",
@@ -321,6 +323,17 @@ void AllocatePositionGradients(const Device& device, DeviceField& field) {
   field.position_gradients.FillZero();
 }
 
+void AllocateOtherGradients(const Device& device, DeviceField& field) {
+  OtherAttributes& others = field.others;
+  if (!others || others.HasSums()) return;
+  const uint64_t rows = field.row_count;
+  others.gradients = Buffer(device, "other gradients",
+                            rows * others.stride * SumBytes(field.fixed_point), kTexels);
+  others.gradients.FillZero();
+  others.has_gradients = Buffer(device, "rows with gradients", rows * 4);
+  others.has_gradients.FillZero();
+}
+
 std::vector<double> DownloadGradients(const DeviceField& field, const FixedPoint& fixed) {
   const size_t components = size_t(field.layout.Components());
   std::vector<double> values(field.row_count * components);
@@ -329,7 +342,7 @@ std::vector<double> DownloadGradients(const DeviceField& field, const FixedPoint
                     components, part, values);
   };
   put(field.gradients, kStandardPart);
-  if (field.others) put(field.others.gradients, OtherPart(field.layout));
+  if (field.others.HasSums()) put(field.others.gradients, OtherPart(field.layout));
   return values;
 }
 
@@ -347,7 +360,7 @@ void AddToGradients(DeviceField& field, std::span<const double> values, const Fi
 
 void ClearGradients(DeviceField& field) {
   field.gradients.FillZero();
-  if (!field.others) return;
+  if (!field.others.HasSums()) return;
   field.others.gradients.FillZero();
   field.others.has_gradients.FillZero();
 }
@@ -382,15 +395,18 @@ std::vector<float> DownloadScores(const DeviceField& field) {
 
 FieldState DownloadState(const DeviceField& field) {
   const size_t components = size_t(field.layout.Components()), rows = field.row_count;
-  const std::vector<float> zeros(rows * components);
-  FieldState state{field.layout, zeros, zeros, zeros};
-  const auto put = [&](const Buffer& parameters, const Buffer& moments, const RowPart& part) {
+  FieldState state = WithoutMoments(field.layout, std::vector<float>(rows * components));
+  const auto put = [&](const Buffer& parameters, const RowPart& part) {
     PutPart<float>(parameters.DownloadAs<float>(rows * part.stride), components, part,
                    state.parameters);
-    PutMoments(moments, rows, part, state);
   };
-  put(field.parameters, field.moments, kStandardPart);
-  if (field.others) put(field.others.parameters, field.others.moments, OtherPart(field.layout));
+  put(field.parameters, kStandardPart);
+  PutAdamMoments(field.moments.DownloadAs<float>(2 * rows * kStandardComponents), state);
+  if (!field.others) return state;
+  put(field.others.parameters, OtherPart(field.layout));
+  const RowPart moments = OtherMomentPart(field.layout);
+  PutPart<float>(field.others.moments.DownloadAs<float>(rows * moments.stride),
+                 size_t(field.layout.SecondMoments()), moments, state.second_moment);
   return state;
 }
 

@@ -14,16 +14,20 @@ namespace tetrec {
 // Rows have `stride` values, a multiple of 4 and as many as there are components or more.
 struct OtherAttributes {
   uint32_t components = 0, stride = 0;
-  Buffer parameters, gradients;  // rows
-  Buffer moments;                // two rows each, as DeviceField::moments
-  Buffer has_gradients;          // uint per row: whether it has gradients
+  uint32_t attributes = 0;  // moments of a row
+  Buffer parameters;        // rows
+  Buffer moments;           // rows of one second moment per attribute
+  // Sums, absent until asked for: rows of gradients, and uint per row, whether it has any.
+  Buffer gradients, has_gradients;
 
   explicit operator bool() const { return components > 0; }
+  bool HasSums() const { return gradients.handle() != VK_NULL_HANDLE; }
 };
 
-// 32 bytes per tet, 32 per vertex, and 16 more per component of a row of attributes to learn (20 in
-// fixed point); 16 more per tet if cells have the attributes; one plane and one triangle per
-// boundary face, and over them the planes of a convex boundary of few faces, or a tree of boxes.
+// 32 bytes per tet, 32 per vertex, and per row of attributes to learn 16 more for each component
+// of colour and density (20 in fixed point) and 8 for each component behind them (12); 16 more per
+// tet if cells have the attributes; one plane and one triangle per boundary face, and over them the
+// planes of a convex boundary of few faces, or a tree of boxes.
 struct DeviceField {
   TetMesh mesh;            // the host's copy
   std::string not_convex;  // why the boundary is not convex; empty if it is convex
@@ -72,6 +76,8 @@ std::vector<float> DownloadScores(const DeviceField& field);
 
 // Makes position_gradients, zero, if it is absent.
 void AllocatePositionGradients(const Device& device, DeviceField& field);
+// The same for the sums of other attributes, if there are any.
+void AllocateOtherGradients(const Device& device, DeviceField& field);
 
 // Parameters and moments. The device must not be using them.
 FieldState DownloadState(const DeviceField& field);

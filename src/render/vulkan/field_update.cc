@@ -41,6 +41,14 @@ Program AdamOthersProgram(const Device& device, const FieldLayout& layout, bool 
   return Program(device, "adam_others", fixed_point ? fixed : floats, constants);
 }
 
+AdamPush PushOf(const AdamUpdate& update, const DeviceField& field, const FixedPoint& fixed) {
+  AdamPush push = MakeAdamPush(update, field.layout.density(), field.row_count);
+  push.quanta[kRateColor] = 1.0f / fixed.color_quanta;
+  push.quanta[kRateHarmonics] = 1.0f / fixed.color_quanta;
+  push.quanta[kRateDensity] = 1.0f / fixed.density_quanta;
+  return push;
+}
+
 }  // namespace
 
 FieldUpdate::FieldUpdate(const Device& device, const FieldLayout& layout, bool fixed_point)
@@ -50,10 +58,7 @@ FieldUpdate::FieldUpdate(const Device& device, const FieldLayout& layout, bool f
 
 void FieldUpdate::Adam(CommandRecorder& recorder, DeviceField& field, const AdamUpdate& update,
                        const FixedPoint& fixed) const {
-  AdamPush push = MakeAdamPush(update, field.layout.density(), field.row_count);
-  push.quanta[kRateColor] = 1.0f / fixed.color_quanta;
-  push.quanta[kRateHarmonics] = 1.0f / fixed.color_quanta;
-  push.quanta[kRateDensity] = 1.0f / fixed.density_quanta;
+  AdamPush push = PushOf(update, field, fixed);
   push.first_cell = field.first_cell;
   recorder.DispatchMany(adam_,
                         {{kBindVertexGradients, field.gradients},
@@ -65,16 +70,19 @@ void FieldUpdate::Adam(CommandRecorder& recorder, DeviceField& field, const Adam
                          {kBindRateShares, field.rate_shares},
                          {kBindVertices, field.vertices}},
                         push, field.row_count);
-  if (!field.others) return;
+}
+
+void FieldUpdate::Others(CommandRecorder& recorder, DeviceField& field, const AdamUpdate& update,
+                         const FixedPoint& fixed) const {
+  if (!field.others || !field.others.HasSums()) return;
+  AdamPush push = PushOf(WithoutMomentum(update), field, fixed);
   push.stride = field.others.stride;
+  push.moment_stride = field.others.attributes;
   recorder.DispatchMany(adam_others_,
                         {{kBindOtherGradients, field.others.gradients},
                          {kBindHasGradients, field.others.has_gradients},
                          {kBindParameters, field.others.parameters},
                          {kBindMoments, field.others.moments},
-                         {kBindGradientTexels, field.others.gradients},
-                         {kBindParameterTexels, field.others.parameters},
-                         {kBindMomentTexels, field.others.moments},
                          {kBindRateShares, field.rate_shares}},
                         push, field.row_count);
 }

@@ -22,10 +22,10 @@ struct RayPass {
   const gpu_types::GpuView& view;    // and of the first block's view
   const Buffer& counters;            // of kCounterCount
   gpu_types::RayPush push;
-  // Where kernels find colours and add their gradients (view_colors.h); those of the field itself
-  // if they do not depend on the view.
+  // Where kernels find colours and add gradients of colour and density (view_colors.h); those of
+  // the field itself if colours do not depend on the view.
   const Buffer* colors = &field.vertices;
-  const Buffer* color_gradients = &field.gradients;
+  const Buffer* gradients = &field.gradients;
   GradientParts parts = GradientParts::kColorDensity;  // for Backward
   bool count_steps = false;                            // for Forward: also count hit rays and steps
   ScoreKind score = ScoreKind::kSquaredResidual;       // for scores
@@ -92,7 +92,7 @@ class Integrator {
   // Records the commands that fill rays.colors. May submit what was recorded so far, wait, and
   // begin again.
   virtual void Forward(CommandRecorder& recorder, const RayPass& pass) = 0;
-  // Records the commands that add to field.gradients, and to field.position_gradients if pass.parts
+  // Records the commands that add to *pass.gradients, and to field.position_gradients if pass.parts
   // includes them; follows Forward of the same batch.
   virtual void Backward(CommandRecorder& recorder, const RayPass& pass) = 0;
 };

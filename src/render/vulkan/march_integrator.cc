@@ -88,8 +88,7 @@ void MarchIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
   BoundBuffers buffers = {{kBindRayColors, pass.rays.colors},
                           {kBindRayEntries, pass.rays.entries},
                           {kBindRayGradients, pass.rays.gradients},
-                          {kBindVertexGradients, pass.field.gradients},
-                          {kBindColorGradients, *pass.color_gradients}};
+                          {kBindVertexGradients, *pass.gradients}};
   if (with_positions) {
     buffers.emplace_back(kBindPositionGradients, pass.field.position_gradients);
   }

@@ -342,8 +342,7 @@ void PpllIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
                                         {kBindRayEntries, pass.rays.entries},
                                         {kBindRayGradients, pass.rays.gradients},
                                         {kBindCounters, pass.counters},
-                                        {kBindVertexGradients, pass.field.gradients},
-                                        {kBindColorGradients, *pass.color_gradients}});
+                                        {kBindVertexGradients, *pass.gradients}});
   if (with_positions) {
     buffers.emplace_back(kBindPositionGradients, pass.field.position_gradients);
   }

@@ -387,8 +387,7 @@ void ProjectionIntegrator::RecordBackward(CommandRecorder& recorder, const RayPa
                                         {kBindRayGradients, pass.rays.gradients},
                                         {kBindRayStates, ray_states_},
                                         {kBindCounters, pass.counters},
-                                        {kBindVertexGradients, pass.field.gradients},
-                                        {kBindColorGradients, *pass.color_gradients}});
+                                        {kBindVertexGradients, *pass.gradients}});
   if (with_positions) {
     buffers.emplace_back(kBindPositionGradients, pass.field.position_gradients);
   }

@@ -15,6 +15,11 @@ Program BackwardProgram(const Device& device, const FieldLayout& layout, bool fi
   return Program(device, "view_colors_backward", fixed_point ? fixed : floats, ConstantsOf(layout));
 }
 
+Program StepProgram(const Device& device, const FieldLayout& layout, bool fixed_point) {
+  const std::span<const uint32_t> fixed = kViewColorsStepFixed, floats = kViewColorsStep;
+  return Program(device, "view_colors_step", fixed_point ? fixed : floats, ConstantsOf(layout));
+}
+
 }  // namespace
 
 ViewColors::ViewColors(const Device& device, const FieldLayout& layout, bool fixed_point)
@@ -22,6 +27,7 @@ ViewColors::ViewColors(const Device& device, const FieldLayout& layout, bool fix
   if (!is_on_) return;
   forward_ = Program(device, "view_colors", kViewColors, ConstantsOf(layout));
   backward_ = BackwardProgram(device, layout, fixed_point);
+  step_ = StepProgram(device, layout, fixed_point);
 }
 
 bool ViewColors::NeedsRoom(const DeviceField& field, size_t views) const {
@@ -34,8 +40,8 @@ void ViewColors::MakeRoom(const DeviceField& field, size_t views) {
   colors_ =
       Buffer(*device_, "view colors", ColorBytes(field, views), VK_FORMAT_R32G32B32A32_SFLOAT);
   gradients_ =
-      Buffer(*device_, "gradients of view colors",
-             uint64_t{field.row_count} * views * kColorGradientStride * (fixed_point_ ? 8 : 4),
+      Buffer(*device_, "gradients by views",
+             uint64_t{field.row_count} * views * kStandardComponents * (fixed_point_ ? 8 : 4),
              VK_FORMAT_R32G32B32A32_SFLOAT);
   gradients_.FillZero();
 }
@@ -43,7 +49,7 @@ void ViewColors::MakeRoom(const DeviceField& field, size_t views) {
 void ViewColors::Bind(RayPass& pass) const {
   if (!is_on_) return;
   pass.colors = &colors_;
-  pass.color_gradients = &gradients_;
+  pass.gradients = &gradients_;
 }
 
 gpu_types::ViewColorPush ViewColors::PushOf(const RayPass& pass) const {
@@ -70,13 +76,40 @@ void ViewColors::RecordBackward(CommandRecorder& recorder, const RayPass& pass) 
                         {{kBindVertices, pass.field.vertices},
                          {kBindTets, pass.field.tets},
                          {kBindCenters, pass.rays.centers},
-                         {kBindColorGradients, gradients_},
-                         {kBindColorGradientTexels, gradients_},
+                         {kBindSlotGradients, gradients_},
+                         {kBindSlotGradientTexels, gradients_},
                          {kBindVertexGradients, pass.field.gradients},
                          {kBindOtherGradients, pass.field.others.gradients},
                          {kBindOtherGradientTexels, pass.field.others.gradients},
                          {kBindHasGradients, pass.field.others.has_gradients}},
                         PushOf(pass), pass.field.row_count);
+}
+
+void ViewColors::RecordStep(CommandRecorder& recorder, const RayPass& pass,
+                            const AdamUpdate& update, const FixedPoint& fixed) const {
+  if (!is_on_) return;
+  const OtherAttributes& others = pass.field.others;
+  const gpu_types::ViewColorStepPush push{.row_count = pass.field.row_count,
+                                          .first_cell = pass.field.first_cell,
+                                          .slots = pass.rays.slots,
+                                          .other_stride = others.stride,
+                                          .moment_stride = others.attributes,
+                                          .rate = float(update.harmonics_rate),
+                                          .beta2 = update.beta2,
+                                          .epsilon = update.epsilon,
+                                          .quantum = 1.0f / fixed.color_quanta};
+  recorder.DispatchMany(step_,
+                        {{kBindVertices, pass.field.vertices},
+                         {kBindTets, pass.field.tets},
+                         {kBindCenters, pass.rays.centers},
+                         {kBindSlotGradients, gradients_},
+                         {kBindSlotGradientTexels, gradients_},
+                         {kBindVertexGradients, pass.field.gradients},
+                         {kBindHarmonics, others.parameters},
+                         {kBindParameters, others.parameters},
+                         {kBindMoments, others.moments},
+                         {kBindRateShares, pass.field.rate_shares}},
+                        push, pass.field.row_count);
 }
 
 }  // namespace tetrec

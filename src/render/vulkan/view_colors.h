@@ -3,6 +3,8 @@
 #pragma once
 
 #include "gpu/commands.h"
+#include "render/training_renderer.h"
+#include "render/vulkan/fixed_point.h"
 #include "render/vulkan/integrator.h"
 
 namespace tetrec {
@@ -21,16 +23,20 @@ class ViewColors {
   // Gives a pass the colours of its views, which Record evaluates.
   void Bind(RayPass& pass) const;
   void Record(CommandRecorder& recorder, const RayPass& pass) const;
-  // Records what turns gradients of these colours into gradients of the field.
+  // Records what turns gradients of these colours into gradients of the field, whose other sums
+  // must be there (AllocateOtherGradients).
   void RecordBackward(CommandRecorder& recorder, const RayPass& pass) const;
+  // The same for colour and density, and the step of the coefficients, which needs no sums of them.
+  void RecordStep(CommandRecorder& recorder, const RayPass& pass, const AdamUpdate& update,
+                  const FixedPoint& fixed) const;
 
  private:
   gpu_types::ViewColorPush PushOf(const RayPass& pass) const;
 
   const Device* device_;
   bool is_on_, fixed_point_;
-  Program forward_, backward_;
-  Buffer colors_, gradients_;  // rows [slot][row]: texels vec4; three sums
+  Program forward_, backward_, step_;
+  Buffer colors_, gradients_;  // rows [slot][row]: texels vec4; sums by colour and density
 };
 
 }  // namespace tetrec

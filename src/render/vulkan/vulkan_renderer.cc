@@ -150,8 +150,7 @@ class VulkanRenderer final : public ProbedRenderer {
     ExpectSums(fixed);
     const StepResult before = InFlightBatch(*integrator_, batch, {ScaleOf(batch)}, fixed,
                                             [&](CommandRecorder& recorder, const RayPass& pass) {
-                                              RecordBackward(recorder, pass);
-                                              update_.Adam(recorder, field_, update, fixed);
+                                              RecordLearning(recorder, pass, update, fixed);
                                             });
     ForgetSums();
     return before;
@@ -174,6 +173,7 @@ class VulkanRenderer final : public ProbedRenderer {
   void Backward(GradientParts parts) override {
     TETREC_CHECK(has_forward_, "Backward follows Forward");
     ExpectSums(FixedPointOf(forward_batch_));
+    AllocateOtherGradients(*device_, field_);
     if (parts == GradientParts::kColorDensityPosition) {
       AllocatePositionGradients(*device_, field_);
       has_position_sums_ = true;
@@ -199,6 +199,7 @@ class VulkanRenderer final : public ProbedRenderer {
       for (const double value : sums.values) largest = std::max(largest, std::abs(value));
       ExpectSums(FixedPointOf(largest, 1));
     }
+    AllocateOtherGradients(*device_, field_);
     AddToGradients(field_, sums.values, sums_fixed_);
     has_sums_ = true;
     if (sums.position.empty()) return;
@@ -216,6 +217,7 @@ class VulkanRenderer final : public ProbedRenderer {
     WaitAll();
     part_recorder_.Begin();
     update_.Adam(part_recorder_, field_, update, sums_fixed_);
+    update_.Others(part_recorder_, field_, update, sums_fixed_);
     part_recorder_.EndAndSubmit();
     part_recorder_.Wait();
     ForgetSums();
@@ -289,6 +291,7 @@ class VulkanRenderer final : public ProbedRenderer {
     const FixedPoint fixed = FixedPointOf(LargestValue(pixel_gradient), pixel_gradient.size());
     TETREC_CHECK(!has_sums_, "Backpropagate in the middle of a sum");
     if (with_positions) AllocatePositionGradients(*device_, field_);
+    AllocateOtherGradients(*device_, field_);
     has_forward_ = false;
     pictures_.Backpropagate(*integrator_, field_, view, pixel_gradient, parts, fixed);
     has_position_sums_ = with_positions;
@@ -435,6 +438,20 @@ class VulkanRenderer final : public ProbedRenderer {
   void RecordBackward(CommandRecorder& recorder, const RayPass& pass) {
     integrator_->Backward(recorder, pass);
     view_colors_.RecordBackward(recorder, pass);
+  }
+
+  // Backward pass and update. Coefficients of view-dependent colour make their step without sums of
+  // their gradients, unless there are sums from before.
+  void RecordLearning(CommandRecorder& recorder, const RayPass& pass, const AdamUpdate& update,
+                      const FixedPoint& fixed) {
+    if (has_sums_) {
+      RecordBackward(recorder, pass);
+      update_.Others(recorder, field_, update, fixed);
+    } else {
+      integrator_->Backward(recorder, pass);
+      view_colors_.RecordStep(recorder, pass, update, fixed);
+    }
+    update_.Adam(recorder, field_, update, fixed);
   }
 
   // For other views than before.

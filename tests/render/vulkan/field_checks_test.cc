@@ -3,6 +3,7 @@
 
 #include "expect_error.h"
 #include "render/scenes.h"
+#include "render/seen_colors.h"
 #include "render/vulkan/device_field.h"
 #include "render/vulkan/device_memory.h"
 #include "vulkan_test.h"
@@ -95,6 +96,10 @@ TEST_P(DoorTest, StatesOfTrainingAreCheckedToo) {
           [](FieldState& s) { s.first_moment[2 * 4] = kInfinity; });
   refused({"151 second moments", "38 vertices"}, [](FieldState& s) { s.second_moment.pop_back(); });
   refused({"153 parameters", "38 vertices"}, [](FieldState& s) { s.parameters.push_back(0.0f); });
+  refused({"vertex 3", "second moments", "harmonics is nan"}, [](FieldState& s) {
+    s = WithHarmonics(s, 1);
+    s.second_moment[3 * 5 + 4] = kNan;
+  });
   refused({"density"}, [](FieldState& s) { s.layout.attributes.pop_back(); });
 }
 
@@ -126,9 +131,8 @@ TEST_F(FieldMemoryTest, BytesAreThoseThatAnUploadTakes) {
   for (int points : {0, 200}) {
     for (bool fixed_point : {false, true}) {
       const TetMesh mesh = RandomBoxMesh(points, 95);
-      FieldState state;
-      state.parameters.resize(mesh.positions.size() * kStandardComponents);
-      state.first_moment = state.second_moment = state.parameters;
+      const FieldState state =
+          WithoutMoments({}, std::vector<float>(mesh.positions.size() * kStandardComponents));
       DeviceField field = UploadField(device(), mesh, state, fixed_point);
       AllocatePositionGradients(device(), field);
       uint64_t taken = 0;

@@ -89,9 +89,11 @@ TEST_P(HarmonicsTest, PicturesAreThoseOfTheReference) {
   }
 }
 
+// Of two views: gradients of all views meet in one row, with harmonics and without.
 TEST_P(HarmonicsTest, GradientsAreThoseOfTheReference) {
-  for (const FieldStorage storage : {FieldStorage::kVertex, FieldStorage::kCell}) {
-    const RadianceField field = ShinyField(30, 11, 3, storage);
+  for (const RadianceField& field :
+       {ShinyField(30, 11, 3), ShinyField(30, 11, 3, FieldStorage::kCell),
+        RandomField(30, 11, 6)}) {
     ProbedRenderer& renderer = MakeLearner(field);
     const std::vector<double> values = Gradients(renderer).values;
     const auto reference =
@@ -169,15 +171,95 @@ TEST_P(HarmonicsTest, RowsWithoutGradientsKeepTheirCoefficients) {
   for (uint32_t step = 1; step <= 3; ++step) renderer.Step({.blocks = few}, {.step = step});
   const FieldState after = renderer.ReadState();
   const size_t components = size_t(after.layout.Components());
+  const size_t moments = size_t(after.layout.SecondMoments());
   size_t moved = 0, kept = 0;
   for (size_t i = 0; i < after.parameters.size(); ++i) {
     if (i % components < kStandardComponents) continue;
     const bool is_same = after.parameters[i] == before.parameters[i];
-    EXPECT_EQ(is_same, after.second_moment[i] == 0.0f);
+    EXPECT_EQ(is_same, after.second_moment[i / components * moments + kStandardComponents] == 0);
     ++(is_same ? kept : moved);
   }
   EXPECT_GT(moved, 0u);
   EXPECT_GT(kept, moved);
+}
+
+// Coefficients of a row move without momentum, by one mean square of all their gradients.
+TEST_P(HarmonicsTest, CoefficientsMoveByTheirFormula) {
+  for (const bool deterministic : {false, true}) {
+    for (int degree = 1; degree <= kMostHarmonicsDegree; ++degree) {
+      const RadianceField field = ShinyField(25, 29, degree);
+      ProbedRenderer& renderer = MakeLearner(field, {.deterministic = deterministic});
+      const std::vector<double> gradients = Gradients(renderer).values;
+      FieldState want = renderer.ReadState();
+      const size_t components = size_t(want.layout.Components());
+      const size_t count = components - kStandardComponents;
+      // A moment from before, so that it fades.
+      for (size_t row = 0; row < want.rows(); row += 2) want.second_moment[row * 5 + 4] = 1e-8f;
+      renderer.SetState(field.mesh, want);
+      const AdamUpdate update{.step = 7, .beta2 = 0.9f, .epsilon = 1e-6f, .harmonics_rate = 0.1};
+      for (size_t row = 0; row < want.rows(); ++row) {
+        const double* gradient = &gradients[row * components + kStandardComponents];
+        double mean = 0;
+        for (size_t i = 0; i < count; ++i) mean += gradient[i] * gradient[i] / double(count);
+        if (mean == 0) continue;
+        float& moment = want.second_moment[row * 5 + 4];
+        moment = float(std::max(0.9 * moment + 0.1 * mean, 0.25 * mean));
+        for (size_t i = 0; i < count; ++i) {
+          want.parameters[row * components + kStandardComponents + i] -=
+              float(0.1 / (std::sqrt(double(moment)) + 1e-6) * gradient[i]);
+        }
+      }
+      const std::vector<RayBlock> blocks = Blocks(renderer);
+      renderer.Step({.blocks = blocks}, update);
+      const FieldState after = renderer.ReadState();
+      for (size_t row = 0; row < want.rows(); ++row) {
+        const double moment = want.second_moment[row * 5 + 4];
+        EXPECT_NEAR(after.second_moment[row * 5 + 4], moment, 1e-3 * moment);
+        for (size_t i = row * components + kStandardComponents; i < (row + 1) * components; ++i) {
+          ASSERT_NEAR(after.parameters[i], want.parameters[i], 1e-4);
+        }
+      }
+    }
+  }
+}
+
+// What one kernel does in a step is what two do apart, with sums between them.
+TEST_P(HarmonicsTest, PartsOfAStepMakeItsBits) {
+  for (int degree = 1; degree <= kMostHarmonicsDegree; ++degree) {
+    const RadianceField field = ShinyField(40, 37, degree);
+    ProbedRenderer& whole = MakeLearner(field, {.deterministic = true});
+    ProbedRenderer& parts = MakeLearner(field, {.deterministic = true});
+    const std::vector<RayBlock> blocks = Blocks(whole);
+    for (uint32_t step = 1; step <= 3; ++step) {
+      whole.Step({.blocks = blocks}, {.step = step});
+      parts.Forward({.blocks = blocks});
+      parts.Backward(GradientParts::kColorDensity);
+      if (step == 2) parts.AddGradients(parts.TakeGradients());
+      parts.Update({.step = step});
+    }
+    const FieldState a = whole.ReadState(), b = parts.ReadState();
+    EXPECT_EQ(a.parameters, b.parameters);
+    EXPECT_EQ(a.first_moment, b.first_moment);
+    EXPECT_EQ(a.second_moment, b.second_moment);
+    EXPECT_NE(a.parameters, StateOf(field).parameters);
+  }
+}
+
+// A step uses sums that were there before it.
+TEST_P(HarmonicsTest, AStepUsesGivenGradientsToo) {
+  const RadianceField field = ShinyField(20, 31, 2);
+  ProbedRenderer& renderer = MakeLearner(field, {.deterministic = true});
+  ProbedRenderer& parts = MakeLearner(field, {.deterministic = true});
+  const std::vector<RayBlock> blocks = Blocks(renderer);
+  for (ProbedRenderer* one : {&renderer, &parts}) {
+    one->Forward({.blocks = blocks});
+    one->Backward(GradientParts::kColorDensity);
+  }
+  renderer.Step({.blocks = blocks}, {});
+  parts.Forward({.blocks = blocks});
+  parts.Backward(GradientParts::kColorDensity);
+  parts.Update({});
+  EXPECT_EQ(renderer.ReadState().parameters, parts.ReadState().parameters);
 }
 
 TEST_P(HarmonicsTest, DeterministicStepsAreTheSameBits) {

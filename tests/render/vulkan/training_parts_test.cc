@@ -193,7 +193,7 @@ TEST_P(TrainingPartsTest, GradientsTakenAndAddedAgainMakeTheBitsOfTheStep) {
 }
 
 // Sums from elsewhere: no backward pass gave them their scale.
-TEST_P(TrainingPartsTest, GivenGradientsMoveParametersByAdamsFormula) {
+TEST_P(TrainingPartsTest, GivenGradientsMoveParametersByTheirFormulas) {
   for (const bool deterministic : {false, true}) {
     for (const FieldStorage storage : {FieldStorage::kVertex, FieldStorage::kCell}) {
       RadianceField field = RandomField(20, 43, 3.0f, storage);
@@ -212,6 +212,7 @@ TEST_P(TrainingPartsTest, GivenGradientsMoveParametersByAdamsFormula) {
         renderer.AddGradients(sums);
         renderer.Update(update);
         for (size_t i = 0; i < parameters.size(); ++i) {
+          if (i % 9 >= kStandardComponents) continue;
           const bool is_density = i % 9 == kDensityOffset;
           const double gradient = sums.values[i] * (is_density ? std::exp(parameters[i]) : 1.0);
           const double b1 = update.beta1, b2 = update.beta2;
@@ -220,6 +221,18 @@ TEST_P(TrainingPartsTest, GivenGradientsMoveParametersByAdamsFormula) {
           parameters[i] -= (is_density ? 0.05 : 0.01) * first[i] / (1 - std::pow(b1, step)) /
                            std::sqrt(second[i] / (1 - std::pow(b2, step)));
           if (i % 9 < kDensityOffset) parameters[i] = std::clamp(parameters[i], 0.0, 1.0);
+        }
+        // Attributes behind density: no momentum, one moment per row.
+        for (size_t row = 0; row < start.rows(); ++row) {
+          double mean = 0;
+          for (size_t i = 9 * row + 4; i < 9 * row + 9; ++i) {
+            mean += sums.values[i] * sums.values[i] / 5;
+          }
+          double& moment = second[9 * row + 4];
+          moment = std::max(update.beta2 * moment + (1 - update.beta2) * mean, 0.25 * mean);
+          for (size_t i = 9 * row + 4; i < 9 * row + 9; ++i) {
+            parameters[i] -= 0.01 / std::sqrt(moment) * sums.values[i];
+          }
         }
       }
       const FieldState end = renderer.ReadState();
