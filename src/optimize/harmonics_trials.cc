@@ -14,10 +14,15 @@ bool HarmonicsTrials::Advance(double progress) {
 }
 
 void HarmonicsTrials::Unlock() {
-  if (options_.harmonics == HarmonicsChoice::kAuto && pictures_.learns_all()) {
-    LogInfo("colours do not depend on the view: no judging pictures are kept that could tell");
-    state_.closed = 1;
-    return;
+  if (options_.harmonics == HarmonicsChoice::kAuto) {
+    const char* why_not = pictures_.learns_all() ? "no judging pictures are kept that could tell"
+                          : steps_.iteration() < kFewestTrialSteps ? "the run is too short to tell"
+                                                                   : nullptr;
+    if (why_not != nullptr) {
+      LogInfo("colours do not depend on the view: {}", why_not);
+      state_.closed = 1;
+      return;
+    }
   }
   ++state_.unlocked;
   field_.PutState(WithHarmonics(field_.ReadState(), field_.harmonics_degree() + 1));

@@ -31,11 +31,12 @@ TEST(HarmonicsTrials, UnlockTheChosenDegreeAndNoMore) {
 // The photos show colours that do not depend on the view.
 TEST(HarmonicsTrials, DropADegreeThatGainsNothing) {
   TrialRun run(HarmonicsChoice::kAuto);
+  run.steps.CountTried(kFewestTrialSteps);
   ASSERT_TRUE(run.trials.Advance(0.2));
   EXPECT_EQ(run.field.harmonics_degree(), 1);
   ASSERT_TRUE(run.trials.Advance(0.5));
   EXPECT_EQ(run.field.harmonics_degree(), 0);
-  EXPECT_EQ(run.steps.iteration(), kFewestTrialSteps);
+  EXPECT_EQ(run.steps.iteration(), 2 * kFewestTrialSteps);
   EXPECT_EQ(run.steps.rays(), 2 * kFewestTrialSteps * 256);
   EXPECT_EQ(run.trials.state(), (HarmonicsState{.unlocked = 1, .judged = 1, .closed = 1}));
   EXPECT_FALSE(run.trials.Advance(1.0));
@@ -43,10 +44,20 @@ TEST(HarmonicsTrials, DropADegreeThatGainsNothing) {
 
 TEST(HarmonicsTrials, UnlockNothingWhereNothingCanJudge) {
   TrialRun run(HarmonicsChoice::kAuto);
+  run.steps.CountTried(kFewestTrialSteps);
   run.pictures.EndJudgingIfDue(1.0);
   EXPECT_TRUE(run.trials.Advance(1.0));
   EXPECT_EQ(run.field.harmonics_degree(), 0);
   EXPECT_FALSE(run.trials.Advance(1.0));
+}
+
+// The trial would be longer than the run.
+TEST(HarmonicsTrials, UnlockNothingInARunOfFewSteps) {
+  TrialRun run(HarmonicsChoice::kAuto);
+  run.steps.CountTried(kFewestTrialSteps - 1);
+  EXPECT_TRUE(run.trials.Advance(0.5));
+  EXPECT_EQ(run.field.harmonics_degree(), 0);
+  EXPECT_EQ(run.trials.state(), (HarmonicsState{.closed = 1}));
 }
 
 }  // namespace

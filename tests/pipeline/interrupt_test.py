@@ -185,10 +185,10 @@ class InterruptTest(StageCase):
 
     def test_a_resumed_optimize_with_harmonics_gives_the_same_bytes(self):
         command = ("optimize", self.tiny_tetrahedra(train=16, paint=by_direction), "--deterministic",
-                   "--time-limit", 0, "--iterations", 120, "--rays", 512, "--sh", "auto")
+                   "--time-limit", 0, "--iterations", 280, "--rays", 512, "--sh", "auto")
         whole, resumed = self.folder / "run" / "whole", self.folder / "run" / "resumed"
         self.assert_done(self.run_stage(*command, "-o", whole))
-        # Between the unlocking of the first degree and the trial that it passes.
+        # Between the unlocking of the first degree (15 %) and the trial that it passes (30 %).
         self.interrupt_and_resume(resumed, command, rows=8)
         self.assertGreaterEqual(self.manifest(whole)["counts"]["harmonics_degree"], 1)
         self.assertEqual(hashes(resumed)["field.tetf"], hashes(whole)["field.tetf"])
