@@ -37,13 +37,11 @@ TETREC_FN TETREC_T(AdamState)
 
 // Attributes behind colour and density have long rows, of which few have gradients in a step. So
 // they are learned without momentum, as by RMSprop, and all components of a row share one second
-// moment; a row without gradients stays as it is. The moment is at least a quarter of what it gets,
-// so that no step is larger than twice the rate, in the root mean square over the row: not the
-// first one, and not that of a row that only faint rays had passed.
+// moment; a row without gradients stays as it is. The moment begins as the first mean square. A row
+// that only faint rays had passed makes a step of up to 1 / sqrt(1 - beta2) times the rate when a
+// ray gives it its full weight: to bound that costs more than it saves.
 TETREC_FN Real SharedMoment(Real before, Real mean_square, Real beta2) {
-  Real moment = beta2 * before + (Real(1.0) - beta2) * mean_square;
-  Real least = Real(0.25) * mean_square;
-  return moment < least ? least : moment;
+  return before > Real(0.0) ? beta2 * before + (Real(1.0) - beta2) * mean_square : mean_square;
 }
 
 // What the gradients of such a row are multiplied by to make its step. `rate` has no correction.

@@ -42,12 +42,12 @@ bool FineRays::Advance(double progress) {
   trial.four_psnr = TrialPsnr(before, true, progress);
   field_.PutState(before);
   trial_ = trial;
-  Decide(trial.FourGain());
+  Decide(trial.PrefersFour());
   LogInfo(
       "judging pictures after {} steps: {:.2f} dB by 2 x 2 rays per pixel, {:.2f} dB by one: the "
       "last part of the run takes {}",
       TrialSteps(steps_.iteration()), trial.four_psnr, trial.one_psnr,
-      trial.FourGain() ? "2 x 2" : "one");
+      trial.PrefersFour() ? "2 x 2" : "one");
   return true;
 }
 

@@ -11,7 +11,7 @@ namespace tetrec {
 
 // How long a trial trains on, in two ways, to compare them: for an eighth of the steps so far,
 // within these bounds.
-inline constexpr uint64_t kFewestTrialSteps = 40, kMostTrialSteps = 200;
+inline constexpr uint64_t kFewestTrialSteps = 40, kMostTrialSteps = 100;
 uint64_t TrialSteps(uint64_t iteration);
 
 // The progress whose learning rates trials take: at those of their own time, noise would decide.

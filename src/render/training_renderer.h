@@ -73,7 +73,7 @@ struct AdamUpdate {
   uint32_t step = 1;  // counts from 1
   float beta1 = 0.9f, beta2 = 0.99f;
   float epsilon = 1e-12f;  // gradients of a mean over many rays are tiny
-  double color_rate = 0.02, density_rate = 0.2, harmonics_rate = 0.025;  // by RateClass
+  double color_rate = 0.02, density_rate = 0.2, harmonics_rate = 0.015;  // by RateClass
   double max_density = 1e5;  // bound of density, and of attributes of kExp [1 / world unit]
   // Pull of seen rows towards empty, as a share of Adam's largest step.
   double density_decay = 0.0;

@@ -57,7 +57,7 @@ TEST(FineRays, AreTriedOnceShortlyBeforeJudgingEnds) {
   const auto [one, four] = *run.fine_rays.trial();
   EXPECT_NE(one, four);
   EXPECT_EQ(run.fine_rays.state(),
-            four > one + 0.02 ? FineRaysState::kUsed : FineRaysState::kNotUsed);
+            four > one - 0.03 ? FineRaysState::kUsed : FineRaysState::kNotUsed);
   EXPECT_TRUE(run.field.ReadState().parameters == before.parameters);
   EXPECT_TRUE(run.field.ReadState().second_moment == before.second_moment);
   EXPECT_EQ(run.steps.iteration(), 400u);
@@ -66,9 +66,9 @@ TEST(FineRays, AreTriedOnceShortlyBeforeJudgingEnds) {
 }
 
 TEST(FineRays, AreTakenOnlyIfTheyGain) {
-  EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.1}).FourGain());
-  EXPECT_FALSE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.0}).FourGain());
-  EXPECT_FALSE((FineRaysTrial{.one_psnr = 30.1, .four_psnr = 30.0}).FourGain());
+  EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.1}).PrefersFour());
+  EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.0}).PrefersFour());
+  EXPECT_FALSE((FineRaysTrial{.one_psnr = 30.05, .four_psnr = 30.0}).PrefersFour());
 }
 
 TEST(FineRays, AreNotTriedInShortRuns) {

@@ -203,7 +203,7 @@ TEST_P(HarmonicsTest, CoefficientsMoveByTheirFormula) {
         for (size_t i = 0; i < count; ++i) mean += gradient[i] * gradient[i] / double(count);
         if (mean == 0) continue;
         float& moment = want.second_moment[row * 5 + 4];
-        moment = float(std::max(0.9 * moment + 0.1 * mean, 0.25 * mean));
+        moment = float(moment > 0 ? 0.9 * moment + 0.1 * mean : mean);
         for (size_t i = 0; i < count; ++i) {
           want.parameters[row * components + kStandardComponents + i] -=
               float(0.1 / (std::sqrt(double(moment)) + 1e-6) * gradient[i]);

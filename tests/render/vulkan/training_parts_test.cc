@@ -229,7 +229,7 @@ TEST_P(TrainingPartsTest, GivenGradientsMoveParametersByTheirFormulas) {
             mean += sums.values[i] * sums.values[i] / 5;
           }
           double& moment = second[9 * row + 4];
-          moment = std::max(update.beta2 * moment + (1 - update.beta2) * mean, 0.25 * mean);
+          moment = step == 1 ? mean : update.beta2 * moment + (1 - update.beta2) * mean;
           for (size_t i = 9 * row + 4; i < 9 * row + 9; ++i) {
             parameters[i] -= 0.01 / std::sqrt(moment) * sums.values[i];
           }
