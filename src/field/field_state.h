@@ -11,7 +11,7 @@ namespace tetrec {
 struct FieldState {
   FieldLayout layout;
   std::vector<float> parameters;  // rows x layout.Components()
-  // Of Adam, for colour and density: rows x layout.FirstMoments().
+  // Adam's, for colour and density: rows x layout.FirstMoments().
   std::vector<float> first_moment;
   // Rows x layout.SecondMoments(): those of Adam, then one per attribute behind density
   // (shared/adam.glsl.h).

@@ -60,7 +60,7 @@ class RowUpdate {
     return false;
   }
 
-  // Of attribute `number`, whose components begin at `begin`.
+  // Updates attribute `number`, whose components begin at `begin`.
   void ApplyToOther(FieldState& state, size_t row, size_t number, size_t begin,
                     std::span<const Real> gradient, Real share) const {
     const Attribute& attribute = layout_.attributes[number];

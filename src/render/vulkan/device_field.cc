@@ -154,7 +154,7 @@ RowPart OtherMomentPart(const FieldLayout& layout) {
   return {kStandardComponents, count, count};
 }
 
-// Of colour and density: all first moments of a row, then all second ones.
+// Adam's moments, for colour and density: all first ones of a row, then all second ones.
 std::vector<float> AdamMomentRows(const FieldState& state) {
   const size_t width = size_t(state.layout.SecondMoments());
   std::vector<float> rows;

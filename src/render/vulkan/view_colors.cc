@@ -70,19 +70,21 @@ void ViewColors::Record(CommandRecorder& recorder, const RayPass& pass) const {
                         PushOf(pass), pass.field.row_count);
 }
 
+// Of the kernels that include shaders/view_color_sums.glsl.
+BoundBuffers ViewColors::SumBuffers(const RayPass& pass) const {
+  return {{kBindVertices, pass.field.vertices},  {kBindTets, pass.field.tets},
+          {kBindCenters, pass.rays.centers},     {kBindSlotGradients, gradients_},
+          {kBindSlotGradientTexels, gradients_}, {kBindVertexGradients, pass.field.gradients}};
+}
+
 void ViewColors::RecordBackward(CommandRecorder& recorder, const RayPass& pass) const {
   if (!is_on_) return;
-  recorder.DispatchMany(backward_,
-                        {{kBindVertices, pass.field.vertices},
-                         {kBindTets, pass.field.tets},
-                         {kBindCenters, pass.rays.centers},
-                         {kBindSlotGradients, gradients_},
-                         {kBindSlotGradientTexels, gradients_},
-                         {kBindVertexGradients, pass.field.gradients},
-                         {kBindOtherGradients, pass.field.others.gradients},
-                         {kBindOtherGradientTexels, pass.field.others.gradients},
-                         {kBindHasGradients, pass.field.others.has_gradients}},
-                        PushOf(pass), pass.field.row_count);
+  const OtherAttributes& others = pass.field.others;
+  BoundBuffers buffers = SumBuffers(pass);
+  buffers.emplace_back(kBindOtherGradients, others.gradients);
+  buffers.emplace_back(kBindOtherGradientTexels, others.gradients);
+  buffers.emplace_back(kBindHasGradients, others.has_gradients);
+  recorder.DispatchMany(backward_, buffers, PushOf(pass), pass.field.row_count);
 }
 
 void ViewColors::RecordStep(CommandRecorder& recorder, const RayPass& pass,
@@ -98,18 +100,12 @@ void ViewColors::RecordStep(CommandRecorder& recorder, const RayPass& pass,
                                           .beta2 = update.beta2,
                                           .epsilon = update.epsilon,
                                           .quantum = 1.0f / fixed.color_quanta};
-  recorder.DispatchMany(step_,
-                        {{kBindVertices, pass.field.vertices},
-                         {kBindTets, pass.field.tets},
-                         {kBindCenters, pass.rays.centers},
-                         {kBindSlotGradients, gradients_},
-                         {kBindSlotGradientTexels, gradients_},
-                         {kBindVertexGradients, pass.field.gradients},
-                         {kBindHarmonics, others.parameters},
-                         {kBindParameters, others.parameters},
-                         {kBindMoments, others.moments},
-                         {kBindRateShares, pass.field.rate_shares}},
-                        push, pass.field.row_count);
+  BoundBuffers buffers = SumBuffers(pass);
+  buffers.emplace_back(kBindHarmonics, others.parameters);
+  buffers.emplace_back(kBindParameters, others.parameters);
+  buffers.emplace_back(kBindMoments, others.moments);
+  buffers.emplace_back(kBindRateShares, pass.field.rate_shares);
+  recorder.DispatchMany(step_, buffers, push, pass.field.row_count);
 }
 
 }  // namespace tetrec

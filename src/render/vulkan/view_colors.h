@@ -32,6 +32,7 @@ class ViewColors {
 
  private:
   gpu_types::ViewColorPush PushOf(const RayPass& pass) const;
+  BoundBuffers SumBuffers(const RayPass& pass) const;
 
   const Device* device_;
   bool is_on_, fixed_point_;
