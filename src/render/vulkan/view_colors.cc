@@ -70,7 +70,7 @@ void ViewColors::Record(CommandRecorder& recorder, const RayPass& pass) const {
                         PushOf(pass), pass.field.row_count);
 }
 
-// Of the kernels that include shaders/view_color_sums.glsl.
+// The buffers of the kernels that include shaders/view_color_sums.glsl.
 BoundBuffers ViewColors::SumBuffers(const RayPass& pass) const {
   return {{kBindVertices, pass.field.vertices},  {kBindTets, pass.field.tets},
           {kBindCenters, pass.rays.centers},     {kBindSlotGradients, gradients_},
