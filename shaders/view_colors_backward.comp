@@ -1,4 +1,4 @@
-// Adds the gradients of the colours that the views of a batch saw to those of colours and coefficients.
+// Adds the gradients of what the views of a batch saw to those of colours, densities and coefficients.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/gpu_types.glsl.h"

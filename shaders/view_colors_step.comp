@@ -1,6 +1,5 @@
-// Adds the gradients of the colours that the views of a batch saw to those of colours, and makes the
-// step of the coefficients (shared/adam.glsl.h) at once: to store and read their sums would cost as
-// much again. The result is that of view_colors_backward.comp followed by adam_others.comp, bit by bit
+// Adds the gradients of what the views of a batch saw to those of colours and densities, and moves the
+// coefficients (shared/adam.glsl.h) at once: storing and reading their sums would cost as much again. The result is that of view_colors_backward.comp followed by adam_others.comp, bit by bit
 // with fixed-point sums.
 #version 460
 #extension GL_GOOGLE_include_directive : require

@@ -39,7 +39,7 @@ TETREC_FN TETREC_T(AdamState)
 // they are learned without momentum, as by RMSprop, and all components of a row share one second
 // moment; a row without gradients stays as it is. The moment begins as the first mean square. A row
 // that only faint rays had passed makes a step of up to 1 / sqrt(1 - beta2) times the rate when a
-// ray gives it its full weight: to bound that costs more than it saves.
+// ray gives it its full weight; a bound on that gained nothing.
 TETREC_FN Real SharedMoment(Real before, Real mean_square, Real beta2) {
   return before > Real(0.0) ? beta2 * before + (Real(1.0) - beta2) * mean_square : mean_square;
 }
