@@ -40,6 +40,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
          "Initial learning rate of density's parameter: its logarithm, or of signed density "
          "asinh(value / scale)")
       ->check(tetrec::AboveZero());
+  app.add_option("--position-rate", options.position_rate,
+                 "Initial learning rate of positions, as a share of the edges of a vertex")
+      ->check(tetrec::AboveZero());
   app.add_option(
          "--final-rate-share", options.schedule.final_rate_share,
          "Share to which learning rates fall exponentially; by default they fall slowly at first, "
@@ -78,6 +81,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                         "Small corrections of the training cameras, kept if the judging pictures "
                         "gain by them: auto (where cameras were estimated from photos), on or off");
   tetrec::AddWordOption(
+      app, "--positions", options.positions,
+      "Whether vertices move: auto (if the judging pictures gain by it), on or off");
+  tetrec::AddWordOption(
       app, "--sh", options.harmonics,
       "Degree of spherical harmonics by which colours depend on the view: 0 (they do not) to 3, or "
       "auto (as many as the judging pictures gain from)");
@@ -115,7 +121,7 @@ int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   Words words;
   tetrec::StageCommand command(
-      "optimize", 6,
+      "optimize", 7,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

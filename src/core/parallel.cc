@@ -34,7 +34,8 @@ void ParallelFor(size_t count, size_t grain, const std::function<void(size_t, si
     }
   };
 
-  const size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  // Asked once: the system reads a file to answer.
+  static const size_t cores = std::max(1u, std::thread::hardware_concurrency());
   {
     std::vector<std::jthread> helpers;
     for (size_t t = 1; t < std::min(cores, ranges); ++t) helpers.emplace_back(work);

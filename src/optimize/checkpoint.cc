@@ -16,7 +16,7 @@ namespace {
 
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '8'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '9'};
 
 // `width`: values per row.
 void CheckFinite(const std::vector<float>& values, int width, FieldStorage storage,
@@ -55,12 +55,39 @@ static_assert(sizeof(ViewExposure) == 6 * sizeof(double));
 static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
 static_assert(sizeof(CorrectedPose) == 13 * sizeof(double));
 
-FineRaysState ReadFineRays(ByteReader& reader, const std::string& name) {
-  const uint32_t state = reader.Read<uint32_t>("fine rays");
-  if (state > uint32_t(FineRaysState::kUsed)) {
-    throw DataError(fmt::format("{}: fine rays are {}, not 0, 1 or 2", name, state));
+TrialState ReadTrial(ByteReader& reader, const std::string& name, const char* what) {
+  const uint32_t state = reader.Read<uint32_t>(what);
+  if (state > uint32_t(TrialState::kUsed)) {
+    throw DataError(fmt::format("{}: the trial of {} is {}, not 0, 1 or 2", name, what, state));
   }
-  return FineRaysState(state);
+  return TrialState(state);
+}
+
+MotionState ReadMotion(ByteReader& reader, size_t vertices, const std::string& name) {
+  MotionState motion;
+  motion.motions = reader.Read<uint64_t>("motions");
+  const uint64_t count = reader.Read<uint64_t>("moving vertices");
+  if (count != 0 && count != vertices) {
+    throw DataError(
+        fmt::format("{}: {} vertices have a motion, not 0 or {}", name, count, vertices));
+  }
+  motion.first_moment = reader.ReadArray<glm::vec3>(count, "first moments of positions");
+  motion.second_moment = reader.ReadArray<float>(count, "second moments of positions");
+  motion.size = reader.ReadArray<float>(count, "sizes of vertices");
+  return motion;
+}
+
+// Motions take the root of second moments and are bounded by sizes.
+void CheckMotion(const MotionState& motion, const std::string& name) {
+  for (size_t v = 0; v < motion.size.size(); ++v) {
+    const glm::vec3& first = motion.first_moment[v];
+    const bool finite = std::isfinite(first.x) && std::isfinite(first.y) && std::isfinite(first.z);
+    if (finite && motion.second_moment[v] >= 0 && std::isfinite(motion.second_moment[v]) &&
+        motion.size[v] >= 0 && std::isfinite(motion.size[v])) {
+      continue;
+    }
+    throw DataError(fmt::format("{}: the motion of vertex {} is not possible", name, v));
+  }
 }
 
 ExposureState ReadExposure(ByteReader& reader) {
@@ -132,6 +159,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   writer.Write(checkpoint.best_psnr);
   writer.Write(checkpoint.harmonics);
   writer.Write(checkpoint.fine_rays);
+  writer.Write(checkpoint.motion_trial);
   writer.Write(uint64_t(checkpoint.mesh.positions.size()));
   writer.Write(uint64_t(checkpoint.mesh.tets.size()));
   AppendLayout(writer, checkpoint.state.layout);
@@ -141,6 +169,11 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   writer.WriteArray(std::span<const float>(checkpoint.state.parameters));
   writer.WriteArray(std::span<const float>(checkpoint.state.first_moment));
   writer.WriteArray(std::span<const float>(checkpoint.state.second_moment));
+  writer.Write(checkpoint.motion.motions);
+  writer.Write(uint64_t(checkpoint.motion.size.size()));
+  writer.WriteArray(std::span<const glm::vec3>(checkpoint.motion.first_moment));
+  writer.WriteArray(std::span<const float>(checkpoint.motion.second_moment));
+  writer.WriteArray(std::span<const float>(checkpoint.motion.size));
   writer.Write(uint64_t(checkpoint.exposure.exposures.size()));
   writer.WriteArray(std::span<const ViewExposure>(checkpoint.exposure.exposures));
   writer.WriteArray(std::span<const ExposureSums>(checkpoint.exposure.sums));
@@ -163,7 +196,8 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.metrics_bytes = reader.Read<uint64_t>("metrics bytes");
   result.best_psnr = reader.Read<double>("best PSNR");
   result.harmonics = reader.Read<HarmonicsState>("harmonics");
-  result.fine_rays = ReadFineRays(reader, name);
+  result.fine_rays = ReadTrial(reader, name, "fine rays");
+  result.motion_trial = ReadTrial(reader, name, "moving vertices");
   const uint64_t vertices = reader.Read<uint64_t>("vertex count");
   const uint64_t tets = reader.Read<uint64_t>("tet count");
   FieldState& state = result.state;
@@ -178,6 +212,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
       reader.ReadArray<float>(rows * uint64_t(FieldLayout::FirstMoments()), "first moments");
   state.second_moment =
       reader.ReadArray<float>(rows * uint64_t(layout.SecondMoments()), "second moments");
+  result.motion = ReadMotion(reader, vertices, name);
   result.exposure = ReadExposure(reader);
   result.poses = ReadPoses(reader);
   reader.ExpectEnd();
@@ -189,6 +224,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   }
   CheckHarmonics(result.harmonics, name);
   CheckValues(state, name);
+  CheckMotion(result.motion, name);
   CheckExposure(result.exposure, name);
   CheckPoses(result.poses, name);
   CheckTetMesh(result.mesh);

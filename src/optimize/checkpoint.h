@@ -7,6 +7,7 @@
 #include "optimize/exposure.h"
 #include "optimize/harmonics.h"
 #include "optimize/optimize_options.h"
+#include "optimize/vertex_motion.h"
 
 #include <filesystem>
 #include <span>
@@ -21,18 +22,22 @@ struct Checkpoint {
   uint64_t metrics_bytes = 0;  // length of metrics.csv at that time
   double best_psnr = 0;        // of the judging pictures, before a refinement
   HarmonicsState harmonics;
-  FineRaysState fine_rays = FineRaysState::kNotTried;
+  TrialState fine_rays = TrialState::kNotTried;
+  TrialState motion_trial = TrialState::kNotTried;
   TetMesh mesh;
   FieldState state;
+  MotionState motion;
   ExposureState exposure;
   PoseState poses;
 };
 
-// Own format, little endian: "TETRECK8", u64 iteration, f64 seconds, u64 rays, u32 rounds,
+// Own format, little endian: "TETRECK9", u64 iteration, f64 seconds, u64 rays, u32 rounds,
 // u64 metrics bytes, f64 best PSNR, harmonics unlocked, judged and closed u32 x 3, u32 fine rays
-// (0 not tried, 1 not used, 2 used), u64 V, u64 T,
+// and u32 moving vertices (each 0 not tried, 1 not used, 2 used), u64 V, u64 T,
 // the layout (AppendLayout), positions f32 x 3 V, tets and neighbours u32 x 4 T each, then
 // parameters, first moments and second moments, each f32 x rows x their number (FieldState); then
+// of the vertices' motion u64 motions and u64 M, 0 or V, first moments f32 x 3 M, second moments
+// and sizes f32 x M each; then
 // u64 exposures E, for each gains and offsets, f64 x 3 each, and for each the sums of its three
 // channels, f64 x 5 each (GainOffsetSums); then u32 sweeps over the cameras, u64 poses P, and for
 // each cam_from_world, f64 x 9 of the rotation by columns and x 3 of the translation, and the

@@ -20,17 +20,17 @@ FineRays::FineRays(const OptimizeOptions& options, FittedField& field, TrainingP
   if (options.fine_rays != FineRaysChoice::kAuto) Decide(options.fine_rays == FineRaysChoice::kOn);
 }
 
-void FineRays::Resume(FineRaysState state) {
-  if (state != FineRaysState::kNotTried) Decide(state == FineRaysState::kUsed);
+void FineRays::Resume(TrialState state) {
+  if (state != TrialState::kNotTried) Decide(state == TrialState::kUsed);
 }
 
 void FineRays::Decide(bool uses_fine_rays) {
-  state_ = uses_fine_rays ? FineRaysState::kUsed : FineRaysState::kNotUsed;
+  state_ = uses_fine_rays ? TrialState::kUsed : TrialState::kNotUsed;
   steps_.UseFineRays(uses_fine_rays);
 }
 
 bool FineRays::Advance(double progress) {
-  if (state_ != FineRaysState::kNotTried || progress < kTrialProgress) return false;
+  if (state_ != TrialState::kNotTried || progress < kTrialProgress) return false;
   if (pictures_.learns_all() || !steps_.CanTakeFineRays() ||
       steps_.iteration() < kFewestStepsBefore) {
     Decide(false);

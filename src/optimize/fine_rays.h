@@ -28,8 +28,8 @@ class FineRays {
   FineRays(const OptimizeOptions& options, FittedField& field, TrainingPictures& pictures,
            TrainingSteps& steps);
 
-  void Resume(FineRaysState state);
-  FineRaysState state() const { return state_; }
+  void Resume(TrialState state);
+  TrialState state() const { return state_; }
 
   // The trial of this process, if there was one.
   const std::optional<FineRaysTrial>& trial() const { return trial_; }
@@ -45,7 +45,7 @@ class FineRays {
   FittedField& field_;
   TrainingPictures& pictures_;
   TrainingSteps& steps_;
-  FineRaysState state_ = FineRaysState::kNotTried;
+  TrialState state_ = TrialState::kNotTried;
   std::optional<FineRaysTrial> trial_;
 };
 

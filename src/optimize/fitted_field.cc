@@ -1,6 +1,7 @@
 // The field that a run fits: its mesh here, its rows and moments on the renderer.
 #include "optimize/fitted_field.h"
 
+#include "mesh/boundary.h"
 #include "render/seen_colors.h"
 
 namespace tetrec {
@@ -13,7 +14,22 @@ FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
 
 void FittedField::Put(TetMesh mesh, FieldState state) {
   mesh_ = std::move(mesh);
+  ++topology_;
   PutState(std::move(state));
+}
+
+MotionCounts FittedField::MoveVertices(std::span<const glm::vec3> moves) {
+  const MotionCounts counts = MoveSafely(mesh_, moves);
+  renderer_.MoveVertices(mesh_.positions);
+  return counts;
+}
+
+std::vector<uint8_t> FittedField::VerticesThatStay() const {
+  std::vector<uint8_t> stays = BoundaryVertices(mesh_);
+  if (camera_space_.empty()) return stays;
+  const std::vector<uint8_t> is_empty = InsideCapsules(mesh_.positions, camera_space_);
+  for (size_t v = 0; v < stays.size(); ++v) stays[v] |= is_empty[v];
+  return stays;
 }
 
 void FittedField::PutState(FieldState state) {

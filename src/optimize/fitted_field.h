@@ -2,6 +2,7 @@
 #pragma once
 
 #include "field/field_state.h"
+#include "mesh/safe_motion.h"
 #include "mesh/tet_mesh.h"
 #include "optimize/batches.h"
 #include "optimize/camera_space.h"
@@ -24,6 +25,12 @@ class FittedField {
 
   void Put(TetMesh mesh, FieldState state);
   void PutState(FieldState state);  // of the same mesh
+  // Each by its move or a part of it (MoveSafely).
+  MotionCounts MoveVertices(std::span<const glm::vec3> moves);
+  // (V) 1 for vertices of the boundary and in the space of the cameras, 0 for all others.
+  std::vector<uint8_t> VerticesThatStay() const;
+  // Another number after each Put.
+  uint64_t topology() const { return topology_; }
   FieldState ReadState() const { return renderer_.ReadState(); }
 
   const TetMesh& mesh() const { return mesh_; }
@@ -39,6 +46,7 @@ class FittedField {
   BatchDrawer& batches_;
   std::vector<Capsule> camera_space_;
   TetMesh mesh_;
+  uint64_t topology_ = 0;
   int harmonics_degree_ = 0;
   uint64_t emptied_rows_ = 0;
 };

@@ -42,8 +42,20 @@ template <>
 inline constexpr auto kWords<FineRaysChoice> = std::to_array<Word<FineRaysChoice>>(
     {{FineRaysChoice::kAuto, "auto"}, {FineRaysChoice::kOn, "on"}, {FineRaysChoice::kOff, "off"}});
 
-// What a run has found out about them. Checkpoints contain the numbers.
-enum class FineRaysState : uint32_t { kNotTried, kNotUsed, kUsed };
+// Whether vertices move (motion_trial.h).
+enum class PositionsChoice {
+  kAuto,  // if the judging pictures gain by it
+  kOn,
+  kOff,
+};
+template <>
+inline constexpr auto kWords<PositionsChoice> =
+    std::to_array<Word<PositionsChoice>>({{PositionsChoice::kAuto, "auto"},
+                                          {PositionsChoice::kOn, "on"},
+                                          {PositionsChoice::kOff, "off"}});
+
+// What a run has found out about a means. Checkpoints contain the numbers.
+enum class TrialState : uint32_t { kNotTried, kNotUsed, kUsed };
 
 struct OptimizeOptions {
   double time_limit_s = 300;  // of optimisation, with refinement and watching; 0: none
@@ -54,7 +66,9 @@ struct OptimizeOptions {
   double color_rate = AdamUpdate().color_rate;      // Adam's first step on colour [display sRGB]
   double density_rate = AdamUpdate().density_rate;  // on its parameter
   double harmonics_rate = AdamUpdate().harmonics_rate;  // on coefficients [display sRGB]
-  double max_density = AdamUpdate().max_density;        // [1 / world unit]
+  // A vertex's first moves, as a share of its edges' mean length.
+  double position_rate = 0.1;
+  double max_density = AdamUpdate().max_density;  // [1 / world unit]
   // Pull of seen vertices towards empty, as a share of Adam's largest step: without it, fog in
   // front of the cameras explains why photos differ in exposure.
   double density_decay = 0.05;
@@ -66,6 +80,7 @@ struct OptimizeOptions {
   PoseMode poses = PoseMode::kAuto;             // corrections of the training cameras
   HarmonicsChoice harmonics = HarmonicsChoice::kAuto;
   FineRaysChoice fine_rays = FineRaysChoice::kAuto;
+  PositionsChoice positions = PositionsChoice::kAuto;
   uint64_t max_vertices = 0;      // 0: as many as the time affords
   double score_rays_per_tet = 1;  // by which a refinement judges the tets
   int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv

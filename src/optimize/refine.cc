@@ -151,13 +151,12 @@ RefineResult Refine(const TetMesh& mesh, const FieldState& state, std::span<cons
 
   DelaunayResult delaunay = BuildDelaunay(points);
   result.mesh = std::move(delaunay.mesh);
-  if (state.layout.storage == FieldStorage::kCell) {
-    result.state = Prolong(state, SourcesOfCells(mesh, result.mesh));
-  } else {
-    std::vector<RowSource> of_vertex;
-    for (const uint32_t point : delaunay.point_of_vertex) of_vertex.push_back(sources[point]);
-    result.state = Prolong(state, of_vertex);
+  for (const uint32_t point : delaunay.point_of_vertex) {
+    result.vertex_sources.push_back(sources[point]);
   }
+  result.state =
+      Prolong(state, state.layout.storage == FieldStorage::kCell ? SourcesOfCells(mesh, result.mesh)
+                                                                 : result.vertex_sources);
   return result;
 }
 

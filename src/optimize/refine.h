@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace tetrec {
 
@@ -22,6 +23,7 @@ struct RefineOptions {
 struct RefineResult {
   TetMesh mesh;
   FieldState state;
+  std::vector<RowSource> vertex_sources;  // of each vertex, among those of the old mesh
   uint64_t split_edges = 0, dropped_empty = 0;
 };
 

@@ -84,6 +84,7 @@ void RefinementRounds::RefineOnce() {
   refine.seed = options_.seed + state_.rounds;
   RefineResult result = Refine(mesh, parts_.field.ReadState(), error, refine);
   parts_.field.Put(std::move(result.mesh), std::move(result.state));
+  parts_.motion.Follow(result.vertex_sources);
   ++state_.rounds;
   last_iteration_ = parts_.steps.iteration();
   LogInfo(

@@ -7,6 +7,7 @@
 #include "optimize/optimize_options.h"
 #include "optimize/training_pictures.h"
 #include "optimize/training_steps.h"
+#include "optimize/vertex_motion.h"
 #include "render/training_renderer.h"
 
 #include <cstdint>
@@ -23,6 +24,7 @@ struct RoundsState {
 // What a round works on.
 struct RefinedParts {
   FittedField& field;
+  VertexMotion& motion;
   TrainingPictures& pictures;
   const BatchDrawer& batches;
   const TrainingSteps& steps;

@@ -14,12 +14,14 @@
 #include "optimize/fine_rays.h"
 #include "optimize/fitted_field.h"
 #include "optimize/harmonics_trials.h"
+#include "optimize/motion_trial.h"
 #include "optimize/pose_sweeps.h"
 #include "optimize/refinement_rounds.h"
 #include "optimize/run_outputs.h"
 #include "optimize/training_history.h"
 #include "optimize/training_pictures.h"
 #include "optimize/training_steps.h"
+#include "optimize/vertex_motion.h"
 #include "optimize/watch.h"
 #include "render/create_renderer.h"
 #include "render/kernel_table.h"
@@ -70,12 +72,15 @@ class Trainer {
         batches_(options, pictures_.set(), renderer_->NeedsTiles(), pictures_.background_srgb(),
                  scene_folder),
         field_(options, scene, *renderer_, batches_),
-        steps_(options, batches_, *renderer_),
+        motion_(options, field_, *renderer_),
+        steps_(options, batches_, *renderer_, motion_),
         poses_(options, pictures_, *renderer_),
         harmonics_(options, field_, pictures_, steps_),
         fine_rays_(options, field_, pictures_, steps_),
+        motion_trial_(options, field_, pictures_, steps_, motion_),
         rounds_(options, PlanGrowth(options.schedule, start_vertices, max_vertices_),
-                {field_, pictures_, batches_, steps_, *renderer_}, stage.Scratch("best.bin")),
+                {field_, motion_, pictures_, batches_, steps_, *renderer_},
+                stage.Scratch("best.bin")),
         checkpoint_path_(stage.Scratch("checkpoint.bin")) {}
 
   RadianceField Run(const RadianceField& start) {
@@ -143,6 +148,8 @@ class Trainer {
     exposure_ = ResumedExposure(std::move(checkpoint.exposure));
     poses_.Resume(std::move(checkpoint.poses), name, Done());
     field_.Put(std::move(checkpoint.mesh), std::move(checkpoint.state));
+    motion_trial_.Resume(checkpoint.motion_trial);
+    motion_.Resume(std::move(checkpoint.motion));
     LogInfo("continues from iteration {} after {:.0f} s", steps_.iteration(), seconds_);
   }
 
@@ -154,18 +161,21 @@ class Trainer {
     while (true) {
       seconds_ = seconds_before + timer.seconds();
       const double done = Done();
-      if (done >= 1.0 || StopRequested()) return;
+      const bool can_resume = motion_.CanResumeAfter(steps_.iteration(), done);
+      if (done >= 1.0 || (StopRequested() && can_resume)) return;
       if (rounds_.IsDue(done)) {
         rounds_.Advance();
         continue;
       }
-      if (harmonics_.Advance(done) || fine_rays_.Advance(done)) continue;
+      if (motion_trial_.Advance(done) || harmonics_.Advance(done) || fine_rays_.Advance(done)) {
+        continue;
+      }
       if (poses_.IsDue(done)) CorrectPoses(done);
       // After all trials that are due, which may be late because others took long.
       pictures_.EndJudgingIfDue(done);
       history.Add(TakeStep(done));
       history.Record(Figures(done));
-      if (seconds_ - last_checkpoint >= options_.checkpoint_interval_s) {
+      if (can_resume && seconds_ - last_checkpoint >= options_.checkpoint_interval_s) {
         last_checkpoint = seconds_;
         SaveCheckpoint(history.bytes());
       }
@@ -225,6 +235,8 @@ class Trainer {
     checkpoint.best_psnr = rounds_.state().best_psnr;
     checkpoint.harmonics = harmonics_.state();
     checkpoint.fine_rays = fine_rays_.state();
+    checkpoint.motion_trial = motion_trial_.state();
+    checkpoint.motion = motion_.state();
     checkpoint.mesh = field_.mesh();
     checkpoint.state = field_.ReadState();
     checkpoint.exposure = exposure_.State(*renderer_);
@@ -242,16 +254,34 @@ class Trainer {
     stage_.Count("rounds", rounds_.state().rounds);
     stage_.Count("emptied_rows", field_.emptied_rows());
     stage_.Count("harmonics_degree", field_.harmonics_degree());
-    stage_.Count("fine_rays", int(fine_rays_.state() == FineRaysState::kUsed));
+    stage_.Count("fine_rays", int(fine_rays_.state() == TrialState::kUsed));
     stage_.Seconds("optimize", seconds_);
     if (psnr) stage_.Count("watched_psnr", *psnr);
     ReportRays();
+    ReportMotion();
     LogInfo(
         "{} iterations, {} rays in {:.1f} s; {} vertices, {} tets{}",
         WithThousands(steps_.iteration()), WithThousands(steps_.rays()), seconds_,
         WithThousands(mesh.positions.size()), WithThousands(mesh.tets.size()),
         psnr ? fmt::format("; {:.2f} dB on {} watched views", *psnr, watched_.views.size()) : "");
     LogKernelTimes(options_.renderer, *renderer_);
+  }
+
+  void ReportMotion() {
+    const MotionCounts& counts = motion_.counts();
+    if (counts.all() == 0) return;
+    const TetMeshQuality quality = MeasureQuality(field_.mesh());
+    const double all = double(counts.all());
+    stage_.Count("vertex_moves", counts.all());
+    stage_.Count("shortened_moves", counts.shortened);
+    stage_.Count("stopped_moves", counts.stopped);
+    stage_.Count("min_volume", quality.min_volume);
+    stage_.Count("min_radius_ratio", quality.min_radius_ratio);
+    LogInfo(
+        "vertices moved {} times in {:.1f} s, {:.1f} % of the moves shortened and {:.1f} % stopped "
+        "for the sake of tets; smallest tet {:.1e}, smallest radius ratio {:.1e}",
+        WithThousands(counts.all()), motion_.seconds(), 100.0 * double(counts.shortened) / all,
+        100.0 * double(counts.stopped) / all, quality.min_volume, quality.min_radius_ratio);
   }
 
   // What the renderer counted of all rays, those of judging and watching too.
@@ -280,11 +310,13 @@ class Trainer {
   TrainingPictures pictures_;
   BatchDrawer batches_;
   FittedField field_;
+  VertexMotion motion_;
   TrainingSteps steps_;
   ExposureEstimate exposure_;
   PoseSweeps poses_;
   HarmonicsTrials harmonics_;
   FineRays fine_rays_;
+  MotionTrial motion_trial_;
   RefinementRounds rounds_;
   fs::path checkpoint_path_;
   double seconds_ = 0;          // of optimisation

@@ -10,16 +10,25 @@ uint64_t TrialSteps(uint64_t iteration) {
 }
 
 StepResult TrainingSteps::Take(double progress, bool sums_exposures) {
-  TrainingBatch batch = Draw(iteration_, progress);
-  batch.sums_exposures = sums_exposures;
-  ++iteration_;
-  return renderer_.Step(batch, UpdateOf(iteration_, progress, progress));
+  return TakeStep(iteration_++, progress, progress, progress, sums_exposures);
 }
 
-void TrainingSteps::Try(uint64_t count, double progress, double as_at) {
+void TrainingSteps::Try(uint64_t count, double progress, double as_at, double motion_as_at) {
   for (uint64_t iteration = iteration_; iteration < iteration_ + count; ++iteration) {
-    renderer_.Step(Draw(iteration, as_at), UpdateOf(iteration + 1, progress, as_at));
+    TakeStep(iteration, progress, as_at, motion_as_at, false);
   }
+}
+
+StepResult TrainingSteps::TakeStep(uint64_t iteration, double progress, double as_at,
+                                   double motion_as_at, bool sums_exposures) {
+  TrainingBatch batch = Draw(iteration, as_at);
+  batch.sums_exposures = sums_exposures;
+  batch.parts = motion_.PartsOf(iteration, motion_as_at);
+  const uint64_t steps = iteration + 1;
+  const StepResult result = renderer_.Step(batch, UpdateOf(steps, progress, as_at));
+  motion_.AfterStep(steps, motion_as_at,
+                    RateShare(options_.schedule, motion_as_at, ExpectedSteps(steps, progress)));
+  return result;
 }
 
 TrainingBatch TrainingSteps::Draw(uint64_t iteration, double progress) {

@@ -3,6 +3,7 @@
 
 #include "optimize/batches.h"
 #include "optimize/optimize_options.h"
+#include "optimize/vertex_motion.h"
 #include "render/training_renderer.h"
 
 #include <cstdint>
@@ -20,8 +21,9 @@ inline constexpr double kRatesOfTrials = 0.95;
 // `progress` is that of the run, in [0, 1].
 class TrainingSteps {
  public:
-  TrainingSteps(const OptimizeOptions& options, BatchDrawer& batches, TrainingRenderer& renderer)
-      : options_(options), batches_(batches), renderer_(renderer) {}
+  TrainingSteps(const OptimizeOptions& options, BatchDrawer& batches, TrainingRenderer& renderer,
+                VertexMotion& motion)
+      : options_(options), batches_(batches), renderer_(renderer), motion_(motion) {}
 
   uint64_t iteration() const { return iteration_; }  // steps counted so far
   uint64_t rays() const { return rays_; }            // of all steps, tried ones too
@@ -35,12 +37,17 @@ class TrainingSteps {
   // (TrainingRenderer::Step).
   StepResult Take(double progress, bool sums_exposures);
   // Takes the next `count` steps without counting them: the same steps can be taken again, from
-  // another state of the field. Rates and rays per pixel are those of the progress `as_at`.
-  void Try(uint64_t count, double progress, double as_at);
+  // another state of the field. Rates and rays per pixel are those of the progress `as_at`;
+  // vertices move, if they do, as at the progress `motion_as_at`.
+  void Try(uint64_t count, double progress, double as_at, double motion_as_at);
+  void Try(uint64_t count, double progress, double as_at) { Try(count, progress, as_at, as_at); }
   void Try(uint64_t count, double progress) { Try(count, progress, progress); }
   void CountTried(uint64_t count) { iteration_ += count; }
 
  private:
+  // Step `iteration`, from 0.
+  StepResult TakeStep(uint64_t iteration, double progress, double as_at, double motion_as_at,
+                      bool sums_exposures);
   TrainingBatch Draw(uint64_t iteration, double progress);
   double ExpectedSteps(uint64_t step, double progress) const;
   // The update that ends step `step`, counted from 1.
@@ -49,6 +56,7 @@ class TrainingSteps {
   const OptimizeOptions& options_;
   BatchDrawer& batches_;
   TrainingRenderer& renderer_;
+  VertexMotion& motion_;
   uint64_t iteration_ = 0, rays_ = 0;
   bool uses_fine_rays_ = false;
 };

@@ -42,6 +42,9 @@ struct TileShape {
 // less work and memory. A batch may have more than this, but memory is set aside for no more.
 inline constexpr size_t kMostViewsOfBatch = 4;
 
+// Which gradients to compute; those by positions make the backward pass slower.
+enum class GradientParts { kColorDensity, kColorDensityPosition };
+
 // Rays and what they are compared by.
 struct TrainingBatch {
   std::span<const RayBlock> blocks;
@@ -62,6 +65,8 @@ struct TrainingBatch {
   uint64_t update_rays = 0;
   // Also sums what the views' exposures are fitted from, for AddExposureSums.
   bool sums_exposures = false;
+  // What Step computes; gradients by positions are summed for TakePositionGradients.
+  GradientParts parts = GradientParts::kColorDensity;
 
   uint64_t rays() const { return blocks.size() * kRaysPerBlock; }
   uint64_t rays_of_mean() const { return update_rays > 0 ? update_rays : rays(); }
@@ -84,8 +89,9 @@ struct StepResult {
   double squared_error = 0;  // mean over the batch's rays and channels
 };
 
-// Which gradients to compute; those by positions make the backward pass slower.
-enum class GradientParts { kColorDensity, kColorDensityPosition };
+// Gradients by positions are summed over no more batches than this: fixed-point sums have room for
+// them.
+inline constexpr uint64_t kMostSummedBatches = 16;
 
 // Sums over batches since they were last taken, or used by an update.
 struct GradientSums {
@@ -142,6 +148,11 @@ class TrainingRenderer : public Renderer {
   virtual void Backward(GradientParts parts) = 0;
   // Reads the sums and sets them to zero.
   virtual GradientSums TakeGradients() = 0;
+  // Reads the sums of gradients by positions, and only those, and sets them to zero.
+  virtual GradientSums TakePositionGradients() = 0;
+  // Moves the vertices of the mesh. Its tets stay positively oriented, its boundary where it is;
+  // parameters, moments and sums stay.
+  virtual void MoveVertices(std::span<const glm::vec3> positions) = 0;
   // Adds given sums, those of another machine or of a regulariser.
   virtual void AddGradients(const GradientSums& sums) = 0;
   // Adam by the sums of dL/dvalue, which are zero then.

@@ -15,12 +15,13 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECK8", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
-// bytes, f64 best PSNR, u32 x 3 harmonics, u32 fine rays, u64 V, u64 T, then the layout: u32
-// storage, u32 attributes, and of "color" and "density" the length of the name, the name, and 3 u32
-// each. Positions follow.
-constexpr size_t kSecondsAt = 16, kFineRaysAt = 64, kVertexCountAt = 68, kTetCountAt = 76,
-                 kStorageAt = 84, kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
+// Where the fields start: "TETRECK9", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
+// bytes, f64 best PSNR, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64 T, then
+// the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the name, the
+// name, and 3 u32 each. Positions follow.
+constexpr size_t kSecondsAt = 16, kFineRaysAt = 64, kMotionAt = 68, kVertexCountAt = 72,
+                 kTetCountAt = 80, kStorageAt = 88,
+                 kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
 constexpr size_t kPosesBytes = 4 + 8 + kPoses * 13 * sizeof(double);
@@ -40,13 +41,21 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   checkpoint.rounds = 4;
   checkpoint.metrics_bytes = 777;
   checkpoint.best_psnr = 23.5;
-  checkpoint.fine_rays = FineRaysState::kNotUsed;
+  checkpoint.fine_rays = TrialState::kNotUsed;
   checkpoint.mesh = BuildDelaunay(points).mesh;
   FieldState& state = checkpoint.state;
   const size_t rows = RowCount(checkpoint.mesh, layout.storage);
   state = WithoutMoments(layout, std::vector<float>(rows * size_t(layout.Components())));
   for (auto* values : {&state.parameters, &state.first_moment, &state.second_moment}) {
     for (float& value : *values) value = unit();
+  }
+  checkpoint.motion_trial = TrialState::kUsed;
+  MotionState& motion = checkpoint.motion;
+  motion.motions = 9;
+  for (size_t v = 0; v < checkpoint.mesh.positions.size(); ++v) {
+    motion.first_moment.emplace_back(unit() - 0.5f, unit(), unit());
+    motion.second_moment.push_back(unit());
+    motion.size.push_back(unit());
   }
   checkpoint.exposure.exposures.resize(3);
   checkpoint.exposure.sums.resize(3);
@@ -93,6 +102,11 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.state.parameters, written.state.parameters);
     EXPECT_EQ(read.state.first_moment, written.state.first_moment);
     EXPECT_EQ(read.state.second_moment, written.state.second_moment);
+    EXPECT_EQ(read.motion_trial, written.motion_trial);
+    EXPECT_EQ(read.motion.motions, written.motion.motions);
+    EXPECT_EQ(read.motion.first_moment, written.motion.first_moment);
+    EXPECT_EQ(read.motion.second_moment, written.motion.second_moment);
+    EXPECT_EQ(read.motion.size, written.motion.size);
     EXPECT_EQ(read.exposure.exposures, written.exposure.exposures);
     EXPECT_EQ(read.exposure.sums, written.exposure.sums);
     EXPECT_EQ(read.poses.sweeps, written.poses.sweeps);
@@ -193,9 +207,35 @@ TEST(Checkpoint, RefusesHugeCountsBeforeItTakesMemory) {
   }
 }
 
-TEST(Checkpoint, RefusesAnUnknownStateOfFineRays) {
-  const std::vector<uint8_t> bytes = With(BytesOf(MakeCheckpoint()), kFineRaysAt, uint32_t{3});
-  ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); }, {"c.bin", "fine rays", "3"});
+TEST(Checkpoint, RefusesUnknownStatesOfTrials) {
+  const std::vector<uint8_t> good = BytesOf(MakeCheckpoint());
+  ExpectError<DataError>([&] { ParseCheckpoint(With(good, kFineRaysAt, uint32_t{3}), "c.bin"); },
+                         {"c.bin", "fine rays", "3"});
+  ExpectError<DataError>([&] { ParseCheckpoint(With(good, kMotionAt, uint32_t{3}), "c.bin"); },
+                         {"c.bin", "moving vertices", "3"});
+}
+
+TEST(Checkpoint, RefusesMotionsThatAreNotPossible) {
+  const auto refused = [](auto&& damage, const std::string& what) {
+    Checkpoint checkpoint = MakeCheckpoint();
+    damage(checkpoint.motion);
+    const std::vector<uint8_t> bytes = BytesOf(checkpoint);
+    ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); }, {"c.bin", what});
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  refused([&](MotionState& m) { m.first_moment[3].z = nan; }, "the motion of vertex 3");
+  refused([](MotionState& m) { m.second_moment[2] = -1e-9f; }, "the motion of vertex 2");
+  refused([&](MotionState& m) { m.size[0] = nan; }, "the motion of vertex 0");
+  refused(
+      [](MotionState& m) {
+        m.first_moment.pop_back();
+        m.second_moment.pop_back();
+        m.size.pop_back();
+      },
+      "19 vertices have a motion, not 0 or 20");
+  Checkpoint still = MakeCheckpoint();
+  still.motion = {};
+  EXPECT_TRUE(ParseCheckpoint(BytesOf(still), "c.bin").motion.size.empty());
 }
 
 TEST(Checkpoint, RefusesCountsThatAreOffByOne) {

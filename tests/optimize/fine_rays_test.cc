@@ -38,8 +38,8 @@ TEST(FineRays, AreTakenOrNotAsChosen) {
     run->PutField(0.2);
     EXPECT_FALSE(run->fine_rays.Advance(0.69));
   }
-  EXPECT_EQ(on.fine_rays.state(), FineRaysState::kUsed);
-  EXPECT_EQ(off.fine_rays.state(), FineRaysState::kNotUsed);
+  EXPECT_EQ(on.fine_rays.state(), TrialState::kUsed);
+  EXPECT_EQ(off.fine_rays.state(), TrialState::kNotUsed);
   EXPECT_TRUE(on.TakesFineRays());
   EXPECT_FALSE(off.TakesFineRays());
 }
@@ -50,18 +50,17 @@ TEST(FineRays, AreTriedOnceShortlyBeforeJudgingEnds) {
   run.PutField(0.2);
   run.steps.Resume(400, 0);
   EXPECT_FALSE(run.fine_rays.Advance(0.5));
-  EXPECT_EQ(run.fine_rays.state(), FineRaysState::kNotTried);
+  EXPECT_EQ(run.fine_rays.state(), TrialState::kNotTried);
   const FieldState before = run.field.ReadState();
   EXPECT_TRUE(run.fine_rays.Advance(0.69));
   ASSERT_TRUE(run.fine_rays.trial());
   const auto [one, four] = *run.fine_rays.trial();
   EXPECT_NE(one, four);
-  EXPECT_EQ(run.fine_rays.state(),
-            four > one - 0.03 ? FineRaysState::kUsed : FineRaysState::kNotUsed);
+  EXPECT_EQ(run.fine_rays.state(), four > one - 0.03 ? TrialState::kUsed : TrialState::kNotUsed);
   EXPECT_TRUE(run.field.ReadState().parameters == before.parameters);
   EXPECT_TRUE(run.field.ReadState().second_moment == before.second_moment);
   EXPECT_EQ(run.steps.iteration(), 400u);
-  EXPECT_EQ(run.TakesFineRays(), run.fine_rays.state() == FineRaysState::kUsed);
+  EXPECT_EQ(run.TakesFineRays(), run.fine_rays.state() == TrialState::kUsed);
   EXPECT_FALSE(run.fine_rays.Advance(0.69));
 }
 
@@ -75,7 +74,7 @@ TEST(FineRays, AreNotTriedInShortRuns) {
   FineRun run(FineRaysChoice::kAuto);
   run.steps.Resume(100, 0);
   EXPECT_FALSE(run.fine_rays.Advance(0.69));
-  EXPECT_EQ(run.fine_rays.state(), FineRaysState::kNotUsed);
+  EXPECT_EQ(run.fine_rays.state(), TrialState::kNotUsed);
 }
 
 TEST(FineRays, AreNotTakenWhereNothingCanJudge) {
@@ -83,17 +82,17 @@ TEST(FineRays, AreNotTakenWhereNothingCanJudge) {
   run.steps.Resume(400, 0);
   run.pictures.EndJudgingIfDue(1.0);
   EXPECT_FALSE(run.fine_rays.Advance(1.0));
-  EXPECT_EQ(run.fine_rays.state(), FineRaysState::kNotUsed);
+  EXPECT_EQ(run.fine_rays.state(), TrialState::kNotUsed);
 }
 
 TEST(FineRays, ContinueAsTheyWereDecided) {
-  for (const FineRaysState state : {FineRaysState::kUsed, FineRaysState::kNotUsed}) {
+  for (const TrialState state : {TrialState::kUsed, TrialState::kNotUsed}) {
     FineRun run(FineRaysChoice::kAuto);
     run.PutField(0.2);
     run.fine_rays.Resume(state);
     EXPECT_FALSE(run.fine_rays.Advance(0.69));
     EXPECT_EQ(run.fine_rays.state(), state);
-    EXPECT_EQ(run.TakesFineRays(), state == FineRaysState::kUsed);
+    EXPECT_EQ(run.TakesFineRays(), state == TrialState::kUsed);
   }
 }
 

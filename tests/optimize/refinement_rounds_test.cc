@@ -13,10 +13,11 @@ class RefinementRoundsTest : public ::testing::Test {
   const ScratchFolder folder_;
   SmallRun run_;
   const GrowthPlan plan_{4, 2000};
-  RefinementRounds rounds_{run_.options,
-                           plan_,
-                           {run_.field, run_.pictures, run_.batches, run_.steps, *run_.renderer},
-                           folder_ / "best.bin"};
+  RefinementRounds rounds_{
+      run_.options,
+      plan_,
+      {run_.field, run_.motion, run_.pictures, run_.batches, run_.steps, *run_.renderer},
+      folder_ / "best.bin"};
   size_t vertices() const { return run_.field.mesh().positions.size(); }
 };
 

@@ -22,8 +22,8 @@ inline OptimizeOptions SmallRunOptions() {
 }
 
 // Photos of WavyBox from a ring of cameras.
-inline TrainingSet PhotosOfWavyBox(TrainingRenderer& renderer, size_t views) {
-  renderer.SetField(WavyBox(0.4));
+inline TrainingSet PhotosOfWavyBox(TrainingRenderer& renderer, size_t views, float density) {
+  renderer.SetField(WavyBox(0.4, density));
   TrainingSet set;
   set.views = Ring(views);
   for (const RenderView& view : set.views) {
@@ -36,13 +36,15 @@ inline TrainingSet PhotosOfWavyBox(TrainingRenderer& renderer, size_t views) {
 
 // Its parts refer to each other, so it stays where it is.
 struct SmallRun {
-  explicit SmallRun(const OptimizeOptions& run_options = SmallRunOptions(), size_t views = 5)
+  explicit SmallRun(const OptimizeOptions& run_options = SmallRunOptions(), size_t views = 5,
+                    float density = 20.0f)
       : options(run_options),
         renderer(CreateRenderer({.kind = RendererKind::kReference})),
-        pictures(options, PhotosOfWavyBox(*renderer, views), glm::vec3(0.0f), *renderer),
+        pictures(options, PhotosOfWavyBox(*renderer, views, density), glm::vec3(0.0f), *renderer),
         batches(options, pictures.set(), false, glm::vec3(0.0f), "scene"),
         field(options, Scene(), *renderer, batches),
-        steps(options, batches, *renderer) {
+        motion(options, field, *renderer),
+        steps(options, batches, *renderer, motion) {
     pictures.PlaceCameras({}, 0.0);
     PutField(0.4);
   }
@@ -61,6 +63,7 @@ struct SmallRun {
   TrainingPictures pictures;
   BatchDrawer batches;
   FittedField field;
+  VertexMotion motion;
   TrainingSteps steps;
 };
 

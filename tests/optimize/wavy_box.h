@@ -12,8 +12,8 @@
 
 namespace tetrec {
 
-// A dense box [-1, 1]^3 whose colours are waves in space; its mesh does not show in its pictures.
-inline RadianceField WavyBox(double contrast) {
+// A box [-1, 1]^3 whose colours are waves in space; its mesh does not show in its pictures.
+inline RadianceField WavyBox(double contrast, float density = 20.0f) {
   std::vector<glm::vec3> points;
   constexpr int kSide = 9;
   for (int i = 0; i < kSide * kSide * kSide; ++i) {
@@ -23,7 +23,7 @@ inline RadianceField WavyBox(double contrast) {
   RadianceField field;
   field.mesh = BuildDelaunay(points).mesh;
   for (const glm::vec3& p : field.mesh.positions) {
-    field.density.push_back(20.0f);
+    field.density.push_back(density);
     const glm::vec3 wave(std::sin(5 * p.x + 2 * p.y), std::sin(4 * p.y - 3 * p.z),
                          std::sin(4 * p.z + 3 * p.x));
     field.color_srgb.push_back(0.5f + float(contrast) * wave);

@@ -92,7 +92,7 @@ class ReferenceRenderer final : public ProbedRenderer {
 
   StepResult Step(const TrainingBatch& batch, const AdamUpdate& update) override {
     const StepResult result = Forward(batch);
-    Backward(GradientParts::kColorDensity);
+    Backward(batch.parts);
     Update(update);
     return OneStepLate(result);
   }
@@ -148,6 +148,22 @@ class ReferenceRenderer final : public ProbedRenderer {
     return result;
   }
 
+  GradientSums TakePositionGradients() override {
+    GradientSums result;
+    if (!std::exchange(has_position_sums_, false)) return result;
+    const size_t vertices = sums_.position.size();
+    result.position = std::exchange(sums_.position, std::vector<glm::dvec3>(vertices));
+    result.absolute_position =
+        std::exchange(sums_.absolute_position, std::vector<double>(vertices));
+    return result;
+  }
+
+  void MoveVertices(std::span<const glm::vec3> positions) override {
+    field_.mesh.positions.assign(positions.begin(), positions.end());
+    boxes_ = MakeTetBoxes(field_.mesh);
+    forward_.reset();
+  }
+
   void AddGradients(const GradientSums& sums) override {
     const size_t components = size_t(state_.layout.Components()), rows = state_.rows();
     const size_t vertices = field_.mesh.positions.size();
@@ -177,7 +193,7 @@ class ReferenceRenderer final : public ProbedRenderer {
       row_update.Apply(state_, row, by_parameter, Real(rate_shares_[row]));
       Spread(row);
     }
-    ClearSums();
+    ClearValueSums();
   }
 
   void SetRateShares(std::span<const float> shares) override {
@@ -388,6 +404,12 @@ class ReferenceRenderer final : public ProbedRenderer {
     const size_t others = size_t(state_.layout.Components()) - kStandardComponents;
     other_sums_.assign(state_.rows() * others, 0.0);
     has_position_sums_ = false;
+  }
+
+  void ClearValueSums() {
+    std::fill(sums_.color_srgb.begin(), sums_.color_srgb.end(), glm::dvec3(0.0));
+    std::fill(sums_.density.begin(), sums_.density.end(), 0.0);
+    std::fill(other_sums_.begin(), other_sums_.end(), 0.0);
   }
 
   float ValueAt(size_t row, size_t component) const {

@@ -384,6 +384,11 @@ void UploadParameters(DeviceField& field, std::span<const float> parameters) {
   }
 }
 
+void UploadPositions(DeviceField& field, std::span<const glm::vec3> positions) {
+  field.mesh.positions.assign(positions.begin(), positions.end());
+  field.vertices.Upload(VertexRows(field.mesh, field.layout.storage));
+}
+
 std::vector<float> DownloadScores(const DeviceField& field) {
   if (!field.fixed_point) return field.tet_scores.DownloadAs<float>(field.tet_count);
   std::vector<float> scores;

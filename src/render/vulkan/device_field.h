@@ -71,6 +71,8 @@ void AddToPositionGradients(DeviceField& field, std::span<const double> values,
                             const FixedPoint& fixed);
 // Replaces the parameters: rows x layout.Components().
 void UploadParameters(DeviceField& field, std::span<const float> parameters);
+// Moves the vertices; density and colour are yet to be spread again.
+void UploadPositions(DeviceField& field, std::span<const glm::vec3> positions);
 // Tet scores.
 std::vector<float> DownloadScores(const DeviceField& field);
 

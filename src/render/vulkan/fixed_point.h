@@ -9,13 +9,14 @@ namespace tetrec {
 
 // A sum is a 64-bit count of quanta. A vertex gets at most one addend from a ray for each of the
 // vertex's tets, so with R rays and at most N tets around a vertex, addends of up to
-// L = 2^62 / (R N) quanta can never make it overflow; larger ones are clamped and counted.
+// L = 2^62 / (B R N) quanta can never make it overflow in B = kMostSummedBatches batches; larger
+// ones are clamped and counted.
 //
 // With g the scale of the rays' own gradients (dL/dresidual is at most a few g) and D the diagonal
 // of the mesh's bounds, a ray's addend is about g for colour, g x length for density, g / length
 // for position. L represents 2^6 g, 2^6 g D and 2^24 g / D: positions need the room because hits on
-// faces seen at a flat angle move far. In a step of 4,096 rays (N = 128: L = 2^43) the quanta are
-// 2^-37 g, 2^-37 g D and 2^-19 g / D, where tets of a hundredth of D give gradients of 2^-7 g D and
+// faces seen at a flat angle move far. In a step of 4,096 rays (N = 128: L = 2^39) the quanta are
+// 2^-33 g, 2^-33 g D and 2^-15 g / D, where tets of a hundredth of D give gradients of 2^-7 g D and
 // 2^7 g / D: every addend down to 10^-5 of a whole ray's is kept with the precision of a float.
 struct FixedPoint {
   float color_quanta = 1, density_quanta = 1, position_quanta = 1;  // per unit; powers of two

@@ -101,7 +101,7 @@ class VulkanRenderer final : public ProbedRenderer {
     field_ = UploadField(*device_, mesh, state, options_.deterministic);
     SpreadParameters();
     ForgetSums();
-    has_forward_ = false;
+    has_forward_ = has_position_sums_ = false;
     march_.SetField(field_);
     if (other_) other_->SetField(field_);
     UploadViews();
@@ -148,6 +148,10 @@ class VulkanRenderer final : public ProbedRenderer {
   StepResult Step(const TrainingBatch& batch, const AdamUpdate& update) override {
     const FixedPoint fixed = FixedPointOf(batch);
     ExpectSums(fixed);
+    if (batch.parts == GradientParts::kColorDensityPosition) {
+      AllocatePositionGradients(*device_, field_);
+      has_position_sums_ = true;
+    }
     const StepResult before = InFlightBatch(*integrator_, batch, {ScaleOf(batch)}, fixed,
                                             [&](CommandRecorder& recorder, const RayPass& pass) {
                                               RecordLearning(recorder, pass, update, fixed);
@@ -190,6 +194,24 @@ class VulkanRenderer final : public ProbedRenderer {
   GradientSums TakeGradients() override {
     WaitAll();
     return TakeSums(sums_fixed_);
+  }
+
+  GradientSums TakePositionGradients() override {
+    WaitAll();
+    GradientSums sums;
+    TakePositionSums(sums_fixed_, sums);
+    return sums;
+  }
+
+  void MoveVertices(std::span<const glm::vec3> positions) override {
+    TETREC_CHECK(positions.size() == field_.vertex_count, "one position per vertex");
+    WaitAll();
+    has_forward_ = false;
+    UploadPositions(field_, positions);
+    SpreadParameters();
+    march_.SetField(field_);
+    if (other_) other_->SetField(field_);
+    UploadViews();
   }
 
   void AddGradients(const GradientSums& sums) override {
@@ -390,14 +412,20 @@ class VulkanRenderer final : public ProbedRenderer {
     sums.values = DownloadGradients(field_, fixed);
     ClearGradients(field_);
     has_sums_ = false;
-    if (!std::exchange(has_position_sums_, false)) return sums;
+    TakePositionSums(fixed, sums);
+    return sums;
+  }
+
+  void TakePositionSums(const FixedPoint& fixed, GradientSums& sums) {
+    if (!std::exchange(has_position_sums_, false)) return;
     const std::vector<double> rows = DownloadPositionGradients(field_, fixed);
+    sums.position.reserve(field_.vertex_count);
+    sums.absolute_position.reserve(field_.vertex_count);
     for (size_t at = 0; at < rows.size(); at += 4) {
       sums.position.emplace_back(rows[at], rows[at + 1], rows[at + 2]);
       sums.absolute_position.push_back(rows[at + 3]);
     }
     field_.position_gradients.FillZero();
-    return sums;
   }
 
   // Records forward and loss of a batch and whatever `then` records, and submits it. Returns the
@@ -522,6 +550,7 @@ class VulkanRenderer final : public ProbedRenderer {
                  counters_.buffer(), options_.stop_transmittance, fixed);
     pass.push.jitter_seed = batch.seed;
     pass.push.jitter_px = batch.jitter_px;
+    pass.parts = batch.parts;
     view_colors_.Bind(pass);
     return pass;
   }

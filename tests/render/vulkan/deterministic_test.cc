@@ -224,8 +224,9 @@ TEST(FixedPoint, SumsOfTheLargestAddendsStayBelowTheLargestInteger) {
   for (uint64_t rays : {8ull, 4096ull, 8'294'400ull}) {
     for (uint32_t tets : {1u, 24u, 5000u}) {
       const FixedPoint fixed = ChooseFixedPoint(1.0 / (3.0 * double(rays)), rays, tets, 2.5);
-      EXPECT_LE(double(fixed.largest_quanta) * double(rays) * tets, 0x1p62);
-      EXPECT_GT(double(fixed.largest_quanta) * double(rays) * tets, 0x1p61);
+      const double most = double(kMostSummedBatches) * double(rays) * tets;
+      EXPECT_LE(double(fixed.largest_quanta) * most, 0x1p62);
+      EXPECT_GT(double(fixed.largest_quanta) * most, 0x1p61);
       // 64 times a ray's own gradient still fits.
       EXPECT_LE(fixed.color_quanta * 64.0 / (3.0 * double(rays)), fixed.largest_quanta);
     }

@@ -1,0 +1,33 @@
+// Moves of vertices that turn no tet inside out.
+#pragma once
+
+#include "mesh/tet_mesh.h"
+
+#include <cstdint>
+#include <span>
+
+namespace tetrec {
+
+// A tet keeps at least this share of its volume in one motion.
+constexpr double kKeptVolumeShare = 0.3;
+
+// Of the vertices that were to move.
+struct MotionCounts {
+  uint64_t moved = 0;      // by their whole move
+  uint64_t shortened = 0;  // by a part of it
+  uint64_t stopped = 0;    // not at all
+
+  uint64_t all() const { return moved + shortened + stopped; }
+  void Add(const MotionCounts& other);
+};
+
+// Moves all vertices at once, each by its move or by a part of it: the vertices of a tet that would
+// lose more than 1 - kKeptVolumeShare of its volume, or turn inside out (exact predicate), go half
+// as far, and after some halvings stay, until there is no such tet. So a flat tet stops vertices
+// only if they move against each other, as the bound by its inradius would not (each less than the
+// inradius of every tet around it).
+//   moves  (V) [world units], finite; 0 for vertices of the boundary, which is to stay
+// A mesh without inverted tets stays one.
+MotionCounts MoveSafely(TetMesh& mesh, std::span<const glm::vec3> moves);
+
+}  // namespace tetrec

@@ -1,0 +1,57 @@
+// The choice whether vertices move in a run.
+#include "optimize/motion_trial.h"
+
+#include "core/log.h"
+
+namespace tetrec {
+namespace {
+
+constexpr double kTrialProgress = 0.1;
+// Only a clear loss keeps vertices where they are: a trial shows only the beginning of the gain.
+constexpr double kLeastGain = -0.02;  // [dB]
+
+}  // namespace
+
+MotionTrial::MotionTrial(const OptimizeOptions& options, FittedField& field,
+                         TrainingPictures& pictures, TrainingSteps& steps, VertexMotion& motion)
+    : options_(options), field_(field), pictures_(pictures), steps_(steps), motion_(motion) {
+  if (options.positions != PositionsChoice::kAuto)
+    Decide(options.positions == PositionsChoice::kOn);
+}
+
+void MotionTrial::Resume(TrialState state) {
+  if (state != TrialState::kNotTried) Decide(state == TrialState::kUsed);
+}
+
+void MotionTrial::Decide(bool moves) {
+  state_ = moves ? TrialState::kUsed : TrialState::kNotUsed;
+  motion_.Use(moves);
+}
+
+bool MotionTrial::Advance(double progress) {
+  if (state_ != TrialState::kNotTried || progress < kTrialProgress) return false;
+  if (pictures_.learns_all()) {
+    Decide(true);
+    return false;
+  }
+  if (steps_.iteration() < kFewestTrialSteps) return false;
+  const TetMesh mesh = field_.mesh();
+  const FieldState before = field_.ReadState();
+  const double still = TrialPsnr(false, progress);
+  field_.PutState(before);
+  const double moving = TrialPsnr(true, progress);
+  field_.Put(mesh, before);
+  const bool pays = moving > still + kLeastGain;
+  LogInfo("judging pictures after {} steps: {:.2f} dB with moving vertices, {:.2f} dB without: {}",
+          TrialSteps(steps_.iteration()), moving, still, pays ? "they move" : "they stay");
+  Decide(pays);
+  return true;
+}
+
+double MotionTrial::TrialPsnr(bool moves, double progress) {
+  motion_.Use(moves);
+  steps_.Try(TrialSteps(steps_.iteration()), progress, kRatesOfTrials, progress);
+  return pictures_.JudgeField().psnr;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,77 @@
+// The motion of the mesh's vertices along the gradients of the loss.
+//
+// Gradients by positions are summed over some steps, then all vertices move at once, each along its
+// own mean gradient (Adam with one second moment per vertex, so that the direction stays that of
+// the gradient) by a share of the length of its edges, as far as no tet suffers
+// (mesh/safe_motion.h). Vertices of the boundary and in the space of the cameras stay.
+#pragma once
+
+#include "field/field_state.h"
+#include "mesh/safe_motion.h"
+#include "optimize/fitted_field.h"
+#include "optimize/optimize_options.h"
+#include "render/training_renderer.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+// What a resumed run needs. Arrays are (V), or empty before the first motion.
+struct MotionState {
+  uint64_t motions = 0;                 // that the moments have seen
+  std::vector<glm::vec3> first_moment;  // of dL/dposition
+  std::vector<float> second_moment;     // of its squared length
+  std::vector<float> size;              // mean length of a vertex's edges when its tets were made
+                                        // [world units]; 0: it stays
+};
+
+// `progress` is that of the run, in [0, 1].
+class VertexMotion {
+ public:
+  VertexMotion(const OptimizeOptions& options, FittedField& field, TrainingRenderer& renderer)
+      : options_(options), field_(field), renderer_(renderer) {}
+
+  // Vertices move from the progress kFirstMotion to kLastMotion, or not at all.
+  void Use(bool moves) { is_used_ = moves; }
+  bool is_used() const { return is_used_; }
+
+  // What step `iteration` (from 0) computes.
+  GradientParts PartsOf(uint64_t iteration, double progress) const;
+  // After `steps` steps: moves the vertices if it is time. `rate_share`: of the learning rates.
+  void AfterStep(uint64_t steps, double progress, double rate_share);
+  // True if no gradients are waiting for their motion after `steps` steps: only then is the state
+  // all that a resumed run needs.
+  bool CanResumeAfter(uint64_t steps, double progress) const;
+
+  // The field has got a new mesh, whose vertices come from those of the old one.
+  void Follow(std::span<const RowSource> of_vertices);
+
+  const MotionState& state() const { return state_; }
+  // The field's mesh is that of the state.
+  void Resume(MotionState state);
+
+  const MotionCounts& counts() const { return counts_; }
+  double seconds() const { return seconds_; }
+
+ private:
+  bool IsOn(double progress) const;
+  void Begin();
+  std::vector<float> SizesOfVertices() const;
+  // Of all vertices by the sums of their gradients.
+  std::vector<glm::vec3> Moves(std::span<const glm::dvec3> gradients, double rate);
+
+  const OptimizeOptions& options_;
+  FittedField& field_;
+  TrainingRenderer& renderer_;
+  bool is_used_ = false;
+  MotionState state_;
+  uint64_t topology_ = 0;  // FittedField::topology() of the state
+  MotionCounts counts_;
+  double seconds_ = 0;
+};
+
+}  // namespace tetrec

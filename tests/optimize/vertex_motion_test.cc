@@ -1,0 +1,193 @@
+#include "optimize/vertex_motion.h"
+
+#include "optimize/motion_trial.h"
+#include "optimize/ring_scene.h"
+#include "optimize/small_run.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace tetrec {
+namespace {
+
+OptimizeOptions MovingOptions(PositionsChoice positions) {
+  OptimizeOptions options = SmallRunOptions();
+  options.positions = positions;
+  options.iterations = 400;
+  // So that nothing but positions can mend the pictures.
+  options.color_rate = options.density_rate = 1e-9;
+  options.density_decay = 0;
+  return options;
+}
+
+constexpr float kDensity = 1.0f;  // so that the inside shows
+
+bool IsInside(const glm::vec3& position) {
+  const glm::vec3 size = glm::abs(position);
+  return std::max({size.x, size.y, size.z}) < 0.99f;
+}
+
+struct MovingRun : SmallRun {
+  explicit MovingRun(PositionsChoice positions = PositionsChoice::kOn)
+      : SmallRun(MovingOptions(positions), 5, kDensity) {}
+
+  // The true field, but vertices inside are moved by up to `most`, with their colours.
+  void PutMoved(float most) {
+    RadianceField box = WavyBox(0.4, kDensity);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> shift(-most, most);
+    std::vector<glm::vec3> moves;
+    for (const glm::vec3& position : box.mesh.positions) {
+      const glm::vec3 move(shift(random), shift(random), shift(random));
+      moves.push_back(IsInside(position) ? move : glm::vec3(0.0f));
+    }
+    MoveSafely(box.mesh, moves);
+    const FieldState state = StateOf(box);
+    field.Put(std::move(box.mesh), state);
+  }
+  void Take(int steps_to_take, double progress) {
+    for (int i = 0; i < steps_to_take; ++i) steps.Take(progress, false);
+  }
+  double Psnr() { return pictures.JudgeField().psnr; }
+
+  MotionTrial trial{options, field, pictures, steps, motion};
+};
+
+TEST(VertexMotion, BringsVerticesBackToWhereThePicturesWantThem) {
+  MovingRun run;
+  run.PutMoved(0.06f);
+  const double moved = run.Psnr();
+  run.Take(160, 0.1);
+  EXPECT_GT(run.Psnr(), moved + 0.3);
+  EXPECT_GT(run.motion.counts().moved, 0u);
+}
+
+TEST(VertexMotion, LeavesTheBoundaryWhereItIs) {
+  MovingRun run;
+  run.PutMoved(0.06f);
+  const TetMesh before = run.field.mesh();
+  run.Take(32, 0.1);
+  size_t moved = 0;
+  for (size_t v = 0; v < before.positions.size(); ++v) {
+    const bool moves = run.field.mesh().positions[v] != before.positions[v];
+    EXPECT_FALSE(moves && !IsInside(before.positions[v])) << v;
+    moved += size_t(moves);
+  }
+  EXPECT_GT(moved, 50u);
+  CheckConvexDomain(run.field.mesh());
+}
+
+TEST(VertexMotion, StopsBeforeTheEndOfARun) {
+  MovingRun run;
+  run.PutMoved(0.06f);
+  const std::vector<glm::vec3> before = run.field.mesh().positions;
+  run.Take(32, 0.01);  // not yet
+  run.Take(32, 0.9);   // no more
+  EXPECT_EQ(run.field.mesh().positions, before);
+  EXPECT_EQ(run.motion.counts().all(), 0u);
+  MovingRun off(PositionsChoice::kOff);
+  off.PutMoved(0.06f);
+  off.Take(32, 0.3);
+  EXPECT_EQ(off.field.mesh().positions, before);
+}
+
+TEST(VertexMotion, ContinuesAsItWouldHave) {
+  MovingRun whole, first, second;
+  for (MovingRun* run : {&whole, &first}) run->PutMoved(0.06f);
+  whole.Take(64, 0.3);
+  first.Take(32, 0.3);
+  ASSERT_TRUE(first.motion.CanResumeAfter(32, 0.3));
+  EXPECT_FALSE(first.motion.CanResumeAfter(31, 0.3));
+  EXPECT_TRUE(first.motion.CanResumeAfter(31, 0.9));
+  second.steps.Resume(first.steps.iteration(), first.steps.rays());
+  second.field.Put(first.field.mesh(), first.field.ReadState());
+  second.motion.Resume(first.motion.state());
+  second.Take(32, 0.3);
+  EXPECT_EQ(second.field.mesh().positions, whole.field.mesh().positions);
+  EXPECT_EQ(second.field.ReadState().parameters, whole.field.ReadState().parameters);
+}
+
+TEST(VertexMotion, FollowsVerticesThroughARefinement) {
+  MovingRun run;
+  run.PutMoved(0.06f);
+  run.Take(32, 0.3);
+  const MotionState before = run.motion.state();
+  const size_t count = before.second_moment.size();
+  ASSERT_EQ(count, run.field.mesh().positions.size());
+  std::vector<RowSource> sources;
+  for (uint32_t v = 0; v < count; ++v) sources.push_back({uint32_t(count) - 1 - v, v, 0.25f});
+  run.field.Put(run.field.mesh(), run.field.ReadState());
+  run.motion.Follow(sources);
+  const MotionState& after = run.motion.state();
+  EXPECT_EQ(after.motions, before.motions);
+  for (size_t v = 0; v < count; ++v) {
+    EXPECT_FLOAT_EQ(after.second_moment[v],
+                    0.75f * before.second_moment[count - 1 - v] + 0.25f * before.second_moment[v]);
+    EXPECT_FLOAT_EQ(after.first_moment[v].y, 0.75f * before.first_moment[count - 1 - v].y +
+                                                 0.25f * before.first_moment[v].y);
+  }
+  run.Take(16, 0.3);
+  EXPECT_EQ(run.motion.state().motions, before.motions + 1);
+}
+
+TEST(VertexMotion, BeginsAnewOnAMeshThatItDoesNotKnow) {
+  MovingRun run;
+  run.PutMoved(0.06f);
+  run.Take(32, 0.3);
+  EXPECT_EQ(run.motion.state().motions, 2u);
+  run.PutMoved(0.03f);
+  run.Take(16, 0.3);
+  EXPECT_EQ(run.motion.state().motions, 1u);
+}
+
+TEST(MotionTrial, DecidesOnceAndLeavesTheFieldAsItWas) {
+  MovingRun run(PositionsChoice::kAuto);
+  run.PutMoved(0.06f);
+  run.steps.Resume(400, 0);
+  EXPECT_FALSE(run.trial.Advance(0.05));
+  EXPECT_EQ(run.trial.state(), TrialState::kNotTried);
+  const std::vector<glm::vec3> positions = run.field.mesh().positions;
+  const FieldState before = run.field.ReadState();
+  EXPECT_TRUE(run.trial.Advance(0.15));
+  EXPECT_EQ(run.field.mesh().positions, positions);
+  EXPECT_EQ(run.field.ReadState().parameters, before.parameters);
+  EXPECT_EQ(run.steps.iteration(), 400u);
+  // Vertices out of their places: to move them pays.
+  EXPECT_EQ(run.trial.state(), TrialState::kUsed);
+  EXPECT_TRUE(run.motion.is_used());
+  EXPECT_FALSE(run.trial.Advance(0.2));
+}
+
+TEST(MotionTrial, LetsVerticesMoveWhereNothingCanJudge) {
+  MovingRun run(PositionsChoice::kAuto);
+  run.steps.Resume(400, 0);
+  run.pictures.EndJudgingIfDue(1.0);
+  EXPECT_FALSE(run.trial.Advance(0.15));
+  EXPECT_EQ(run.trial.state(), TrialState::kUsed);
+  EXPECT_TRUE(run.motion.is_used());
+}
+
+TEST(MotionTrial, WaitsUntilThereAreStepsToTellFrom) {
+  MovingRun run(PositionsChoice::kAuto);
+  run.PutMoved(0.06f);
+  run.steps.Resume(kFewestTrialSteps - 1, 0);
+  EXPECT_FALSE(run.trial.Advance(0.15));
+  EXPECT_EQ(run.trial.state(), TrialState::kNotTried);
+  run.steps.Resume(kFewestTrialSteps, 0);
+  EXPECT_TRUE(run.trial.Advance(0.2));
+}
+
+TEST(MotionTrial, ContinuesAsItWasDecided) {
+  for (const TrialState state : {TrialState::kUsed, TrialState::kNotUsed}) {
+    MovingRun run(PositionsChoice::kAuto);
+    run.trial.Resume(state);
+    EXPECT_FALSE(run.trial.Advance(0.15));
+    EXPECT_EQ(run.motion.is_used(), state == TrialState::kUsed);
+  }
+}
+
+}  // namespace
+}  // namespace tetrec

@@ -1,0 +1,108 @@
+// Vertices that move while a renderer learns.
+#include "mesh/boundary.h"
+#include "mesh/safe_motion.h"
+#include "render/reference_loss.h"
+#include "render/scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tetrec::test {
+namespace {
+
+constexpr int kWidth = 40, kHeight = 32;
+
+class MovedVerticesTest : public EveryRendererTest {
+ protected:
+  ProbedRenderer& MakeLearner(const RadianceField& field) {
+    ProbedRenderer& renderer = MakeRenderer({.stop_transmittance = 0.0f});
+    renderer.SetField(field);
+    std::vector<TargetImage> targets(
+        views_.size(), {kWidth, kHeight, std::vector<uint32_t>(kWidth * kHeight, 0x7F405060u)});
+    renderer.SetTargets(views_, targets);
+    return renderer;
+  }
+
+  // The same field with its inner vertices a little elsewhere.
+  RadianceField Moved() const {
+    RadianceField moved = field_;
+    std::mt19937 random(5);
+    std::normal_distribution<float> normal(0.0f, 0.01f);
+    std::vector<glm::vec3> moves;
+    for (size_t v = 0; v < moved.mesh.positions.size(); ++v) {
+      moves.emplace_back(normal(random), normal(random), normal(random));
+    }
+    const std::vector<uint8_t> on_boundary = BoundaryVertices(moved.mesh);
+    for (size_t v = 0; v < moves.size(); ++v) {
+      if (on_boundary[v]) moves[v] = glm::vec3(0.0f);
+    }
+    EXPECT_GT(MoveSafely(moved.mesh, moves).moved, 20u);
+    return moved;
+  }
+
+  TrainingBatch Whole(GradientParts parts) const { return {.blocks = blocks_, .parts = parts}; }
+
+  RadianceField field_ = RandomField(150, 42, 6.0f);
+  std::vector<RenderView> views_ = ThreeViews(kWidth, kHeight);
+  std::vector<RayBlock> blocks_ = AllBlocks(views_[1].camera, 1);
+};
+
+INSTANTIATE_TEST_SUITE_P(, MovedVerticesTest, kEveryRenderer, RendererName);
+
+// One camera stands inside the mesh, in a tet that a move may change.
+TEST_P(MovedVerticesTest, ShowWhatAFieldSetThereShows) {
+  views_.push_back(views_[0]);
+  views_.back().cam_from_world.translation = glm::dvec3(0.0);
+  const RadianceField moved = Moved();
+  ProbedRenderer& renderer = MakeLearner(field_);
+  renderer.MoveVertices(moved.mesh.positions);
+  ProbedRenderer& other = MakeLearner(moved);
+  for (const RenderView& view : views_) {
+    const RenderedImage image = renderer.Render(view, 1), expected = other.Render(view, 1);
+    EXPECT_EQ(image.color_srgb, expected.color_srgb);
+    EXPECT_EQ(image.transmittance, expected.transmittance);
+  }
+  const StepResult loss = renderer.Forward(Whole(GradientParts::kColorDensity));
+  EXPECT_EQ(loss.loss, other.Forward(Whole(GradientParts::kColorDensity)).loss);
+  EXPECT_EQ(renderer.ReadState().parameters, other.ReadState().parameters);
+}
+
+TEST_P(MovedVerticesTest, StepsSumTheGradientsOfTheirBatches) {
+  ProbedRenderer& parts = MakeLearner(field_);
+  parts.Forward(Whole(GradientParts::kColorDensity));
+  parts.Backward(GradientParts::kColorDensityPosition);
+  const GradientSums expected = parts.TakeGradients();
+  ProbedRenderer& renderer = MakeLearner(field_);
+  EXPECT_TRUE(renderer.TakePositionGradients().position.empty());
+  renderer.Step(Whole(GradientParts::kColorDensity), {});
+  EXPECT_TRUE(renderer.TakePositionGradients().position.empty());
+  AdamUpdate still;
+  still.color_rate = still.density_rate = 0;
+  renderer.SetField(field_);
+  for (int i = 0; i < 3; ++i) renderer.Step(Whole(GradientParts::kColorDensityPosition), still);
+  const GradientSums sums = renderer.TakePositionGradients();
+  EXPECT_TRUE(sums.values.empty());
+  ASSERT_EQ(sums.position.size(), expected.position.size());
+  double difference = 0, size = 0;
+  for (size_t v = 0; v < expected.position.size(); ++v) {
+    const glm::dvec3 three = 3.0 * expected.position[v];
+    difference += glm::dot(sums.position[v] - three, sums.position[v] - three);
+    size += glm::dot(three, three);
+    EXPECT_NEAR(sums.absolute_position[v], 3.0 * expected.absolute_position[v],
+                1e-4 * expected.absolute_position[v] + 1e-9);
+  }
+  EXPECT_GT(size, 0.0);
+  EXPECT_LT(std::sqrt(difference / size), 1e-4);  // float sums in any order
+  EXPECT_TRUE(renderer.TakePositionGradients().position.empty());
+}
+
+TEST_P(MovedVerticesTest, AnotherFieldHasNoSumsOfTheOneBefore) {
+  ProbedRenderer& renderer = MakeLearner(field_);
+  renderer.Step(Whole(GradientParts::kColorDensityPosition), {});
+  renderer.SetField(RandomField(60, 43, 6.0f));
+  EXPECT_TRUE(renderer.TakePositionGradients().position.empty());
+}
+
+}  // namespace
+}  // namespace tetrec::test
