@@ -86,7 +86,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   tetrec::AddWordOption(
       app, "--sh", options.harmonics,
       "Degree of spherical harmonics by which colours depend on the view: 0 (they do not) to 3, or "
-      "auto (as many as the judging pictures gain from)");
+      "auto (0 to 2, as many as the judging pictures gain from)");
   tetrec::AddWordOption(
       app, "--fine-rays", options.fine_rays,
       "2 x 2 rays per pixel in the last quarter of the run, whose mean is compared with the photo: "

@@ -4,6 +4,7 @@
 #include "command/option_values.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "core/process_memory.h"
 
 #include <fmt/format.h>
 
@@ -20,6 +21,7 @@ int RunCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
     fmt::print(stderr, "{}: {}\n", app.get_name(), OneLine(message));
     return code;
   };
+  ReturnLargeBlocksWhenFreed();
   try {
     app.parse(argc, argv);
     CheckNumbers(app);

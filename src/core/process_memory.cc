@@ -2,6 +2,9 @@
 #include "core/process_memory.h"
 
 #include <sys/resource.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 
@@ -15,6 +18,13 @@ uint64_t PeakRssBytes() {
     peak = std::max(peak, uint64_t(usage.ru_maxrss) * 1024);
   }
   return peak;
+}
+
+void ReturnLargeBlocksWhenFreed() {
+#ifdef __GLIBC__
+  constexpr int kLargeBlock = 1 << 20;  // [bytes]
+  mallopt(M_MMAP_THRESHOLD, kLargeBlock);
+#endif
 }
 
 }  // namespace tetrec

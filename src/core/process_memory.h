@@ -8,4 +8,9 @@ namespace tetrec {
 // The largest resident set of this process or of any child that has ended.
 uint64_t PeakRssBytes();
 
+// From now on, large blocks go back to the system as soon as they are freed. By default glibc keeps
+// ever larger ones in its heap, where meshes of earlier refinements leave holes: 17 % of the peak
+// of tetrec-optimize.
+void ReturnLargeBlocksWhenFreed();
+
 }  // namespace tetrec

@@ -4,6 +4,7 @@
 #include "core/parallel.h"
 
 #include <atomic>
+#include <cmath>
 
 namespace tetrec {
 namespace {
@@ -61,14 +62,15 @@ uint32_t ScanForTet(const TetMesh& mesh, const glm::dvec3& point) {
 
 uint32_t FindTet(const TetMesh& mesh, const glm::dvec3& point, uint32_t start, bool is_convex) {
   uint32_t tet = start < mesh.tets.size() ? start : 0;
-  for (size_t step = 0; step < mesh.tets.size(); ++step) {
+  const size_t most = 100 + size_t(20 * std::cbrt(double(mesh.tets.size())));
+  for (size_t step = 0; step < most; ++step) {
     const int face = FaceBeyond(mesh, tet, point);
     if (face < 0) return tet;
     const uint32_t next = mesh.neighbors[tet][face];
     if (next == kNoTet) return is_convex ? kNoTet : ScanForTet(mesh, point);
     tet = next;
   }
-  return ScanForTet(mesh, point);  // rounding made the walk circle
+  return ScanForTet(mesh, point);  // the walk circles, as it may where the mesh is not Delaunay
 }
 
 }  // namespace tetrec

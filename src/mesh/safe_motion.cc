@@ -71,7 +71,7 @@ void MotionCounts::Add(const MotionCounts& other) {
   stopped += other.stopped;
 }
 
-MotionCounts MoveSafely(TetMesh& mesh, std::span<const glm::vec3> moves) {
+SafeMotion MoveSafely(const TetMesh& mesh, std::span<const glm::vec3> moves) {
   const Positions& before = mesh.positions;
   const size_t count = before.size();
   TETREC_CHECK(moves.size() == count, "one move per vertex");
@@ -106,8 +106,7 @@ MotionCounts MoveSafely(TetMesh& mesh, std::span<const glm::vec3> moves) {
       ++counts.stopped;
     }
   }
-  mesh.positions = std::move(after);
-  return counts;
+  return {std::move(after), counts};
 }
 
 }  // namespace tetrec

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace tetrec {
 
@@ -21,13 +22,20 @@ struct MotionCounts {
   void Add(const MotionCounts& other);
 };
 
+// Where the vertices (V) are after a motion.
+struct SafeMotion {
+  std::vector<glm::vec3> positions;  // [world units]
+  MotionCounts counts;
+};
+
 // Moves all vertices at once, each by its move or by a part of it: the vertices of a tet that would
 // lose more than 1 - kKeptVolumeShare of its volume, or turn inside out (exact predicate), go half
 // as far, and after some halvings stay, until there is no such tet. So a flat tet stops vertices
 // only if they move against each other, as the bound by its inradius would not (each less than the
 // inradius of every tet around it).
-//   moves  (V) [world units], finite; 0 for vertices of the boundary, which is to stay
+//   moves  (V) [world units]; 0 for vertices of the boundary, which is to stay. What is not finite
+//          moves nothing.
 // A mesh without inverted tets stays one.
-MotionCounts MoveSafely(TetMesh& mesh, std::span<const glm::vec3> moves);
+SafeMotion MoveSafely(const TetMesh& mesh, std::span<const glm::vec3> moves);
 
 }  // namespace tetrec

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tetrec {
 namespace {
@@ -86,6 +87,20 @@ std::vector<Capsule> FindCameraSpace(const Scene& scene) {
     capsules[i].radius = kShareOfClearance * clearance[i];
   }
   return capsules;
+}
+
+std::vector<float> DistancesToCapsules(std::span<const glm::vec3> points,
+                                       std::span<const Capsule> capsules) {
+  std::vector<float> distances(points.size(), std::numeric_limits<float>::max());
+  ParallelFor(points.size(), 1024, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      for (const Capsule& capsule : capsules) {
+        const double outside = DistanceToLine(glm::dvec3(points[i]), capsule) - capsule.radius;
+        distances[i] = std::min(distances[i], float(std::max(0.0, outside)));
+      }
+    }
+  });
+  return distances;
 }
 
 std::vector<uint8_t> InsideCapsules(std::span<const glm::vec3> points,

@@ -23,6 +23,10 @@ struct Capsule {
 // has fewer than kFewPoints points.
 std::vector<Capsule> FindCameraSpace(const Scene& scene);
 
+// For each point its distance to the nearest capsule; 0 inside, the largest float if there is none.
+std::vector<float> DistancesToCapsules(std::span<const glm::vec3> points,
+                                       std::span<const Capsule> capsules);
+
 // For each point whether it is in one of the capsules.
 std::vector<uint8_t> InsideCapsules(std::span<const glm::vec3> points,
                                     std::span<const Capsule> capsules);

@@ -54,6 +54,13 @@ static_assert(sizeof(HarmonicsState) == 3 * sizeof(uint32_t));
 static_assert(sizeof(ViewExposure) == 6 * sizeof(double));
 static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
 static_assert(sizeof(CorrectedPose) == 13 * sizeof(double));
+static_assert(sizeof(MotionCounts) == 3 * sizeof(uint64_t));
+
+template <class T>
+std::span<const uint8_t> BytesOf(const std::vector<T>& values) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return {reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(T)};
+}
 
 TrialState ReadTrial(ByteReader& reader, const std::string& name, const char* what) {
   const uint32_t state = reader.Read<uint32_t>(what);
@@ -66,6 +73,7 @@ TrialState ReadTrial(ByteReader& reader, const std::string& name, const char* wh
 MotionState ReadMotion(ByteReader& reader, size_t vertices, const std::string& name) {
   MotionState motion;
   motion.motions = reader.Read<uint64_t>("motions");
+  motion.counts = reader.Read<MotionCounts>("counts of moves");
   const uint64_t count = reader.Read<uint64_t>("moving vertices");
   if (count != 0 && count != vertices) {
     throw DataError(
@@ -74,19 +82,21 @@ MotionState ReadMotion(ByteReader& reader, size_t vertices, const std::string& n
   motion.first_moment = reader.ReadArray<glm::vec3>(count, "first moments of positions");
   motion.second_moment = reader.ReadArray<float>(count, "second moments of positions");
   motion.size = reader.ReadArray<float>(count, "sizes of vertices");
+  motion.room = reader.ReadArray<float>(count, "room of vertices");
   return motion;
 }
 
-// Motions take the root of second moments and are bounded by sizes.
+bool IsNotNegative(float value) { return std::isfinite(value) && value >= 0; }
+
+// Motions take the root of second moments and are bounded by sizes and room.
 void CheckMotion(const MotionState& motion, const std::string& name) {
   for (size_t v = 0; v < motion.size.size(); ++v) {
     const glm::vec3& first = motion.first_moment[v];
     const bool finite = std::isfinite(first.x) && std::isfinite(first.y) && std::isfinite(first.z);
-    if (finite && motion.second_moment[v] >= 0 && std::isfinite(motion.second_moment[v]) &&
-        motion.size[v] >= 0 && std::isfinite(motion.size[v])) {
-      continue;
+    if (!finite || !IsNotNegative(motion.second_moment[v]) || !IsNotNegative(motion.size[v]) ||
+        !IsNotNegative(motion.room[v])) {
+      throw DataError(fmt::format("{}: the motion of vertex {} is not possible", name, v));
     }
-    throw DataError(fmt::format("{}: the motion of vertex {} is not possible", name, v));
   }
 }
 
@@ -148,39 +158,50 @@ void CheckExposure(const ExposureState& exposure, const std::string& name) {
 
 }  // namespace
 
+// What is large is not assembled in memory first.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
-  ByteWriter writer;
-  writer.Write(kMagic);
-  writer.Write(checkpoint.iteration);
-  writer.Write(checkpoint.seconds);
-  writer.Write(checkpoint.rays);
-  writer.Write(checkpoint.rounds);
-  writer.Write(checkpoint.metrics_bytes);
-  writer.Write(checkpoint.best_psnr);
-  writer.Write(checkpoint.harmonics);
-  writer.Write(checkpoint.fine_rays);
-  writer.Write(checkpoint.motion_trial);
-  writer.Write(uint64_t(checkpoint.mesh.positions.size()));
-  writer.Write(uint64_t(checkpoint.mesh.tets.size()));
-  AppendLayout(writer, checkpoint.state.layout);
-  writer.WriteArray(std::span<const glm::vec3>(checkpoint.mesh.positions));
-  writer.WriteArray(std::span<const glm::uvec4>(checkpoint.mesh.tets));
-  writer.WriteArray(std::span<const glm::uvec4>(checkpoint.mesh.neighbors));
-  writer.WriteArray(std::span<const float>(checkpoint.state.parameters));
-  writer.WriteArray(std::span<const float>(checkpoint.state.first_moment));
-  writer.WriteArray(std::span<const float>(checkpoint.state.second_moment));
-  writer.Write(checkpoint.motion.motions);
-  writer.Write(uint64_t(checkpoint.motion.size.size()));
-  writer.WriteArray(std::span<const glm::vec3>(checkpoint.motion.first_moment));
-  writer.WriteArray(std::span<const float>(checkpoint.motion.second_moment));
-  writer.WriteArray(std::span<const float>(checkpoint.motion.size));
-  writer.Write(uint64_t(checkpoint.exposure.exposures.size()));
-  writer.WriteArray(std::span<const ViewExposure>(checkpoint.exposure.exposures));
-  writer.WriteArray(std::span<const ExposureSums>(checkpoint.exposure.sums));
-  writer.Write(checkpoint.poses.sweeps);
-  writer.Write(uint64_t(checkpoint.poses.poses.size()));
-  writer.WriteArray(std::span<const CorrectedPose>(checkpoint.poses.poses));
-  WriteBytes(path, writer.bytes());
+  ByteWriter head, middle, tail;
+  head.Write(kMagic);
+  head.Write(checkpoint.iteration);
+  head.Write(checkpoint.seconds);
+  head.Write(checkpoint.rays);
+  head.Write(checkpoint.rounds);
+  head.Write(checkpoint.metrics_bytes);
+  head.Write(checkpoint.best_psnr);
+  head.Write(checkpoint.harmonics);
+  head.Write(checkpoint.fine_rays);
+  head.Write(checkpoint.motion_trial);
+  head.Write(uint64_t(checkpoint.mesh.positions.size()));
+  head.Write(uint64_t(checkpoint.mesh.tets.size()));
+  AppendLayout(head, checkpoint.state.layout);
+  middle.Write(checkpoint.motion.motions);
+  middle.Write(checkpoint.motion.counts);
+  middle.Write(uint64_t(checkpoint.motion.size.size()));
+  tail.Write(uint64_t(checkpoint.exposure.exposures.size()));
+  tail.WriteArray(std::span<const ViewExposure>(checkpoint.exposure.exposures));
+  tail.WriteArray(std::span<const ExposureSums>(checkpoint.exposure.sums));
+  tail.Write(checkpoint.poses.sweeps);
+  tail.Write(uint64_t(checkpoint.poses.poses.size()));
+  tail.WriteArray(std::span<const CorrectedPose>(checkpoint.poses.poses));
+
+  const std::vector<std::span<const uint8_t>> pieces = {head.bytes(),
+                                                        BytesOf(checkpoint.mesh.positions),
+                                                        BytesOf(checkpoint.mesh.tets),
+                                                        BytesOf(checkpoint.mesh.neighbors),
+                                                        BytesOf(checkpoint.state.parameters),
+                                                        BytesOf(checkpoint.state.first_moment),
+                                                        BytesOf(checkpoint.state.second_moment),
+                                                        middle.bytes(),
+                                                        BytesOf(checkpoint.motion.first_moment),
+                                                        BytesOf(checkpoint.motion.second_moment),
+                                                        BytesOf(checkpoint.motion.size),
+                                                        BytesOf(checkpoint.motion.room),
+                                                        tail.bytes()};
+  uint64_t bytes = 0;
+  for (const auto& piece : pieces) bytes += piece.size();
+  FileWriter writer(path, bytes);
+  for (const auto& piece : pieces) writer.Write(piece);
+  writer.Finish();
 }
 
 Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& name) {

@@ -38,16 +38,21 @@ bool FineRays::Advance(double progress) {
   }
   const FieldState before = field_.ReadState();
   FineRaysTrial trial;
-  trial.one_psnr = TrialPsnr(before, false, progress);
+  const uint64_t steps = TrialSteps(steps_.iteration());
   trial.four_psnr = TrialPsnr(before, true, progress);
-  field_.PutState(before);
+  trial.one_psnr = TrialPsnr(before, false, progress);
   trial_ = trial;
+  // What was learned by one ray per pixel is kept.
+  if (trial.PrefersFour()) {
+    field_.PutState(before);
+  } else {
+    steps_.CountTried(steps);
+  }
   Decide(trial.PrefersFour());
   LogInfo(
       "judging pictures after {} steps: {:.2f} dB by 2 x 2 rays per pixel, {:.2f} dB by one: the "
       "last part of the run takes {}",
-      TrialSteps(steps_.iteration()), trial.four_psnr, trial.one_psnr,
-      trial.PrefersFour() ? "2 x 2" : "one");
+      steps, trial.four_psnr, trial.one_psnr, trial.PrefersFour() ? "2 x 2" : "one");
   return true;
 }
 

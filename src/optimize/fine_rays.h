@@ -39,7 +39,7 @@ class FineRays {
 
  private:
   void Decide(bool uses_fine_rays);
-  // The PSNR of the judging pictures after steps as at the end of a run, which do not count [dB].
+  // The PSNR of the judging pictures after steps as at the end of a run [dB].
   double TrialPsnr(const FieldState& start, bool fine, double progress);
 
   FittedField& field_;

@@ -1,8 +1,10 @@
-// The field that a run fits: its mesh here, its rows and moments on the renderer.
+// The field that a run fits; the renderer has it.
 #include "optimize/fitted_field.h"
 
 #include "mesh/boundary.h"
 #include "render/seen_colors.h"
+
+#include <algorithm>
 
 namespace tetrec {
 
@@ -13,40 +15,55 @@ FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
 }
 
 void FittedField::Put(TetMesh mesh, FieldState state) {
-  mesh_ = std::move(mesh);
   ++topology_;
-  PutState(std::move(state));
-}
-
-MotionCounts FittedField::MoveVertices(std::span<const glm::vec3> moves) {
-  const MotionCounts counts = MoveSafely(mesh_, moves);
-  renderer_.MoveVertices(mesh_.positions);
-  return counts;
-}
-
-std::vector<uint8_t> FittedField::VerticesThatStay() const {
-  std::vector<uint8_t> stays = BoundaryVertices(mesh_);
-  if (camera_space_.empty()) return stays;
-  const std::vector<uint8_t> is_empty = InsideCapsules(mesh_.positions, camera_space_);
-  for (size_t v = 0; v < stays.size(); ++v) stays[v] |= is_empty[v];
-  return stays;
-}
-
-void FittedField::PutState(FieldState state) {
-  const std::vector<float> rate_shares = EmptyCameraSpace(state);
-  renderer_.SetState(mesh_, state);
+  const std::vector<float> rate_shares = EmptyCameraSpace(mesh, state);
+  renderer_.SetState(std::move(mesh), state);
   renderer_.SetRateShares(rate_shares);
   harmonics_degree_ = state.layout.HarmonicsDegree();
+  storage_ = state.layout.storage;
   batches_.UseFewViews(harmonics_degree_ > 0);
 }
 
-std::vector<float> FittedField::EmptyCameraSpace(FieldState& state) {
+void FittedField::PutState(FieldState state) {
+  const uint64_t topology = topology_;
+  Put(renderer_.TakeMesh(), std::move(state));
+  topology_ = topology;
+}
+
+MotionCounts FittedField::MoveVertices(std::span<const glm::vec3> moves) {
+  const SafeMotion motion = MoveSafely(mesh(), moves);
+  renderer_.MoveVertices(motion.positions);
+  return motion.counts;
+}
+
+std::vector<float> FittedField::RoomOfVertices() const {
+  const TetMesh& mesh = this->mesh();
+  std::vector<float> room = DistancesToCapsules(mesh.positions, camera_space_);
+  if (storage_ == FieldStorage::kCell) {
+    // A tet belongs to that space if its centroid does, which moves no farther than its vertices.
+    const std::vector<float> of_tet =
+        DistancesToCapsules(PlacesOfRows(mesh, storage_), camera_space_);
+    for (size_t t = 0; t < mesh.tets.size(); ++t) {
+      for (int i = 0; i < 4; ++i) {
+        float& least = room[mesh.tets[t][i]];
+        least = std::min(least, of_tet[t]);
+      }
+    }
+  }
+  const std::vector<uint8_t> on_boundary = BoundaryVertices(mesh);
+  for (size_t v = 0; v < room.size(); ++v) {
+    if (on_boundary[v]) room[v] = 0.0f;
+  }
+  return room;
+}
+
+std::vector<float> FittedField::EmptyCameraSpace(const TetMesh& mesh, FieldState& state) {
   std::vector<float> rate_shares(state.rows(), 1.0f);
   if (camera_space_.empty()) return rate_shares;
   emptied_rows_ = 0;
   const float least = BoundsOf(state.layout.density(), 1.0f).least;
   const std::vector<uint8_t> is_empty =
-      InsideCapsules(PlacesOfRows(mesh_, state.layout.storage), camera_space_);
+      InsideCapsules(PlacesOfRows(mesh, state.layout.storage), camera_space_);
   for (size_t row = 0; row < is_empty.size(); ++row) {
     if (!is_empty[row]) continue;
     ++emptied_rows_;

@@ -1,4 +1,4 @@
-// The field that a run fits: its mesh here, its rows and moments on the renderer.
+// The field that a run fits; the renderer has it.
 #pragma once
 
 #include "field/field_state.h"
@@ -27,27 +27,30 @@ class FittedField {
   void PutState(FieldState state);  // of the same mesh
   // Each by its move or a part of it (MoveSafely).
   MotionCounts MoveVertices(std::span<const glm::vec3> moves);
-  // (V) 1 for vertices of the boundary and in the space of the cameras, 0 for all others.
-  std::vector<uint8_t> VerticesThatStay() const;
+  // (V) How far each vertex may move in all [world units], so that the boundary and what is in the
+  // space of the cameras stay, and nothing enters that space.
+  std::vector<float> RoomOfVertices() const;
   // Another number after each Put.
   uint64_t topology() const { return topology_; }
   FieldState ReadState() const { return renderer_.ReadState(); }
+  // Gives the mesh away, and frees what the field takes until the next Put.
+  TetMesh TakeMesh() { return renderer_.TakeMesh(); }
 
-  const TetMesh& mesh() const { return mesh_; }
+  const TetMesh& mesh() const { return renderer_.mesh(); }
   int harmonics_degree() const { return harmonics_degree_; }
   uint64_t emptied_rows() const { return emptied_rows_; }  // in the space of the cameras
 
  private:
   // Takes the density from the rows in the space of the cameras; returns their shares of the
   // learning rates, which are 0, and 1 elsewhere.
-  std::vector<float> EmptyCameraSpace(FieldState& state);
+  std::vector<float> EmptyCameraSpace(const TetMesh& mesh, FieldState& state);
 
   TrainingRenderer& renderer_;
   BatchDrawer& batches_;
   std::vector<Capsule> camera_space_;
-  TetMesh mesh_;
   uint64_t topology_ = 0;
   int harmonics_degree_ = 0;
+  FieldStorage storage_ = FieldStorage::kVertex;
   uint64_t emptied_rows_ = 0;
 };
 

@@ -17,7 +17,7 @@ enum class HarmonicsChoice {
   kDegree1,
   kDegree2,
   kDegree3,
-  kAuto,  // as many degrees as the judging pictures gain from
+  kAuto,  // 0 to 2, as many as the judging pictures gain from
 };
 template <>
 inline constexpr auto kWords<HarmonicsChoice> =

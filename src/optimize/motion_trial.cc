@@ -3,6 +3,8 @@
 
 #include "core/log.h"
 
+#include <utility>
+
 namespace tetrec {
 namespace {
 
@@ -35,15 +37,21 @@ bool MotionTrial::Advance(double progress) {
     return false;
   }
   if (steps_.iteration() < kFewestTrialSteps) return false;
-  const TetMesh mesh = field_.mesh();
+  const uint64_t steps = TrialSteps(steps_.iteration());
+  TetMesh mesh = field_.mesh();
   const FieldState before = field_.ReadState();
   const double still = TrialPsnr(false, progress);
   field_.PutState(before);
   const double moving = TrialPsnr(true, progress);
-  field_.Put(mesh, before);
   const bool pays = moving > still + kLeastGain;
+  if (pays) {
+    steps_.CountTried(steps);
+  } else {
+    field_.Put(std::move(mesh), before);
+    motion_.Resume({});
+  }
   LogInfo("judging pictures after {} steps: {:.2f} dB with moving vertices, {:.2f} dB without: {}",
-          TrialSteps(steps_.iteration()), moving, still, pays ? "they move" : "they stay");
+          steps, moving, still, pays ? "they move" : "they stay");
   Decide(pays);
   return true;
 }

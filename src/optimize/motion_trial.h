@@ -23,7 +23,7 @@ class MotionTrial {
 
  private:
   void Decide(bool moves);
-  // The PSNR of the judging pictures after steps that do not count [dB].
+  // The PSNR of the judging pictures after some steps more [dB].
   double TrialPsnr(bool moves, double progress);
 
   const OptimizeOptions& options_;

@@ -54,7 +54,7 @@ inline constexpr auto kWords<PositionsChoice> =
                                           {PositionsChoice::kOn, "on"},
                                           {PositionsChoice::kOff, "off"}});
 
-// What a run has found out about a means. Checkpoints contain the numbers.
+// What a trial has decided. Checkpoints contain the numbers.
 enum class TrialState : uint32_t { kNotTried, kNotUsed, kUsed };
 
 struct OptimizeOptions {

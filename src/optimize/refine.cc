@@ -119,7 +119,7 @@ std::vector<RowSource> SourcesOfCells(const TetMesh& mesh, const TetMesh& new_me
 
 }  // namespace
 
-RefineResult Refine(const TetMesh& mesh, const FieldState& state, std::span<const float> error,
+RefineResult Refine(TetMesh mesh, const FieldState& state, std::span<const float> error,
                     const RefineOptions& options) {
   const size_t count = mesh.positions.size();
   TETREC_CHECK(error.size() == mesh.tets.size(), "one score per tet");
@@ -149,14 +149,15 @@ RefineResult Refine(const TetMesh& mesh, const FieldState& state, std::span<cons
     ++result.split_edges;
   }
 
+  const bool has_cells = state.layout.storage == FieldStorage::kCell;
+  if (!has_cells) mesh = {};
   DelaunayResult delaunay = BuildDelaunay(points);
   result.mesh = std::move(delaunay.mesh);
   for (const uint32_t point : delaunay.point_of_vertex) {
     result.vertex_sources.push_back(sources[point]);
   }
-  result.state =
-      Prolong(state, state.layout.storage == FieldStorage::kCell ? SourcesOfCells(mesh, result.mesh)
-                                                                 : result.vertex_sources);
+  result.state = has_cells ? Prolong(state, SourcesOfCells(mesh, result.mesh))
+                           : Prolong(state, result.vertex_sources);
   return result;
 }
 

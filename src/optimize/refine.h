@@ -31,10 +31,11 @@ struct RefineResult {
 // vertices whose whole neighbourhood is empty, and triangulates again (Delaunay).
 //   error  (T) the share of the images' error that each tet causes
 // Attributes and Adam's moments of a new vertex are those of the linear field on its edge
-// (Prolong), so the field on the old mesh is reproduced exactly; only where Delaunay flips does it
-// change. The hull's vertices stay. If cells have the attributes, a new tet gets the row of the old
-// tet that contains its centroid.
-RefineResult Refine(const TetMesh& mesh, const FieldState& state, std::span<const float> error,
+// (Prolong), so the field on the old mesh is reproduced exactly; it changes only where the Delaunay
+// mesh has other tets, around new vertices and where vertices have moved. The hull's vertices stay.
+// If cells have the attributes, a new tet gets the row of the old tet that contains its centroid.
+// The old mesh is freed before the new one takes memory.
+RefineResult Refine(TetMesh mesh, const FieldState& state, std::span<const float> error,
                     const RefineOptions& options);
 
 }  // namespace tetrec

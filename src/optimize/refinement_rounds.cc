@@ -72,21 +72,22 @@ void RefinementRounds::ReturnToBest(double psnr) {
 
 void RefinementRounds::RefineOnce() {
   const Timer timer;
-  const TetMesh& mesh = parts_.field.mesh();
+  const size_t vertices_before = parts_.field.mesh().positions.size();
   const std::vector<float> error =
       LookAtErrors(parts_.renderer, parts_.pictures.set(), parts_.batches, options_,
-                   mesh.tets.size(), parts_.steps.iteration());
+                   parts_.field.mesh().tets.size(), parts_.steps.iteration());
   const double look_seconds = timer.seconds();
-  const size_t vertices_before = mesh.positions.size();
   RefineOptions refine;
   refine.growth = RoundGrowth(plan_, int(state_.rounds), vertices_before);
   refine.max_vertices = plan_.max_vertices;
   refine.seed = options_.seed + state_.rounds;
-  RefineResult result = Refine(mesh, parts_.field.ReadState(), error, refine);
+  const FieldState before = parts_.field.ReadState();
+  RefineResult result = Refine(parts_.field.TakeMesh(), before, error, refine);
   parts_.field.Put(std::move(result.mesh), std::move(result.state));
   parts_.motion.Follow(result.vertex_sources);
   ++state_.rounds;
   last_iteration_ = parts_.steps.iteration();
+  const TetMesh& mesh = parts_.field.mesh();
   LogInfo(
       "round {}: {} -> {} vertices, {} tets: {} edges split, {} empty vertices dropped; errors "
       "{:.1f} s, mesh {:.1f} s",

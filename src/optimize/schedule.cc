@@ -48,7 +48,7 @@ double RoundGrowth(const GrowthPlan& plan, int round, uint64_t vertices) {
 }
 
 uint64_t AffordableVertices(double seconds, uint64_t pixels) {
-  const double by_time = 180e3 * std::pow(seconds / 120.0, 0.4);
+  const double by_time = 110e3 * std::pow(seconds / 120.0, 0.3);
   return uint64_t(std::min(by_time, double(pixels) / 16.0));
 }
 

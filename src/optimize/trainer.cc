@@ -161,8 +161,14 @@ class Trainer {
     while (true) {
       seconds_ = seconds_before + timer.seconds();
       const double done = Done();
-      const bool can_resume = motion_.CanResumeAfter(steps_.iteration(), done);
-      if (done >= 1.0 || (StopRequested() && can_resume)) return;
+      if (done >= 1.0) return;
+      if (motion_.CanResumeAfter(steps_.iteration(), done)) {
+        if (StopRequested()) return;
+        if (seconds_ - last_checkpoint >= options_.checkpoint_interval_s) {
+          last_checkpoint = seconds_;
+          SaveCheckpoint(history.bytes());
+        }
+      }
       if (rounds_.IsDue(done)) {
         rounds_.Advance();
         continue;
@@ -175,10 +181,6 @@ class Trainer {
       pictures_.EndJudgingIfDue(done);
       history.Add(TakeStep(done));
       history.Record(Figures(done));
-      if (can_resume && seconds_ - last_checkpoint >= options_.checkpoint_interval_s) {
-        last_checkpoint = seconds_;
-        SaveCheckpoint(history.bytes());
-      }
     }
   }
 

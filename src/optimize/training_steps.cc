@@ -6,7 +6,7 @@
 namespace tetrec {
 
 uint64_t TrialSteps(uint64_t iteration) {
-  return std::clamp(iteration / 8, kFewestTrialSteps, kMostTrialSteps);
+  return std::clamp(iteration / 48, kFewestTrialSteps, kMostTrialSteps);
 }
 
 StepResult TrainingSteps::Take(double progress, bool sums_exposures) {
@@ -23,7 +23,7 @@ StepResult TrainingSteps::TakeStep(uint64_t iteration, double progress, double a
                                    double motion_as_at, bool sums_exposures) {
   TrainingBatch batch = Draw(iteration, as_at);
   batch.sums_exposures = sums_exposures;
-  batch.parts = motion_.PartsOf(iteration, motion_as_at);
+  batch.parts = motion_.PartsOf(motion_as_at);
   const uint64_t steps = iteration + 1;
   const StepResult result = renderer_.Step(batch, UpdateOf(steps, progress, as_at));
   motion_.AfterStep(steps, motion_as_at,

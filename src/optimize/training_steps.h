@@ -10,8 +10,8 @@
 
 namespace tetrec {
 
-// How long a trial trains on, in two ways, to compare them: for an eighth of the steps so far,
-// within these bounds.
+// How long a trial trains on, in two ways, to compare them: for a part of the steps so far,
+// within these bounds. A run has up to four trials.
 inline constexpr uint64_t kFewestTrialSteps = 40, kMostTrialSteps = 100;
 uint64_t TrialSteps(uint64_t iteration);
 

@@ -14,65 +14,13 @@ namespace {
 // A coarse first field's gradients move vertices nowhere useful; at the end, while the noise of
 // batches settles, the mesh stands still.
 constexpr double kFirstMotion = 0.05, kLastMotion = 0.8;
-// Vertices move after every so many steps, by gradients of the last of these.
-constexpr uint64_t kStepsOfMotion = 16, kSummedSteps = 16;
-static_assert(kSummedSteps <= kMostSummedBatches);
+// Vertices move after every so many steps, by the sums of their gradients.
+constexpr uint64_t kStepsOfMotion = 16;
+static_assert(kStepsOfMotion <= kMostSummedBatches);
 constexpr float kBeta1 = 0.9f, kBeta2 = 0.95f;
 
-}  // namespace
-
-bool VertexMotion::IsOn(double progress) const {
-  return is_used_ && progress >= kFirstMotion && progress < kLastMotion;
-}
-
-GradientParts VertexMotion::PartsOf(uint64_t iteration, double progress) const {
-  const bool sums = iteration % kStepsOfMotion >= kStepsOfMotion - kSummedSteps;
-  return IsOn(progress) && sums ? GradientParts::kColorDensityPosition
-                                : GradientParts::kColorDensity;
-}
-
-bool VertexMotion::CanResumeAfter(uint64_t steps, double progress) const {
-  return !IsOn(progress) || steps % kStepsOfMotion <= kStepsOfMotion - kSummedSteps;
-}
-
-void VertexMotion::AfterStep(uint64_t steps, double progress, double rate_share) {
-  if (!IsOn(progress) || steps % kStepsOfMotion != 0) return;
-  const Timer timer;
-  const GradientSums sums = renderer_.TakePositionGradients();
-  if (sums.position.empty()) return;  // of another mesh
-  if (topology_ != field_.topology()) Begin();
-  counts_.Add(field_.MoveVertices(Moves(sums.position, options_.position_rate * rate_share)));
-  seconds_ += timer.seconds();
-}
-
-void VertexMotion::Begin() {
-  const size_t count = field_.mesh().positions.size();
-  state_ = {0, std::vector<glm::vec3>(count, glm::vec3(0.0f)), std::vector<float>(count, 0.0f),
-            SizesOfVertices()};
-  topology_ = field_.topology();
-}
-
-void VertexMotion::Follow(std::span<const RowSource> of_vertices) {
-  if (state_.size.empty()) return;
-  MotionState next;
-  next.motions = state_.motions;
-  for (const RowSource& source : of_vertices) {
-    next.first_moment.push_back(
-        glm::mix(state_.first_moment[source.a], state_.first_moment[source.b], source.share));
-    next.second_moment.push_back(
-        glm::mix(state_.second_moment[source.a], state_.second_moment[source.b], source.share));
-  }
-  next.size = SizesOfVertices();
-  Resume(std::move(next));
-}
-
-void VertexMotion::Resume(MotionState state) {
-  state_ = std::move(state);
-  topology_ = field_.topology();
-}
-
-std::vector<float> VertexMotion::SizesOfVertices() const {
-  const TetMesh& mesh = field_.mesh();
+// The mean length of the edges of each vertex, counted once for each of their tets.
+std::vector<float> SizesOfVertices(const TetMesh& mesh) {
   std::vector<float> sums(mesh.positions.size(), 0.0f);
   std::vector<uint32_t> counts(mesh.positions.size(), 0);
   for (const glm::uvec4& tet : mesh.tets) {
@@ -83,11 +31,62 @@ std::vector<float> VertexMotion::SizesOfVertices() const {
       ++counts[a], ++counts[b];
     }
   }
-  const std::vector<uint8_t> stays = field_.VerticesThatStay();
-  for (size_t v = 0; v < sums.size(); ++v) {
-    sums[v] = stays[v] ? 0.0f : sums[v] / float(counts[v]);
-  }
+  for (size_t v = 0; v < sums.size(); ++v) sums[v] /= float(counts[v]);
   return sums;
+}
+
+}  // namespace
+
+bool VertexMotion::IsOn(double progress) const {
+  return is_used_ && progress >= kFirstMotion && progress < kLastMotion;
+}
+
+GradientParts VertexMotion::PartsOf(double progress) const {
+  return IsOn(progress) ? GradientParts::kColorDensityPosition : GradientParts::kColorDensity;
+}
+
+bool VertexMotion::CanResumeAfter(uint64_t steps, double progress) const {
+  return !IsOn(progress) || steps % kStepsOfMotion == 0;
+}
+
+void VertexMotion::AfterStep(uint64_t steps, double progress, double rate_share) {
+  if (!IsOn(progress) || steps % kStepsOfMotion != 0) return;
+  const Timer timer;
+  const GradientSums sums = renderer_.TakePositionGradients();
+  if (sums.position.empty()) return;  // of another mesh
+  if (topology_ != field_.topology()) Begin();
+  state_.counts.Add(field_.MoveVertices(Moves(sums.position, options_.position_rate * rate_share)));
+  seconds_ += timer.seconds();
+}
+
+void VertexMotion::Begin() {
+  const TetMesh& mesh = field_.mesh();
+  const size_t count = mesh.positions.size();
+  Resume({0, std::vector<glm::vec3>(count, glm::vec3(0.0f)), std::vector<float>(count, 0.0f),
+          SizesOfVertices(mesh), field_.RoomOfVertices(), state_.counts});
+}
+
+void VertexMotion::Follow(std::span<const RowSource> of_vertices) {
+  if (state_.size.empty()) return;
+  MotionState next{.motions = state_.motions, .counts = state_.counts};
+  for (const RowSource& source : of_vertices) {
+    next.first_moment.push_back(
+        glm::mix(state_.first_moment[source.a], state_.first_moment[source.b], source.share));
+    next.second_moment.push_back(
+        glm::mix(state_.second_moment[source.a], state_.second_moment[source.b], source.share));
+  }
+  next.size = SizesOfVertices(field_.mesh());
+  next.room = field_.RoomOfVertices();
+  Resume(std::move(next));
+}
+
+MotionState VertexMotion::state() const {
+  return topology_ == field_.topology() ? state_ : MotionState{.counts = state_.counts};
+}
+
+void VertexMotion::Resume(MotionState state) {
+  state_ = std::move(state);
+  topology_ = field_.topology();
 }
 
 std::vector<glm::vec3> VertexMotion::Moves(std::span<const glm::dvec3> gradients, double rate) {
@@ -103,7 +102,12 @@ std::vector<glm::vec3> VertexMotion::Moves(std::span<const glm::dvec3> gradients
     float& second = state_.second_moment[v];
     first = glm::mix(gradient, first, kBeta1);
     second = glm::mix(glm::dot(gradient, gradient), second, kBeta2);
-    if (second > 0.0f) moves[v] = -scale * state_.size[v] / std::sqrt(second) * first;
+    if (!(second > 0.0f)) continue;
+    const glm::vec3 move = -scale * state_.size[v] / std::sqrt(second) * first;
+    const float length = glm::length(move);
+    if (!(length < state_.room[v])) continue;
+    state_.room[v] -= length;
+    moves[v] = move;
   }
   return moves;
 }

@@ -20,13 +20,15 @@
 
 namespace tetrec {
 
-// What a resumed run needs. Arrays are (V), or empty before the first motion.
+// What a resumed run needs. Arrays are (V), or empty before the first motion of a mesh.
 struct MotionState {
   uint64_t motions = 0;                 // that the moments have seen
   std::vector<glm::vec3> first_moment;  // of dL/dposition
   std::vector<float> second_moment;     // of its squared length
-  std::vector<float> size;              // mean length of a vertex's edges when its tets were made
-                                        // [world units]; 0: it stays
+  std::vector<float> size;              // mean length of a vertex's edges, and
+  std::vector<float> room;              // how far it may still move [world units], both since its
+                                        // tets were made (FittedField::RoomOfVertices)
+  MotionCounts counts;                  // of the whole run
 };
 
 // `progress` is that of the run, in [0, 1].
@@ -39,8 +41,8 @@ class VertexMotion {
   void Use(bool moves) { is_used_ = moves; }
   bool is_used() const { return is_used_; }
 
-  // What step `iteration` (from 0) computes.
-  GradientParts PartsOf(uint64_t iteration, double progress) const;
+  // What a step computes.
+  GradientParts PartsOf(double progress) const;
   // After `steps` steps: moves the vertices if it is time. `rate_share`: of the learning rates.
   void AfterStep(uint64_t steps, double progress, double rate_share);
   // True if no gradients are waiting for their motion after `steps` steps: only then is the state
@@ -50,17 +52,17 @@ class VertexMotion {
   // The field has got a new mesh, whose vertices come from those of the old one.
   void Follow(std::span<const RowSource> of_vertices);
 
-  const MotionState& state() const { return state_; }
+  // Of the field's mesh.
+  MotionState state() const;
   // The field's mesh is that of the state.
   void Resume(MotionState state);
 
-  const MotionCounts& counts() const { return counts_; }
-  double seconds() const { return seconds_; }
+  const MotionCounts& counts() const { return state_.counts; }
+  double seconds() const { return seconds_; }  // of this process
 
  private:
   bool IsOn(double progress) const;
   void Begin();
-  std::vector<float> SizesOfVertices() const;
   // Of all vertices by the sums of their gradients.
   std::vector<glm::vec3> Moves(std::span<const glm::dvec3> gradients, double rate);
 
@@ -70,7 +72,6 @@ class VertexMotion {
   bool is_used_ = false;
   MotionState state_;
   uint64_t topology_ = 0;  // FittedField::topology() of the state
-  MotionCounts counts_;
   double seconds_ = 0;
 };
 

@@ -129,8 +129,13 @@ class TrainingRenderer : public Renderer {
   // however often this is called in between. Waits for the steps in flight.
   virtual void AddExposureSums(std::span<ExposureSums> sums) = 0;
   // Takes longer if the layout is not that of the field before: kernels are made for one.
-  virtual void SetState(const TetMesh& mesh, const FieldState& state) = 0;
+  virtual void SetState(TetMesh mesh, const FieldState& state) = 0;
   virtual FieldState ReadState() = 0;
+  // That of the field.
+  virtual const TetMesh& mesh() const = 0;
+  // Gives the mesh away and frees the field, so that it takes no memory while another is made;
+  // there is no field until the next SetState.
+  virtual TetMesh TakeMesh() = 0;
   // Whether every batch of blocks must be one tile.
   virtual bool NeedsTiles() const = 0;
 

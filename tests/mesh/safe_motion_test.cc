@@ -31,9 +31,16 @@ bool IsInside(const glm::vec3& position) {
          glm::all(glm::lessThan(position, glm::vec3(1.0f)));
 }
 
+// Moves the mesh.
+MotionCounts Move(TetMesh& mesh, std::span<const glm::vec3> moves) {
+  SafeMotion motion = MoveSafely(mesh, moves);
+  mesh.positions = std::move(motion.positions);
+  return motion.counts;
+}
+
 // By `move(v)` wherever a vertex is not on the boundary.
-template <class Move>
-std::vector<glm::vec3> MovesInside(const TetMesh& mesh, const Move& move) {
+template <class MoveOf>
+std::vector<glm::vec3> MovesInside(const TetMesh& mesh, const MoveOf& move) {
   std::vector<glm::vec3> moves(mesh.positions.size(), glm::vec3(0.0f));
   for (size_t v = 0; v < moves.size(); ++v) {
     if (IsInside(mesh.positions[v])) moves[v] = move(v);
@@ -62,7 +69,7 @@ TEST(SafeMotion, VerticesMoveAsTheyShouldWhereNoTetSuffers) {
   const std::vector<glm::vec3> before = mesh.positions;
   std::mt19937 random(2);
   const auto moves = MovesInside(mesh, [&](size_t) { return RandomVector(random, 1e-7f); });
-  const MotionCounts counts = MoveSafely(mesh, moves);
+  const MotionCounts counts = Move(mesh, moves);
   EXPECT_EQ(counts.shortened + counts.stopped, 0u);
   EXPECT_EQ(counts.moved, 200u);
   for (size_t v = 0; v < before.size(); ++v) EXPECT_EQ(mesh.positions[v], before[v] + moves[v]);
@@ -73,7 +80,7 @@ TEST(SafeMotion, ATetKeepsItsShareOfVolume) {
   const TetMesh before = mesh;
   std::mt19937 random(4);
   const MotionCounts counts =
-      MoveSafely(mesh, MovesInside(mesh, [&](size_t) { return RandomVector(random, 0.05f); }));
+      Move(mesh, MovesInside(mesh, [&](size_t) { return RandomVector(random, 0.05f); }));
   EXPECT_GT(counts.moved, 0u);
   EXPECT_GT(counts.shortened, 0u);
   EXPECT_GT(counts.stopped, 0u);
@@ -89,7 +96,7 @@ TEST(SafeMotion, FlatTetsFollowVerticesThatMoveTogether) {
   for (glm::vec3& position : mesh.positions) position.z *= 1e-4f;
   ASSERT_EQ(InvertedTets(mesh), 0u);
   const MotionCounts counts =
-      MoveSafely(mesh, MovesInside(mesh, [](size_t) { return glm::vec3(1e-3f, 0.0f, 0.0f); }));
+      Move(mesh, MovesInside(mesh, [](size_t) { return glm::vec3(1e-3f, 0.0f, 0.0f); }));
   EXPECT_GT(counts.moved, 150u);
   EXPECT_EQ(InvertedTets(mesh), 0u);
 }
@@ -103,10 +110,10 @@ TEST(SafeMotion, NoTetTurnsInsideOutInManyMovesOfAnySize) {
     // Everything towards one point, away from it, or anywhere.
     const int kind = step / 1000 % 3;
     const glm::vec3 goal(0.3f, 0.6f, 0.4f);
-    MoveSafely(mesh, MovesInside(mesh, [&](size_t v) {
-                 if (kind == 2) return RandomVector(random, size);
-                 return (kind == 0 ? size : -size) * (goal - mesh.positions[v]);
-               }));
+    Move(mesh, MovesInside(mesh, [&](size_t v) {
+           if (kind == 2) return RandomVector(random, size);
+           return (kind == 0 ? size : -size) * (goal - mesh.positions[v]);
+         }));
     if (step % 500 != 0) continue;
     ASSERT_EQ(InvertedTets(mesh), 0u) << step;
   }
@@ -123,7 +130,7 @@ TEST(SafeMotion, WhatIsNoNumberMovesNothing) {
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e38f}) {
     const MotionCounts counts =
-        MoveSafely(mesh, MovesInside(mesh, [&](size_t) { return glm::vec3(bad); }));
+        Move(mesh, MovesInside(mesh, [&](size_t) { return glm::vec3(bad); }));
     EXPECT_EQ(counts.stopped, 50u);
     EXPECT_EQ(mesh.positions, before);
   }

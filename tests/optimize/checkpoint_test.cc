@@ -52,10 +52,12 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   checkpoint.motion_trial = TrialState::kUsed;
   MotionState& motion = checkpoint.motion;
   motion.motions = 9;
+  motion.counts = {5, 4, 3};
   for (size_t v = 0; v < checkpoint.mesh.positions.size(); ++v) {
     motion.first_moment.emplace_back(unit() - 0.5f, unit(), unit());
     motion.second_moment.push_back(unit());
     motion.size.push_back(unit());
+    motion.room.push_back(unit());
   }
   checkpoint.exposure.exposures.resize(3);
   checkpoint.exposure.sums.resize(3);
@@ -107,6 +109,8 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.motion.first_moment, written.motion.first_moment);
     EXPECT_EQ(read.motion.second_moment, written.motion.second_moment);
     EXPECT_EQ(read.motion.size, written.motion.size);
+    EXPECT_EQ(read.motion.room, written.motion.room);
+    EXPECT_EQ(read.motion.counts.stopped, 3u);
     EXPECT_EQ(read.exposure.exposures, written.exposure.exposures);
     EXPECT_EQ(read.exposure.sums, written.exposure.sums);
     EXPECT_EQ(read.poses.sweeps, written.poses.sweeps);
@@ -226,11 +230,13 @@ TEST(Checkpoint, RefusesMotionsThatAreNotPossible) {
   refused([&](MotionState& m) { m.first_moment[3].z = nan; }, "the motion of vertex 3");
   refused([](MotionState& m) { m.second_moment[2] = -1e-9f; }, "the motion of vertex 2");
   refused([&](MotionState& m) { m.size[0] = nan; }, "the motion of vertex 0");
+  refused([](MotionState& m) { m.room[1] = -1; }, "the motion of vertex 1");
   refused(
       [](MotionState& m) {
         m.first_moment.pop_back();
         m.second_moment.pop_back();
         m.size.pop_back();
+        m.room.pop_back();
       },
       "19 vertices have a motion, not 0 or 20");
   Checkpoint still = MakeCheckpoint();

@@ -146,7 +146,7 @@ TEST(AffordableVertices, GrowsWithTimeUpToAVertexForSixteenPixels) {
 
 TEST(AffordableVertices, IsTheSameForEveryPictureSizeWhereTimeIsShort) {
   EXPECT_EQ(AffordableVertices(10, 100000000), AffordableVertices(10, 200000000));
-  EXPECT_EQ(AffordableVertices(120, 100000000), 180000u);  // as measured
+  EXPECT_EQ(AffordableVertices(120, 100000000), 110000u);  // as measured
 }
 
 }  // namespace

@@ -1,8 +1,12 @@
 #include "optimize/vertex_motion.h"
 
+#include "field/change_storage.h"
+#include "optimize/checkpoint.h"
 #include "optimize/motion_trial.h"
 #include "optimize/ring_scene.h"
 #include "optimize/small_run.h"
+#include "render/seen_colors.h"
+#include "scratch_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -44,7 +48,7 @@ struct MovingRun : SmallRun {
       const glm::vec3 move(shift(random), shift(random), shift(random));
       moves.push_back(IsInside(position) ? move : glm::vec3(0.0f));
     }
-    MoveSafely(box.mesh, moves);
+    box.mesh.positions = MoveSafely(box.mesh, moves).positions;
     const FieldState state = StateOf(box);
     field.Put(std::move(box.mesh), state);
   }
@@ -78,6 +82,56 @@ TEST(VertexMotion, LeavesTheBoundaryWhereItIs) {
   }
   EXPECT_GT(moved, 50u);
   CheckConvexDomain(run.field.mesh());
+}
+
+TEST(VertexMotion, NothingEntersTheSpaceOfTheCameras) {
+  for (const FieldStorage storage : {FieldStorage::kVertex, FieldStorage::kCell}) {
+    const Scene scene = RingOfCameras(12, 500);
+    const std::vector<Capsule> space = FindCameraSpace(scene);
+    SmallRun run(MovingOptions(PositionsChoice::kOn), 5, kDensity);
+    OptimizeOptions options = run.options;
+    options.camera_space = CameraSpace::kEmpty;
+    FittedField field(options, scene, *run.renderer, run.batches);
+    RadianceField box = WavyBox(0.4, kDensity);
+    for (glm::vec3& position : box.mesh.positions) position *= 4.0f;  // the cameras stand inside
+    const RadianceField stored = WithStorage(box, storage);
+    field.Put(box.mesh, StateOf(stored));
+    const auto inside = [&] { return InsideCapsules(PlacesOfRows(field.mesh(), storage), space); };
+    const std::vector<uint8_t> before = inside();
+    const std::vector<float> room = field.RoomOfVertices();
+    std::mt19937 random(4);
+    std::normal_distribution<float> normal;
+    size_t moved = 0;
+    for (int motion = 0; motion < 20; ++motion) {
+      std::vector<glm::vec3> moves;
+      for (const float at_most : room) {
+        const glm::vec3 way(normal(random), normal(random), normal(random));
+        moves.push_back(std::min(at_most, 1.0f) / 20.0f * glm::normalize(way));
+      }
+      moved += field.MoveVertices(moves).moved;
+    }
+    EXPECT_GT(moved, 1000u);
+    EXPECT_GT(std::count(before.begin(), before.end(), 1), 0);
+    EXPECT_EQ(inside(), before);
+  }
+}
+
+TEST(VertexMotion, MovesNoVertexFartherThanItsRoom) {
+  MovingRun run;
+  run.PutMoved(0.06f);
+  run.Take(16, 0.3);
+  MotionState state = run.motion.state();
+  const std::vector<glm::vec3> before = run.field.mesh().positions;
+  for (size_t v = 0; v < state.room.size(); ++v) state.room[v] = v % 2 ? 0.05f : 0.0f;
+  run.motion.Resume(state);
+  run.Take(64, 0.3);
+  float farthest = 0;
+  for (size_t v = 0; v < before.size(); ++v) {
+    const float way = glm::distance(run.field.mesh().positions[v], before[v]);
+    farthest = std::max(farthest, way);
+    EXPECT_LE(way, v % 2 ? 0.0501f : 0.0f);
+  }
+  EXPECT_GT(farthest, 0.0f);
 }
 
 TEST(VertexMotion, StopsBeforeTheEndOfARun) {
@@ -143,22 +197,62 @@ TEST(VertexMotion, BeginsAnewOnAMeshThatItDoesNotKnow) {
   EXPECT_EQ(run.motion.state().motions, 1u);
 }
 
-TEST(MotionTrial, DecidesOnceAndLeavesTheFieldAsItWas) {
+TEST(MotionTrial, KeepsWhatGained) {
   MovingRun run(PositionsChoice::kAuto);
   run.PutMoved(0.06f);
   run.steps.Resume(400, 0);
   EXPECT_FALSE(run.trial.Advance(0.05));
   EXPECT_EQ(run.trial.state(), TrialState::kNotTried);
+  const double before = run.Psnr();
+  EXPECT_TRUE(run.trial.Advance(0.15));
+  EXPECT_EQ(run.trial.state(), TrialState::kUsed);
+  EXPECT_TRUE(run.motion.is_used());
+  EXPECT_GT(run.Psnr(), before);
+  EXPECT_EQ(run.steps.iteration(), 400u + TrialSteps(400));
+  EXPECT_FALSE(run.trial.Advance(0.2));
+}
+
+// Of a mesh that has no motion yet, as after the return to a smaller one.
+TEST(VertexMotion, HasAStateThatFitsTheMesh) {
+  const ScratchFolder folder;
+  MovingRun run;
+  run.PutMoved(0.06f);
+  run.Take(32, 0.3);
+  Checkpoint checkpoint;
+  const auto put_and_read = [&] {
+    checkpoint.motion = run.motion.state();
+    checkpoint.mesh = run.field.mesh();
+    checkpoint.state = run.field.ReadState();
+    WriteCheckpoint(folder / "c.bin", checkpoint);
+    return ReadCheckpoint(folder / "c.bin").motion;
+  };
+  const uint64_t moved = run.motion.counts().moved;
+  EXPECT_EQ(put_and_read().size.size(), run.field.mesh().positions.size());
+  RadianceField other = WavyBox(0.4, kDensity);
+  other.mesh = BuildDelaunay(std::span(other.mesh.positions).first(300)).mesh;
+  other.color_srgb.resize(300);
+  other.density.resize(300);
+  run.field.Put(other.mesh, StateOf(other));
+  EXPECT_TRUE(put_and_read().size.empty());
+  EXPECT_EQ(put_and_read().counts.moved, moved);
+}
+
+// The true field loses by every move.
+TEST(MotionTrial, LeavesAFieldThatLostAsItWas) {
+  MovingRun run(PositionsChoice::kAuto);
+  run.PutMoved(0.0f);
+  run.steps.Resume(400, 0);
   const std::vector<glm::vec3> positions = run.field.mesh().positions;
   const FieldState before = run.field.ReadState();
   EXPECT_TRUE(run.trial.Advance(0.15));
+  EXPECT_EQ(run.trial.state(), TrialState::kNotUsed);
+  EXPECT_FALSE(run.motion.is_used());
   EXPECT_EQ(run.field.mesh().positions, positions);
   EXPECT_EQ(run.field.ReadState().parameters, before.parameters);
+  EXPECT_EQ(run.field.ReadState().second_moment, before.second_moment);
   EXPECT_EQ(run.steps.iteration(), 400u);
-  // Vertices out of their places: to move them pays.
-  EXPECT_EQ(run.trial.state(), TrialState::kUsed);
-  EXPECT_TRUE(run.motion.is_used());
-  EXPECT_FALSE(run.trial.Advance(0.2));
+  EXPECT_EQ(run.motion.counts().all(), 0u);
+  EXPECT_TRUE(run.motion.state().size.empty());
 }
 
 TEST(MotionTrial, LetsVerticesMoveWhereNothingCanJudge) {

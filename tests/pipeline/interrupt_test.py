@@ -183,6 +183,23 @@ class InterruptTest(StageCase):
         self.assert_done(self.run_stage(*command, "-o", out, "--resume"))
         self.assertIn("continues from iteration", (out / "log.txt").read_text())
 
+    def test_a_killed_optimize_whose_vertices_move_gives_the_same_bytes(self):
+        command = ("optimize", self.tiny_tetrahedra(), "--deterministic", "--time-limit", 0, "--iterations", 300,
+                   "--rays", 512, "--positions", "on", "--checkpoint-interval", 0)
+        whole, killed = self.folder / "run" / "whole", self.folder / "run" / "killed"
+        self.assert_done(self.run_stage(*command, "-o", whole))
+        process = self.start(*command, "-o", killed)
+        self.wait_for_rows(killed, process, rows=20)
+        process.kill()
+        process.communicate()
+        self.assert_done(self.run_stage(*command, "-o", killed))
+        self.assertIn("continues from iteration", (killed / "log.txt").read_text())
+        self.assertEqual(hashes(killed)["field.tetf"], hashes(whole)["field.tetf"])
+        counts = [self.manifest(folder)["counts"] for folder in (whole, killed)]
+        self.assertGreater(counts[0]["vertex_moves"], 0)
+        for name in ("vertex_moves", "shortened_moves", "stopped_moves", "min_volume", "min_radius_ratio"):
+            self.assertEqual(counts[0][name], counts[1][name], name)
+
     def test_a_resumed_optimize_with_harmonics_gives_the_same_bytes(self):
         command = ("optimize", self.tiny_tetrahedra(train=16, paint=by_direction), "--deterministic",
                    "--time-limit", 0, "--iterations", 280, "--rays", 512, "--sh", "auto")

@@ -44,7 +44,7 @@ class ReferenceRenderer final : public ProbedRenderer {
     field_ = field;
   }
 
-  void SetState(const TetMesh& mesh, const FieldState& state) override {
+  void SetState(TetMesh mesh, const FieldState& state) override {
     CheckRenderable(mesh, state);
     const size_t rows = state.rows(), components = size_t(state.layout.Components());
     CheckMemory(
@@ -52,16 +52,27 @@ class ReferenceRenderer final : public ProbedRenderer {
         kBytesPerTet * mesh.tets.size() + (kBytesPerRow + kBytesPerComponent * components) * rows,
         MeasureFreeHostMemory());
     state_ = state;
-    field_ = MakeField(mesh, state.layout, std::vector<float>(rows * components));
+    field_ = MakeField(std::move(mesh), state.layout, std::vector<float>(rows * components));
     for (size_t row = 0; row < rows; ++row) Spread(row);
     rate_shares_.assign(rows, 1.0f);
-    boxes_ = MakeTetBoxes(mesh);
-    scores_.assign(mesh.tets.size(), 0.0);
+    boxes_ = MakeTetBoxes(field_.mesh);
+    scores_.assign(field_.mesh.tets.size(), 0.0);
     ClearSums();
     forward_.reset();
   }
 
   FieldState ReadState() override { return state_; }
+
+  const TetMesh& mesh() const override { return field_.mesh; }
+
+  TetMesh TakeMesh() override {
+    TetMesh mesh = std::move(field_.mesh);
+    field_ = {};
+    boxes_ = {};
+    forward_.reset();
+    has_position_sums_ = false;
+    return mesh;
+  }
 
   void SetTargets(std::span<const RenderView> views,
                   std::span<const TargetImage> targets) override {

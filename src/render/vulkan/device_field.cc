@@ -280,13 +280,14 @@ DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point) {
           .of_face = 2 * 16 + 2 * 2 * 16};
 }
 
-DeviceField UploadField(const Device& device, const TetMesh& mesh, const FieldState& state,
+DeviceField UploadField(const Device& device, TetMesh host_mesh, const FieldState& state,
                         bool fixed_point) {
+  DeviceField field;
+  field.mesh = std::move(host_mesh);
+  const TetMesh& mesh = field.mesh;
   const size_t components = size_t(state.layout.Components());
   TETREC_CHECK(state.parameters.size() == RowCount(mesh, state.layout.storage) * components,
                "one row of parameters per vertex, or per tet");
-  DeviceField field;
-  field.mesh = mesh;
   field.fixed_point = fixed_point;
   field.most_tets_at_vertex = MostTetsAtVertex(mesh);
   const Bounds3 bounds = BoundsOf(mesh.positions);

@@ -58,7 +58,7 @@ DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point);
 
 // Gradients and scores start at zero. Density and colour in `vertices` are yet to be spread from
 // the parameters (spread.comp).
-DeviceField UploadField(const Device& device, const TetMesh& mesh, const FieldState& state,
+DeviceField UploadField(const Device& device, TetMesh mesh, const FieldState& state,
                         bool fixed_point);
 
 // Sums of gradients, by value: rows x layout.Components().

@@ -17,7 +17,8 @@ namespace tetrec {
 // for position. L represents 2^6 g, 2^6 g D and 2^24 g / D: positions need the room because hits on
 // faces seen at a flat angle move far. In a step of 4,096 rays (N = 128: L = 2^39) the quanta are
 // 2^-33 g, 2^-33 g D and 2^-15 g / D, where tets of a hundredth of D give gradients of 2^-7 g D and
-// 2^7 g / D: every addend down to 10^-5 of a whole ray's is kept with the precision of a float.
+// 2^7 g / D: an addend of 10^-5 of a whole ray's is kept with 16 bits for colour, 9 for density, 5
+// for position.
 struct FixedPoint {
   float color_quanta = 1, density_quanta = 1, position_quanta = 1;  // per unit; powers of two
   float largest_quanta = 0;                                         // L

@@ -89,6 +89,8 @@ class Integrator {
   // Announces a new mesh on the device, which is idle. The field stays in place until the next
   // call.
   virtual void SetField(const DeviceField&) {}
+  // The vertices of that field have moved; the device is idle.
+  virtual void FollowVertices(const DeviceField& field) { SetField(field); }
   // Records the commands that fill rays.colors. May submit what was recorded so far, wait, and
   // begin again.
   virtual void Forward(CommandRecorder& recorder, const RayPass& pass) = 0;

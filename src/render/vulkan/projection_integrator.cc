@@ -123,7 +123,7 @@ void ProjectionIntegrator::CheckMesh(const TetMesh& mesh) const {
 
 void ProjectionIntegrator::SetField(const DeviceField& field) {
   field_ = &field;
-  has_ranks_ = has_warned_ = false;
+  has_warned_ = false;
   const Bounds3 bounds = BoundsOf(field.mesh.positions);
   center_ = bounds.Center();
   radius_ = 0.5 * bounds.Diagonal();
@@ -132,6 +132,20 @@ void ProjectionIntegrator::SetField(const DeviceField& field) {
   ranks_ = Buffer(device_, "tet ranks", 4ull * field.tet_count);
   high_keys_ = Buffer(device_, "high keys", 4ull * field.tet_count);
   prefix_sum_.Reserve(field.tet_count + 1ull);
+  FollowVertices(field);
+  if (keys_ == Keys::kPower) {
+    LogInfo(
+        "projection: the mesh is Delaunay, so its {} tets are sorted by power; {} faces join tets "
+        "on one sphere",
+        field.tet_count, power_.tied_faces.size());
+  } else if (keys_ == Keys::kRanks) {
+    LogInfo("projection: {} inner faces are not Delaunay, so tets are sorted by what covers what",
+            power_.bad_faces);
+  }
+}
+
+void ProjectionIntegrator::FollowVertices(const DeviceField& field) {
+  has_ranks_ = false;
   keys_ = Keys::kCentroid;
   if (order_ == VisibilityOrder::kCentroid) return;
   power_ = MeasurePowerOrder(field.mesh);
@@ -139,13 +153,6 @@ void ProjectionIntegrator::SetField(const DeviceField& field) {
   if (keys_ == Keys::kPower) {
     spheres_ = MakeBuffer(device_, "circumspheres", SplitIntoPairs(power_.spheres),
                           VK_FORMAT_R32G32B32A32_SFLOAT);
-    LogInfo(
-        "projection: the mesh is Delaunay, so its {} tets are sorted by power; {} faces join tets "
-        "on one sphere",
-        field.tet_count, power_.tied_faces.size());
-  } else {
-    LogInfo("projection: {} inner faces are not Delaunay, so tets are sorted by what covers what",
-            power_.bad_faces);
   }
   power_.spheres = {};
 }

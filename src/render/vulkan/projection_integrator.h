@@ -24,6 +24,7 @@ class ProjectionIntegrator final : public Integrator {
   // Throws DataError if the order is to be exact and the boundary is not convex: both exact orders
   // follow from how tets meet at faces, and tets do not meet across a gap.
   void SetField(const DeviceField& field) override;
+  void FollowVertices(const DeviceField& field) override;
   void Forward(CommandRecorder& recorder, const RayPass& pass) override;
   void Backward(CommandRecorder& recorder, const RayPass& pass) override;
 

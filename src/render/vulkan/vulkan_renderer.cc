@@ -87,7 +87,7 @@ class VulkanRenderer final : public ProbedRenderer {
     SetState(field.mesh, StateOf(field));
   }
 
-  void SetState(const TetMesh& mesh, const FieldState& state) override {
+  void SetState(TetMesh mesh, const FieldState& state) override {
     CheckRenderable(mesh, state);
     integrator_->CheckMesh(mesh);
     WaitAll();
@@ -95,13 +95,10 @@ class VulkanRenderer final : public ProbedRenderer {
     if (field_.tet_count > 0)
       free.bytes += FieldBytes(field_.mesh, layout_, options_.deterministic);
     CheckMemory(mesh, BytesFor(mesh, state.layout), free);
-    field_ = {};  // frees the old mesh before the new one takes memory
-    view_colors_.Clear();
+    FreeField();  // before the new one takes memory
     UseLayout(state.layout);
-    field_ = UploadField(*device_, mesh, state, options_.deterministic);
+    field_ = UploadField(*device_, std::move(mesh), state, options_.deterministic);
     SpreadParameters();
-    ForgetSums();
-    has_forward_ = has_position_sums_ = false;
     march_.SetField(field_);
     if (other_) other_->SetField(field_);
     UploadViews();
@@ -110,6 +107,15 @@ class VulkanRenderer final : public ProbedRenderer {
   FieldState ReadState() override {
     WaitAll();
     return DownloadState(field_);
+  }
+
+  const TetMesh& mesh() const override { return field_.mesh; }
+
+  TetMesh TakeMesh() override {
+    WaitAll();
+    TetMesh mesh = std::move(field_.mesh);
+    FreeField();
+    return mesh;
   }
 
   void SetTargets(std::span<const RenderView> views,
@@ -149,8 +155,7 @@ class VulkanRenderer final : public ProbedRenderer {
     const FixedPoint fixed = FixedPointOf(batch);
     ExpectSums(fixed);
     if (batch.parts == GradientParts::kColorDensityPosition) {
-      AllocatePositionGradients(*device_, field_);
-      has_position_sums_ = true;
+      ExpectPositionSums(fixed);
     }
     const StepResult before = InFlightBatch(*integrator_, batch, {ScaleOf(batch)}, fixed,
                                             [&](CommandRecorder& recorder, const RayPass& pass) {
@@ -178,10 +183,7 @@ class VulkanRenderer final : public ProbedRenderer {
     TETREC_CHECK(has_forward_, "Backward follows Forward");
     ExpectSums(FixedPointOf(forward_batch_));
     AllocateOtherGradients(*device_, field_);
-    if (parts == GradientParts::kColorDensityPosition) {
-      AllocatePositionGradients(*device_, field_);
-      has_position_sums_ = true;
-    }
+    if (parts == GradientParts::kColorDensityPosition) ExpectPositionSums(sums_fixed_);
     RayPass pass = ForwardPass();
     pass.parts = parts;
     part_recorder_.Begin();
@@ -199,7 +201,7 @@ class VulkanRenderer final : public ProbedRenderer {
   GradientSums TakePositionGradients() override {
     WaitAll();
     GradientSums sums;
-    TakePositionSums(sums_fixed_, sums);
+    TakePositionSums(sums);
     return sums;
   }
 
@@ -209,8 +211,7 @@ class VulkanRenderer final : public ProbedRenderer {
     has_forward_ = false;
     UploadPositions(field_, positions);
     SpreadParameters();
-    march_.SetField(field_);
-    if (other_) other_->SetField(field_);
+    if (other_) other_->FollowVertices(field_);
     UploadViews();
   }
 
@@ -225,14 +226,13 @@ class VulkanRenderer final : public ProbedRenderer {
     AddToGradients(field_, sums.values, sums_fixed_);
     has_sums_ = true;
     if (sums.position.empty()) return;
-    AllocatePositionGradients(*device_, field_);
+    ExpectPositionSums(sums_fixed_);
     std::vector<double> rows;
     for (size_t v = 0; v < sums.position.size(); ++v) {
       for (int i = 0; i < 3; ++i) rows.push_back(sums.position[v][i]);
       rows.push_back(sums.absolute_position[v]);
     }
     AddToPositionGradients(field_, rows, sums_fixed_);
-    has_position_sums_ = true;
   }
 
   void Update(const AdamUpdate& update) override {
@@ -312,11 +312,10 @@ class VulkanRenderer final : public ProbedRenderer {
                  "one gradient per pixel");
     const FixedPoint fixed = FixedPointOf(LargestValue(pixel_gradient), pixel_gradient.size());
     TETREC_CHECK(!has_sums_, "Backpropagate in the middle of a sum");
-    if (with_positions) AllocatePositionGradients(*device_, field_);
+    if (with_positions) ExpectPositionSums(fixed);
     AllocateOtherGradients(*device_, field_);
     has_forward_ = false;
     pictures_.Backpropagate(*integrator_, field_, view, pixel_gradient, parts, fixed);
-    has_position_sums_ = with_positions;
     const GradientSums sums = TakeSums(fixed);
     FieldGradient result;
     const size_t components = size_t(layout_.Components());
@@ -364,7 +363,8 @@ class VulkanRenderer final : public ProbedRenderer {
   }
 
  private:
-  // An upper bound. On a software device the host's copies count, too.
+  // An upper bound. On a software device the host's copy of the mesh, and the rows that it is
+  // uploaded from, count, too.
   uint64_t BytesFor(const TetMesh& mesh, const FieldLayout& layout) const {
     const uint64_t on_device = FieldBytes(mesh, layout, options_.deterministic) +
                                march_.BytesFor(mesh) + (other_ ? other_->BytesFor(mesh) : 0);
@@ -386,6 +386,14 @@ class VulkanRenderer final : public ProbedRenderer {
     view_colors_ = ViewColors(*device_, layout, options_.deterministic);
     other_ = MakeOtherIntegrator(*device_, options_, layout);
     integrator_ = other_ ? other_.get() : &march_;
+  }
+
+  void FreeField() {
+    field_ = {};
+    view_colors_.Clear();
+    ForgetSums();
+    ForgetPositionSums();
+    has_forward_ = false;
   }
 
   // Gives the renderers the field of the parameters.
@@ -412,20 +420,45 @@ class VulkanRenderer final : public ProbedRenderer {
     sums.values = DownloadGradients(field_, fixed);
     ClearGradients(field_);
     has_sums_ = false;
-    TakePositionSums(fixed, sums);
+    TakePositionSums(sums);
     return sums;
   }
 
-  void TakePositionSums(const FixedPoint& fixed, GradientSums& sums) {
-    if (!std::exchange(has_position_sums_, false)) return;
-    const std::vector<double> rows = DownloadPositionGradients(field_, fixed);
-    sums.position.reserve(field_.vertex_count);
-    sums.absolute_position.reserve(field_.vertex_count);
-    for (size_t at = 0; at < rows.size(); at += 4) {
-      sums.position.emplace_back(rows[at], rows[at + 1], rows[at + 2]);
-      sums.absolute_position.push_back(rows[at + 3]);
+  // Gradients by positions are about to be added that count in these quanta. They may be others
+  // than before: sums of positions are of several updates.
+  void ExpectPositionSums(const FixedPoint& fixed) {
+    AllocatePositionGradients(*device_, field_);
+    if (has_position_sums_ && fixed.position_quanta != position_fixed_.position_quanta) {
+      WaitAll();
+      AddPositionSums(counted_positions_);
+    }
+    position_fixed_ = fixed;
+    has_position_sums_ = true;
+  }
+
+  // Adds the sums on the device to `sums` and sets them to zero.
+  void AddPositionSums(GradientSums& sums) {
+    sums.position.resize(field_.vertex_count, glm::dvec3(0.0));
+    sums.absolute_position.resize(field_.vertex_count, 0.0);
+    const std::vector<double> rows = DownloadPositionGradients(field_, position_fixed_);
+    for (size_t v = 0; v < sums.position.size(); ++v) {
+      sums.position[v] += glm::dvec3(rows[4 * v], rows[4 * v + 1], rows[4 * v + 2]);
+      sums.absolute_position[v] += rows[4 * v + 3];
     }
     field_.position_gradients.FillZero();
+  }
+
+  void TakePositionSums(GradientSums& sums) {
+    if (!has_position_sums_) return;
+    AddPositionSums(counted_positions_);
+    sums.position = std::move(counted_positions_.position);
+    sums.absolute_position = std::move(counted_positions_.absolute_position);
+    ForgetPositionSums();
+  }
+
+  void ForgetPositionSums() {
+    counted_positions_ = {};
+    has_position_sums_ = false;
   }
 
   // Records forward and loss of a batch and whatever `then` records, and submits it. Returns the
@@ -590,6 +623,8 @@ class VulkanRenderer final : public ProbedRenderer {
   bool has_forward_ = false;        // and nothing was rendered since
   bool has_sums_ = false;           // gradients that no update has used
   bool has_position_sums_ = false;  // nor was taken
+  FixedPoint position_fixed_;       // their quanta
+  GradientSums counted_positions_;  // sums of positions in other quanta
   bool has_quanta_ = false;         // sums_fixed_ is known since the last update
   FixedPoint sums_fixed_;
   int current_ = 0;

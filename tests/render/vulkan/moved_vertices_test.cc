@@ -1,5 +1,8 @@
 // Vertices that move while a renderer learns.
+#include "core/error.h"
+#include "geometry/bounds3.h"
 #include "mesh/boundary.h"
+#include "mesh/locate.h"
 #include "mesh/safe_motion.h"
 #include "render/reference_loss.h"
 #include "render/scenes.h"
@@ -15,8 +18,9 @@ constexpr int kWidth = 40, kHeight = 32;
 
 class MovedVerticesTest : public EveryRendererTest {
  protected:
-  ProbedRenderer& MakeLearner(const RadianceField& field) {
-    ProbedRenderer& renderer = MakeRenderer({.stop_transmittance = 0.0f});
+  ProbedRenderer& MakeLearner(const RadianceField& field, bool deterministic = false) {
+    ProbedRenderer& renderer =
+        MakeRenderer({.stop_transmittance = 0.0f, .deterministic = deterministic});
     renderer.SetField(field);
     std::vector<TargetImage> targets(
         views_.size(), {kWidth, kHeight, std::vector<uint32_t>(kWidth * kHeight, 0x7F405060u)});
@@ -37,8 +41,25 @@ class MovedVerticesTest : public EveryRendererTest {
     for (size_t v = 0; v < moves.size(); ++v) {
       if (on_boundary[v]) moves[v] = glm::vec3(0.0f);
     }
-    EXPECT_GT(MoveSafely(moved.mesh, moves).moved, 20u);
+    SafeMotion motion = MoveSafely(moved.mesh, moves);
+    EXPECT_GT(motion.counts.moved, 20u);
+    moved.mesh.positions = std::move(motion.positions);
     return moved;
+  }
+
+  // A place that is in one tet before the move and in another after it.
+  glm::dvec3 PlaceThatChangesTets(const TetMesh& moved) const {
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> share;
+    const Bounds3 bounds = BoundsOf(moved.positions);
+    for (int i = 0; i < 1000; ++i) {
+      const glm::dvec3 at(share(random), share(random), share(random));
+      const glm::dvec3 place = glm::mix(glm::dvec3(bounds.min), glm::dvec3(bounds.max), at);
+      const uint32_t before = FindTet(field_.mesh, place), after = FindTet(moved, place);
+      if (before != kNoTet && after != kNoTet && before != after) return place;
+    }
+    ADD_FAILURE() << "no place changes its tet";
+    return {};
   }
 
   TrainingBatch Whole(GradientParts parts) const { return {.blocks = blocks_, .parts = parts}; }
@@ -50,22 +71,24 @@ class MovedVerticesTest : public EveryRendererTest {
 
 INSTANTIATE_TEST_SUITE_P(, MovedVerticesTest, kEveryRenderer, RendererName);
 
-// One camera stands inside the mesh, in a tet that a move may change.
+// One camera stands inside the mesh, right beside a face that moves past it.
 TEST_P(MovedVerticesTest, ShowWhatAFieldSetThereShows) {
-  views_.push_back(views_[0]);
-  views_.back().cam_from_world.translation = glm::dvec3(0.0);
   const RadianceField moved = Moved();
+  views_[1].cam_from_world.translation =
+      -(views_[1].cam_from_world.rotation * PlaceThatChangesTets(moved.mesh));
   ProbedRenderer& renderer = MakeLearner(field_);
-  renderer.MoveVertices(moved.mesh.positions);
   ProbedRenderer& other = MakeLearner(moved);
+  renderer.MoveVertices(moved.mesh.positions);
+  EXPECT_EQ(renderer.mesh().positions, moved.mesh.positions);
+  const StepResult loss = renderer.Forward(Whole(GradientParts::kColorDensity));
+  EXPECT_EQ(loss.loss, other.Forward(Whole(GradientParts::kColorDensity)).loss);
   for (const RenderView& view : views_) {
     const RenderedImage image = renderer.Render(view, 1), expected = other.Render(view, 1);
     EXPECT_EQ(image.color_srgb, expected.color_srgb);
     EXPECT_EQ(image.transmittance, expected.transmittance);
   }
-  const StepResult loss = renderer.Forward(Whole(GradientParts::kColorDensity));
-  EXPECT_EQ(loss.loss, other.Forward(Whole(GradientParts::kColorDensity)).loss);
   EXPECT_EQ(renderer.ReadState().parameters, other.ReadState().parameters);
+  EXPECT_EQ(renderer.counts().lost_rays, 0u);
 }
 
 TEST_P(MovedVerticesTest, StepsSumTheGradientsOfTheirBatches) {
@@ -95,6 +118,35 @@ TEST_P(MovedVerticesTest, StepsSumTheGradientsOfTheirBatches) {
   EXPECT_GT(size, 0.0);
   EXPECT_LT(std::sqrt(difference / size), 1e-4);  // float sums in any order
   EXPECT_TRUE(renderer.TakePositionGradients().position.empty());
+}
+
+// With batches of two sizes, whose sums count in different quanta.
+TEST_P(MovedVerticesTest, FixedPointSumsAreThoseOfFloats) {
+  AdamUpdate still;
+  still.color_rate = still.density_rate = 0;
+  std::vector<GradientSums> sums;
+  for (const bool deterministic : {false, true}) {
+    ProbedRenderer* renderer = nullptr;
+    try {
+      renderer = &MakeLearner(field_, deterministic);
+    } catch (const EnvironmentError& error) {
+      GTEST_SKIP() << error.what();
+    }
+    TrainingBatch batch = Whole(GradientParts::kColorDensityPosition);
+    for (uint64_t i = 0; i < kMostSummedBatches; ++i) {
+      batch.update_rays = i < 10 ? 0 : 64 * batch.rays();
+      renderer->Step(batch, still);
+    }
+    sums.push_back(renderer->TakePositionGradients());
+    EXPECT_EQ(renderer->counts().clamped_addends, 0u);
+  }
+  double difference = 0, size = 0;
+  for (size_t v = 0; v < sums[0].position.size(); ++v) {
+    const glm::dvec3 error = sums[1].position[v] - sums[0].position[v];
+    difference += glm::dot(error, error);
+    size += glm::dot(sums[0].position[v], sums[0].position[v]);
+  }
+  EXPECT_LT(std::sqrt(difference / size), 1e-4);
 }
 
 TEST_P(MovedVerticesTest, AnotherFieldHasNoSumsOfTheOneBefore) {
