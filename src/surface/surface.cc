@@ -90,10 +90,13 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
   LevelSet set = MarchTetrahedra(
       field.mesh, SmoothedOccupancy(field.mesh, field.density, isovalue, options.smoothing),
       kSurfaceOccupancy);
-  LogInfo("level set: {} triangles", WithThousands(set.triangles.size()));
+  const size_t triangles = set.triangles.size();
   if (options.bounds == SurfaceBounds::kSubject) {
     set = CropTo(set, world.subject_bounds.Scaled(1 + 2 * options.margin));
   }
+  LogInfo("level set: {} triangles, of which {} lie outside the subject's bounds and are left out",
+          WithThousands(triangles), WithThousands(triangles - set.triangles.size()));
+  stage.Count("triangles_out_of_bounds", triangles - set.triangles.size());
   if (set.triangles.empty()) {
     throw DataError(fmt::format(
         "no surface at isovalue {:.4g}; choose another isovalue, or all as bounds", isovalue));
