@@ -40,7 +40,7 @@ TriangleMesh Joined(std::initializer_list<TriangleMesh> parts) {
 TEST(KeepLargePieces, DropsSmallPiecesAndCavities) {
   const TriangleMesh large = Sphere(1, {0, 0, 0});
   const TriangleMesh all = Joined(
-      {Sphere(0.05, {3, 0, 0}), large, Sphere(0.5, {0, 0, 0}, true), Sphere(0.3, {0, 4, 0})});
+      {Sphere(0.02, {3, 0, 0}), large, Sphere(0.5, {0, 0, 0}, true), Sphere(0.3, {0, 4, 0})});
   const CleanResult result = KeepLargePieces(all, {});
   EXPECT_EQ(result.components, 4u);
   EXPECT_EQ(result.dropped_small, 1u);
