@@ -7,8 +7,9 @@ namespace tetrec {
 
 // The tet that contains `point` (either one if it is on a shared face), or kNoTet outside the mesh.
 // Walks from `start` from tet to tet, through a face that separates the tet from the point. A walk
-// that reaches the boundary proves that the point is outside if the boundary `is_convex`; otherwise
-// all tets are tried (5 ns each).
+// that reaches the boundary proves that the point is outside if the boundary `is_convex`.
+// Otherwise, and after a walk much longer than a mesh is wide (it may circle unless the mesh is
+// Delaunay), all tets are tried (5 ns each).
 uint32_t FindTet(const TetMesh& mesh, const glm::dvec3& point, uint32_t start = 0,
                  bool is_convex = false);
 

@@ -31,10 +31,9 @@ struct SafeMotion {
 // Moves all vertices at once, each by its move or by a part of it: the vertices of a tet that would
 // lose more than 1 - kKeptVolumeShare of its volume, or turn inside out (exact predicate), go half
 // as far, and after some halvings stay, until there is no such tet. So a flat tet stops vertices
-// only if they move against each other, as the bound by its inradius would not (each less than the
-// inradius of every tet around it).
-//   moves  (V) [world units]; 0 for vertices of the boundary, which is to stay. What is not finite
-//          moves nothing.
+// only if they move against each other; bounds by the inradii of the tets would always stop them.
+//   moves  (V) [world units]; 0 for vertices of the boundary, which is to stay. A
+//          move that is not finite is not made, and may stop its neighbours.
 // A mesh without inverted tets stays one.
 SafeMotion MoveSafely(const TetMesh& mesh, std::span<const glm::vec3> moves);
 

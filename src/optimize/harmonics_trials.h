@@ -27,7 +27,7 @@ class HarmonicsTrials {
  private:
   void Unlock();
   void Judge(double progress);
-  // The PSNR of the judging pictures after some steps more, which are not counted [dB].
+  // The PSNR of the judging pictures after some steps more [dB].
   double TrialPsnr(uint64_t steps, double progress);
 
   const OptimizeOptions& options_;

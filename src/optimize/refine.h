@@ -34,7 +34,7 @@ struct RefineResult {
 // (Prolong), so the field on the old mesh is reproduced exactly; it changes only where the Delaunay
 // mesh has other tets, around new vertices and where vertices have moved. The hull's vertices stay.
 // If cells have the attributes, a new tet gets the row of the old tet that contains its centroid.
-// The old mesh is freed before the new one takes memory.
+// Unless cells need it, the old mesh is freed before the new one takes memory.
 RefineResult Refine(TetMesh mesh, const FieldState& state, std::span<const float> error,
                     const RefineOptions& options);
 

@@ -280,7 +280,8 @@ class Trainer {
     stage_.Count("min_volume", quality.min_volume);
     stage_.Count("min_radius_ratio", quality.min_radius_ratio);
     LogInfo(
-        "vertices moved {} times in {:.1f} s, {:.1f} % of the moves shortened and {:.1f} % stopped "
+        "vertices moved {} times ({:.1f} s since the start or resume), {:.1f} % of the moves "
+        "shortened and {:.1f} % stopped "
         "for the sake of tets; smallest tet {:.1e}, smallest radius ratio {:.1e}",
         WithThousands(counts.all()), motion_.seconds(), 100.0 * double(counts.shortened) / all,
         100.0 * double(counts.stopped) / all, quality.min_volume, quality.min_radius_ratio);

@@ -53,8 +53,8 @@ void VertexMotion::AfterStep(uint64_t steps, double progress, double rate_share)
   if (!IsOn(progress) || steps % kStepsOfMotion != 0) return;
   const Timer timer;
   const GradientSums sums = renderer_.TakePositionGradients();
-  if (sums.position.empty()) return;  // of another mesh
-  if (topology_ != field_.topology()) Begin();
+  if (sums.position.empty()) return;  // the field was put anew since
+  if (state_.size.empty() || topology_ != field_.topology()) Begin();
   state_.counts.Add(field_.MoveVertices(Moves(sums.position, options_.position_rate * rate_share)));
   seconds_ += timer.seconds();
 }

@@ -10,7 +10,7 @@ namespace tetrec {
 
 struct CleanOptions {
   double min_component_share = 0.002;  // share of the largest piece's area below which pieces go
-  bool keep_cavities = false;         // closed pieces that face inward, unseen from outside
+  bool keep_cavities = false;          // closed pieces that face inward, unseen from outside
 };
 
 struct CleanResult {

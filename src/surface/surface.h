@@ -23,8 +23,8 @@ struct SurfaceOptions {
   double isovalue = 0;
   int smoothing = 4;  // rounds of SmoothedOccupancy
   SurfaceBounds bounds = SurfaceBounds::kSubject;
-  // Around the subject's bounds, in shares of their sides. Thin parts have few sparse points, so the
-  // bounds may end before them.
+  // Around the subject's bounds, in shares of their sides. Thin parts have few sparse points, so
+  // the bounds may end before them.
   double margin = 0.15;
   CleanOptions clean;
   uint64_t max_faces = 0;  // simplify to this many triangles; 0: keep all

@@ -121,5 +121,27 @@ TEST(FindTet, FindsTheTetInAMeshWithHolesFromAnyStart) {
   EXPECT_GT(inside, 50);
 }
 
+// Walks along it are longer than any that a mesh of this size should need.
+TEST(FindTet, FindsTetsFarAwayInALongMesh) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<float> unit;
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 3000; ++i)
+    points.emplace_back(3000 * unit(random), unit(random), unit(random));
+  const TetMesh mesh = BuildDelaunay(points).mesh;
+  const auto centroid = [&](uint32_t t) {
+    glm::dvec3 sum(0.0);
+    for (int i = 0; i < 4; ++i) sum += glm::dvec3(mesh.positions[mesh.tets[t][i]]);
+    return 0.25 * sum;
+  };
+  uint32_t first = 0, last = 0;
+  for (uint32_t t = 0; t < mesh.tets.size(); ++t) {
+    if (centroid(t).x < centroid(first).x) first = t;
+    if (centroid(t).x > centroid(last).x) last = t;
+  }
+  EXPECT_EQ(FindTet(mesh, centroid(last), first, true), last);
+  EXPECT_EQ(FindTet(mesh, centroid(first), last, true), first);
+}
+
 }  // namespace
 }  // namespace tetrec

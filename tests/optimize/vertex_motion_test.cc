@@ -84,6 +84,24 @@ TEST(VertexMotion, LeavesTheBoundaryWhereItIs) {
   CheckConvexDomain(run.field.mesh());
 }
 
+// Unit vectors towards the nearest capsule, along which the distance falls fastest.
+std::vector<glm::vec3> TowardsCapsules(const std::vector<glm::vec3>& places,
+                                       const std::vector<Capsule>& space) {
+  constexpr float kStep = 1e-2f;
+  const std::vector<float> here = DistancesToCapsules(places, space);
+  std::vector<glm::vec3> ways(places.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<glm::vec3> beside = places;
+    for (glm::vec3& place : beside) place[axis] += kStep;
+    const std::vector<float> there = DistancesToCapsules(beside, space);
+    for (size_t v = 0; v < ways.size(); ++v) ways[v][axis] = here[v] - there[v];
+  }
+  for (glm::vec3& way : ways) {
+    way = glm::length(way) > 0 ? glm::normalize(way) : glm::vec3(1.0f, 0.0f, 0.0f);
+  }
+  return ways;
+}
+
 TEST(VertexMotion, NothingEntersTheSpaceOfTheCameras) {
   for (const FieldStorage storage : {FieldStorage::kVertex, FieldStorage::kCell}) {
     const Scene scene = RingOfCameras(12, 500);
@@ -99,14 +117,12 @@ TEST(VertexMotion, NothingEntersTheSpaceOfTheCameras) {
     const auto inside = [&] { return InsideCapsules(PlacesOfRows(field.mesh(), storage), space); };
     const std::vector<uint8_t> before = inside();
     const std::vector<float> room = field.RoomOfVertices();
-    std::mt19937 random(4);
-    std::normal_distribution<float> normal;
+    const std::vector<glm::vec3> towards = TowardsCapsules(field.mesh().positions, space);
     size_t moved = 0;
     for (int motion = 0; motion < 20; ++motion) {
       std::vector<glm::vec3> moves;
-      for (const float at_most : room) {
-        const glm::vec3 way(normal(random), normal(random), normal(random));
-        moves.push_back(std::min(at_most, 1.0f) / 20.0f * glm::normalize(way));
+      for (size_t v = 0; v < room.size(); ++v) {
+        moves.push_back(0.0499f * std::min(room[v], 1.0f) * towards[v]);
       }
       moved += field.MoveVertices(moves).moved;
     }
@@ -235,6 +251,10 @@ TEST(VertexMotion, HasAStateThatFitsTheMesh) {
   run.field.Put(other.mesh, StateOf(other));
   EXPECT_TRUE(put_and_read().size.empty());
   EXPECT_EQ(put_and_read().counts.moved, moved);
+  run.motion.Resume(put_and_read());
+  run.Take(16, 0.3);
+  EXPECT_EQ(put_and_read().size.size(), 300u);
+  EXPECT_GT(run.motion.counts().all(), moved);
 }
 
 // The true field loses by every move.

@@ -6,6 +6,7 @@
 #include "mesh/safe_motion.h"
 #include "render/reference_loss.h"
 #include "render/scenes.h"
+#include "render/vulkan/fixed_point.h"
 
 #include <gtest/gtest.h>
 
@@ -60,6 +61,21 @@ class MovedVerticesTest : public EveryRendererTest {
     }
     ADD_FAILURE() << "no place changes its tet";
     return {};
+  }
+
+  // A number of rays of an update whose sums of positions count in other quanta than those of
+  // `rays`.
+  uint64_t RaysOfOtherQuanta(uint64_t rays) const {
+    const auto quanta = [&](uint64_t r) {
+      return ChooseFixedPoint(1.0 / (3.0 * double(r)), r, MostTetsAtVertex(field_.mesh),
+                              BoundsOf(field_.mesh.positions).Diagonal())
+          .position_quanta;
+    };
+    for (uint64_t factor = 2; factor < 64; ++factor) {
+      if (quanta(factor * rays) != quanta(rays)) return factor * rays;
+    }
+    ADD_FAILURE() << "all updates have the same quanta";
+    return rays;
   }
 
   TrainingBatch Whole(GradientParts parts) const { return {.blocks = blocks_, .parts = parts}; }
@@ -124,6 +140,7 @@ TEST_P(MovedVerticesTest, StepsSumTheGradientsOfTheirBatches) {
 TEST_P(MovedVerticesTest, FixedPointSumsAreThoseOfFloats) {
   AdamUpdate still;
   still.color_rate = still.density_rate = 0;
+  const uint64_t rays = blocks_.size() * kRaysPerBlock, other_rays = RaysOfOtherQuanta(rays);
   std::vector<GradientSums> sums;
   for (const bool deterministic : {false, true}) {
     ProbedRenderer* renderer = nullptr;
@@ -134,7 +151,7 @@ TEST_P(MovedVerticesTest, FixedPointSumsAreThoseOfFloats) {
     }
     TrainingBatch batch = Whole(GradientParts::kColorDensityPosition);
     for (uint64_t i = 0; i < kMostSummedBatches; ++i) {
-      batch.update_rays = i < 10 ? 0 : 64 * batch.rays();
+      batch.update_rays = i < 10 ? rays : other_rays;
       renderer->Step(batch, still);
     }
     sums.push_back(renderer->TakePositionGradients());
