@@ -12,7 +12,7 @@ namespace tetrec {
 // A tet keeps at least this share of its volume in one motion.
 constexpr double kKeptVolumeShare = 0.3;
 
-// Of the vertices that were to move.
+// Counts of the vertices that had a move.
 struct MotionCounts {
   uint64_t moved = 0;      // by their whole move
   uint64_t shortened = 0;  // by a part of it

@@ -42,7 +42,7 @@ template <>
 inline constexpr auto kWords<FineRaysChoice> = std::to_array<Word<FineRaysChoice>>(
     {{FineRaysChoice::kAuto, "auto"}, {FineRaysChoice::kOn, "on"}, {FineRaysChoice::kOff, "off"}});
 
-// Whether vertices move (motion_trial.h).
+// Decides whether vertices move (motion_trial.h).
 enum class PositionsChoice {
   kAuto,  // if the judging pictures gain by it
   kOn,

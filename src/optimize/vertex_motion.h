@@ -52,7 +52,7 @@ class VertexMotion {
   // The field has got a new mesh, whose vertices come from those of the old one.
   void Follow(std::span<const RowSource> of_vertices);
 
-  // Of the field's mesh.
+  // The state for the mesh that the field has now.
   MotionState state() const;
   // The field's mesh is that of the state.
   void Resume(MotionState state);
@@ -63,7 +63,7 @@ class VertexMotion {
  private:
   bool IsOn(double progress) const;
   void Begin();
-  // Of all vertices by the sums of their gradients.
+  // The moves of all vertices, from the sums of their gradients.
   std::vector<glm::vec3> Moves(std::span<const glm::dvec3> gradients, double rate);
 
   const OptimizeOptions& options_;

@@ -131,10 +131,10 @@ class TrainingRenderer : public Renderer {
   // Takes longer if the layout is not that of the field before: kernels are made for one.
   virtual void SetState(TetMesh mesh, const FieldState& state) = 0;
   virtual FieldState ReadState() = 0;
-  // That of the field.
+  // The mesh of the field.
   virtual const TetMesh& mesh() const = 0;
-  // Gives the mesh away and frees the field, so that it takes no memory while another is made;
-  // there is no field until the next SetState.
+  // Gives the mesh away and frees the field, so that it takes no memory while another is made.
+  // The renderer has no field until the next SetState.
   virtual TetMesh TakeMesh() = 0;
   // Whether every batch of blocks must be one tile.
   virtual bool NeedsTiles() const = 0;
