@@ -158,6 +158,15 @@ void FileWriter::Finish() {
   finished_ = true;
 }
 
+void WritePieces(const std::filesystem::path& path,
+                 std::span<const std::span<const uint8_t>> pieces) {
+  uint64_t bytes = 0;
+  for (const auto& piece : pieces) bytes += piece.size();
+  FileWriter writer(path, bytes);
+  for (const auto& piece : pieces) writer.Write(piece);
+  writer.Finish();
+}
+
 void WriteBytes(const fs::path& path, std::span<const uint8_t> bytes) {
   FileWriter writer(path, bytes.size());
   writer.Write(bytes);

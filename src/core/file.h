@@ -48,6 +48,15 @@ class FileWriter {
   bool finished_ = false;
 };
 
+template <class T>
+std::span<const uint8_t> BytesOf(const std::vector<T>& values) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return {reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(T)};
+}
+
+// One after another, by a FileWriter: what is large is not assembled in memory first.
+void WritePieces(const std::filesystem::path& path,
+                 std::span<const std::span<const uint8_t>> pieces);
 // Writes all at once, by a FileWriter.
 void WriteBytes(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 void WriteText(const std::filesystem::path& path, const std::string& text);

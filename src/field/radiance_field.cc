@@ -105,20 +105,22 @@ void CheckField(const RadianceField& field) {
 }
 
 void WriteField(const std::filesystem::path& path, const RadianceField& field) {
-  ByteWriter writer;
+  ByteWriter head;
   const bool is_standard = field.others.empty();
   if (!is_standard) {
-    writer.WriteArray<char>({"TETRECF3", 8});
-    AppendLayout(writer, LayoutOf(field));
+    head.WriteArray<char>({"TETRECF3", 8});
+    AppendLayout(head, LayoutOf(field));
   } else {
-    writer.WriteArray<char>({field.storage == FieldStorage::kCell ? "TETRECF2" : "TETRECF1", 8});
+    head.WriteArray<char>({field.storage == FieldStorage::kCell ? "TETRECF2" : "TETRECF1", 8});
   }
-  AppendTetMesh(writer, field.mesh);
-  if (is_standard) writer.WriteArray<float>(field.density);
-  writer.WriteArray<glm::vec3>(field.color_srgb);
-  if (!is_standard) writer.WriteArray<float>(field.density);
-  for (const AttributeValues& other : field.others) writer.WriteArray<float>(other.values);
-  WriteBytes(path, writer.bytes());
+  AppendTetMeshHead(head, field.mesh);
+  std::vector<std::span<const uint8_t>> pieces = {head.bytes()};
+  for (const auto& array : TetMeshArrays(field.mesh)) pieces.push_back(array);
+  if (is_standard) pieces.push_back(BytesOf(field.density));
+  pieces.push_back(BytesOf(field.color_srgb));
+  if (!is_standard) pieces.push_back(BytesOf(field.density));
+  for (const AttributeValues& other : field.others) pieces.push_back(BytesOf(other.values));
+  WritePieces(path, pieces);
 }
 
 RadianceField ReadField(const std::filesystem::path& path) {

@@ -26,13 +26,14 @@ void ExpectMagic(ByteReader& reader, const char (&magic)[9], const char* kind) {
           : fmt::format("{}: is not a {} (it does not start with {})", reader.name(), kind, magic));
 }
 
-void AppendTetMesh(ByteWriter& writer, const TetMesh& mesh) {
+void AppendTetMeshHead(ByteWriter& writer, const TetMesh& mesh) {
   writer.WriteArray<char>({"TETRECM1", 8});
   writer.Write(uint64_t{mesh.positions.size()});
   writer.Write(uint64_t{mesh.tets.size()});
-  writer.WriteArray<glm::vec3>(mesh.positions);
-  writer.WriteArray<glm::uvec4>(mesh.tets);
-  writer.WriteArray<glm::uvec4>(mesh.neighbors);
+}
+
+std::array<std::span<const uint8_t>, 3> TetMeshArrays(const TetMesh& mesh) {
+  return {BytesOf(mesh.positions), BytesOf(mesh.tets), BytesOf(mesh.neighbors)};
 }
 
 TetMesh TakeTetMesh(ByteReader& reader) {
@@ -52,9 +53,10 @@ TetMesh TakeTetMesh(ByteReader& reader) {
 }
 
 void WriteTetMesh(const std::filesystem::path& path, const TetMesh& mesh) {
-  ByteWriter writer;
-  AppendTetMesh(writer, mesh);
-  WriteBytes(path, writer.bytes());
+  ByteWriter head;
+  AppendTetMeshHead(head, mesh);
+  const auto [positions, tets, neighbors] = TetMeshArrays(mesh);
+  WritePieces(path, std::vector{std::span(head.bytes()), positions, tets, neighbors});
 }
 
 TetMesh ReadTetMesh(const std::filesystem::path& path) {

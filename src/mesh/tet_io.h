@@ -4,10 +4,16 @@
 #include "core/file.h"
 #include "mesh/tet_mesh.h"
 
+#include <array>
+#include <cstdint>
+#include <span>
+
 namespace tetrec {
 
-// Appends the contents of a .tet file, magic included.
-void AppendTetMesh(ByteWriter& writer, const TetMesh& mesh);
+// Appends what precedes the arrays of a .tet file, magic included.
+void AppendTetMeshHead(ByteWriter& writer, const TetMesh& mesh);
+// The arrays of a .tet file, which belong to the mesh.
+std::array<std::span<const uint8_t>, 3> TetMeshArrays(const TetMesh& mesh);
 
 // Reads these contents back and runs CheckTetMesh. Throws DataError that names the reader's file.
 TetMesh TakeTetMesh(ByteReader& reader);

@@ -227,7 +227,8 @@ TEST(SortAlongMortonCurve, BringsNeighborsClose) {
 
 std::vector<uint8_t> AsBytes(const TetMesh& mesh) {
   ByteWriter writer;
-  AppendTetMesh(writer, mesh);
+  AppendTetMeshHead(writer, mesh);
+  for (const auto& array : TetMeshArrays(mesh)) writer.WriteArray(array);
   return writer.bytes();
 }
 
