@@ -16,9 +16,9 @@ struct Words {
 void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options, Words& words) {
   CLI::App& app = command.app();
   app.add_option("--time-limit", options.time_limit_s,
-                 "Seconds of optimisation, refinement included; 0: limited by --iterations only");
-  app.add_option("--iterations", options.iterations,
-                 "Training steps; 0: limited by --time-limit only");
+                 "Seconds of optimisation, refinement included; 0: limited by --iterations, or, if "
+                 "that is 0, too, the run ends once the judging pictures gain no more");
+  app.add_option("--iterations", options.iterations, "Training steps; 0: no limit");
   app.add_option("--seed", options.seed, "Random seed");
   app.add_option("--rays", options.rays_per_step, "Rays per step");
   tetrec::AddParsedOption(

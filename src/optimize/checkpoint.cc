@@ -16,7 +16,7 @@ namespace {
 
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', '9'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'A'};
 
 // `width`: values per row.
 void CheckFinite(const std::vector<float>& values, int width, FieldStorage storage,
@@ -55,12 +55,7 @@ static_assert(sizeof(ViewExposure) == 6 * sizeof(double));
 static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
 static_assert(sizeof(CorrectedPose) == 13 * sizeof(double));
 static_assert(sizeof(MotionCounts) == 3 * sizeof(uint64_t));
-
-template <class T>
-std::span<const uint8_t> BytesOf(const std::vector<T>& values) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  return {reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(T)};
-}
+static_assert(sizeof(ErrorSum) == 2 * sizeof(double));
 
 TrialState ReadTrial(ByteReader& reader, const std::string& name, const char* what) {
   const uint32_t state = reader.Read<uint32_t>(what);
@@ -98,6 +93,46 @@ void CheckMotion(const MotionState& motion, const std::string& name) {
       throw DataError(fmt::format("{}: the motion of vertex {} is not possible", name, v));
     }
   }
+}
+
+void WriteViews(ByteWriter& writer, const std::vector<ErrorSum>& views) {
+  writer.Write(uint64_t(views.size()));
+  writer.WriteArray(std::span<const ErrorSum>(views));
+}
+
+// What the judging pictures of each view say.
+std::vector<ErrorSum> ReadViews(ByteReader& reader, const std::string& name) {
+  std::vector<ErrorSum> views =
+      reader.ReadArray<ErrorSum>(reader.Read<uint64_t>("judging view count"), "judging views");
+  for (const ErrorSum& view : views) {
+    if (!(view.squares >= 0 && view.rays > 0 && std::isfinite(view.squares + view.rays))) {
+      throw DataError(fmt::format("{}: the error {} of {} judging rays is not possible", name,
+                                  view.squares, view.rays));
+    }
+  }
+  return views;
+}
+
+void WriteRounds(ByteWriter& writer, const RoundsState& state) {
+  writer.Write(state.rounds);
+  writer.Write(state.ended);
+  writer.Write(state.best_psnr);
+  WriteViews(writer, state.last_views);
+}
+
+RoundsState ReadRounds(ByteReader& reader, const std::string& name) {
+  RoundsState state;
+  state.rounds = reader.Read<uint32_t>("rounds");
+  state.ended = reader.Read<uint32_t>("end of rounds");
+  state.best_psnr = reader.Read<double>("best PSNR");
+  state.last_views = ReadViews(reader, name);
+  if (!std::isfinite(state.best_psnr)) {
+    throw DataError(fmt::format("{}: best PSNR {} is not finite", name, state.best_psnr));
+  }
+  if (state.ended > 1) {
+    throw DataError(fmt::format("{}: the end of rounds is {}, not 0 or 1", name, state.ended));
+  }
+  return state;
 }
 
 ExposureState ReadExposure(ByteReader& reader) {
@@ -158,16 +193,17 @@ void CheckExposure(const ExposureState& exposure, const std::string& name) {
 
 }  // namespace
 
-// What is large is not assembled in memory first.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
   ByteWriter head, middle, tail;
   head.Write(kMagic);
   head.Write(checkpoint.iteration);
   head.Write(checkpoint.seconds);
   head.Write(checkpoint.rays);
-  head.Write(checkpoint.rounds);
+  WriteRounds(head, checkpoint.rounds);
+  head.Write(checkpoint.convergence.last_look);
+  head.Write(checkpoint.convergence.converged);
+  WriteViews(head, checkpoint.convergence.last_views);
   head.Write(checkpoint.metrics_bytes);
-  head.Write(checkpoint.best_psnr);
   head.Write(checkpoint.harmonics);
   head.Write(checkpoint.fine_rays);
   head.Write(checkpoint.motion_trial);
@@ -197,11 +233,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
                                                         BytesOf(checkpoint.motion.size),
                                                         BytesOf(checkpoint.motion.room),
                                                         tail.bytes()};
-  uint64_t bytes = 0;
-  for (const auto& piece : pieces) bytes += piece.size();
-  FileWriter writer(path, bytes);
-  for (const auto& piece : pieces) writer.Write(piece);
-  writer.Finish();
+  WritePieces(path, pieces);
 }
 
 Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& name) {
@@ -213,9 +245,11 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.iteration = reader.Read<uint64_t>("iteration");
   result.seconds = reader.Read<double>("seconds");
   result.rays = reader.Read<uint64_t>("rays");
-  result.rounds = reader.Read<uint32_t>("rounds");
+  result.rounds = ReadRounds(reader, name);
+  result.convergence.last_look = reader.Read<uint64_t>("last look");
+  result.convergence.converged = reader.Read<uint64_t>("convergence");
+  result.convergence.last_views = ReadViews(reader, name);
   result.metrics_bytes = reader.Read<uint64_t>("metrics bytes");
-  result.best_psnr = reader.Read<double>("best PSNR");
   result.harmonics = reader.Read<HarmonicsState>("harmonics");
   result.fine_rays = ReadTrial(reader, name, "fine rays");
   result.motion_trial = ReadTrial(reader, name, "moving vertices");
@@ -239,9 +273,6 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   reader.ExpectEnd();
   if (!std::isfinite(result.seconds) || result.seconds < 0) {
     throw DataError(fmt::format("{}: seconds {} is not a time", name, result.seconds));
-  }
-  if (!std::isfinite(result.best_psnr)) {
-    throw DataError(fmt::format("{}: best PSNR {} is not finite", name, result.best_psnr));
   }
   CheckHarmonics(result.harmonics, name);
   CheckValues(state, name);

@@ -4,9 +4,11 @@
 #include "field/field_state.h"
 #include "mesh/tet_mesh.h"
 #include "optimize/camera_poses.h"
+#include "optimize/convergence.h"
 #include "optimize/exposure.h"
 #include "optimize/harmonics.h"
 #include "optimize/optimize_options.h"
+#include "optimize/refinement_rounds.h"
 #include "optimize/vertex_motion.h"
 
 #include <filesystem>
@@ -18,9 +20,9 @@ struct Checkpoint {
   uint64_t iteration = 0;  // steps done
   double seconds = 0;      // of optimisation
   uint64_t rays = 0;
-  uint32_t rounds = 0;         // refinements done
+  RoundsState rounds;
+  ConvergenceState convergence;
   uint64_t metrics_bytes = 0;  // length of metrics.csv at that time
-  double best_psnr = 0;        // of the judging pictures, before a refinement
   HarmonicsState harmonics;
   TrialState fine_rays = TrialState::kNotTried;
   TrialState motion_trial = TrialState::kNotTried;
@@ -31,8 +33,10 @@ struct Checkpoint {
   PoseState poses;
 };
 
-// Own format, little endian: "TETRECK9", u64 iteration, f64 seconds, u64 rays, u32 rounds,
-// u64 metrics bytes, f64 best PSNR, harmonics unlocked, judged and closed u32 x 3, u32 fine rays
+// Own format, little endian: "TETRECKA", u64 iteration, f64 seconds, u64 rays, u32 rounds
+// and u32 ended (0 or 1), f64 best PSNR, u64 judging views and for each f64 squares and rays,
+// u64 steps at the last look and at convergence, and judging views likewise,
+// u64 metrics bytes, harmonics unlocked, judged and closed u32 x 3, u32 fine rays
 // and u32 moving vertices (each 0 not tried, 1 not used, 2 used), u64 V, u64 T,
 // the layout (AppendLayout), positions f32 x 3 V, tets and neighbours u32 x 4 T each, then
 // parameters, first moments and second moments, each f32 x rows x their number (FieldState); then

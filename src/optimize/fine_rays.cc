@@ -39,8 +39,8 @@ bool FineRays::Advance(double progress) {
   const FieldState before = field_.ReadState();
   FineRaysTrial trial;
   const uint64_t steps = TrialSteps(steps_.iteration());
-  trial.four_psnr = TrialPsnr(before, true, progress);
-  trial.one_psnr = TrialPsnr(before, false, progress);
+  trial.four_psnr = TrialPsnr(before, true);
+  trial.one_psnr = TrialPsnr(before, false);
   trial_ = trial;
   // What was learned by one ray per pixel is kept.
   if (trial.PrefersFour()) {
@@ -56,10 +56,10 @@ bool FineRays::Advance(double progress) {
   return true;
 }
 
-double FineRays::TrialPsnr(const FieldState& start, bool fine, double progress) {
+double FineRays::TrialPsnr(const FieldState& start, bool fine) {
   field_.PutState(start);
   steps_.UseFineRays(fine);
-  steps_.Try(TrialSteps(steps_.iteration()), progress, kRatesOfTrials);
+  steps_.Try(TrialSteps(steps_.iteration()), kRatesOfTrials);
   return pictures_.JudgeField(2).psnr;
 }
 

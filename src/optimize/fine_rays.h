@@ -40,7 +40,7 @@ class FineRays {
  private:
   void Decide(bool uses_fine_rays);
   // The PSNR of the judging pictures after steps as at the end of a run [dB].
-  double TrialPsnr(const FieldState& start, bool fine, double progress);
+  double TrialPsnr(const FieldState& start, bool fine);
 
   FittedField& field_;
   TrainingPictures& pictures_;

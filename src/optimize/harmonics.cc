@@ -10,8 +10,8 @@
 namespace tetrec {
 namespace {
 
-// The progress at which degrees 1, 2 and 3 are unlocked, and at which they are judged, before the
-// judging pictures are learned (ScheduleOptions::last_judging).
+// The growth of a run at which degrees 1, 2 and 3 are unlocked, and at which they are judged,
+// before the judging pictures are learned (ScheduleOptions::last_judging).
 constexpr std::array<double, 3> kUnlock = {0.15, 0.35, 0.5};
 constexpr std::array<double, 2> kJudge = {0.3, 0.47};
 
@@ -32,14 +32,14 @@ std::array<double, 15> MeanHarmonics(const glm::dvec3& place, std::span<const gl
 }  // namespace
 
 HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& state,
-                                double progress) {
+                                double growth) {
   const bool judges = choice == HarmonicsChoice::kAuto;
   if (judges && state.unlocked > state.judged && state.unlocked <= kMostJudgedDegree) {
-    return progress >= kJudge[state.unlocked - 1] ? HarmonicsStep::kJudge : HarmonicsStep::kNone;
+    return growth >= kJudge[state.unlocked - 1] ? HarmonicsStep::kJudge : HarmonicsStep::kNone;
   }
   const uint32_t most = judges ? kMostJudgedDegree : uint32_t(choice);
   if (state.closed != 0 || state.unlocked >= most) return HarmonicsStep::kNone;
-  return progress >= kUnlock[state.unlocked] ? HarmonicsStep::kUnlock : HarmonicsStep::kNone;
+  return growth >= kUnlock[state.unlocked] ? HarmonicsStep::kUnlock : HarmonicsStep::kNone;
 }
 
 bool IsWorthHarmonics(double with, double without) {

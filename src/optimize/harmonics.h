@@ -34,10 +34,9 @@ struct HarmonicsState {
   bool operator==(const HarmonicsState&) const = default;
 };
 
-// What is due at a progress in [0, 1].
+// What is due at a growth of the run (schedule.h).
 enum class HarmonicsStep { kNone, kUnlock, kJudge };
-HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& state,
-                                double progress);
+HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& state, double growth);
 
 // A degree stays if the judging pictures gain more than 0.05 dB by it, and if their mean squared
 // error falls by more than one step of 8 bits, squared. `with` and `without`: their PSNR [dB].

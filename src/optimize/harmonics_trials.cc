@@ -6,10 +6,10 @@
 
 namespace tetrec {
 
-bool HarmonicsTrials::Advance(double progress) {
-  const HarmonicsStep step = NextHarmonicsStep(options_.harmonics, state_, progress);
+bool HarmonicsTrials::Advance(double growth) {
+  const HarmonicsStep step = NextHarmonicsStep(options_.harmonics, state_, growth);
   if (step == HarmonicsStep::kUnlock) Unlock();
-  if (step == HarmonicsStep::kJudge) Judge(progress);
+  if (step == HarmonicsStep::kJudge) Judge();
   return step != HarmonicsStep::kNone;
 }
 
@@ -30,16 +30,16 @@ void HarmonicsTrials::Unlock() {
 }
 
 // Trains on with the highest degree and without it, by the same batches, and keeps the better.
-void HarmonicsTrials::Judge(double progress) {
+void HarmonicsTrials::Judge() {
   state_.judged = state_.unlocked;
   if (pictures_.learns_all()) return;  // too late to judge: the degree stays
   const int degree = field_.harmonics_degree();
   const uint64_t steps = TrialSteps(steps_.iteration());
   const FieldState before = field_.ReadState();
-  const double with = TrialPsnr(steps, progress);
+  const double with = TrialPsnr(steps);
   FieldState trained = field_.ReadState();
   field_.PutState(WithoutHighestDegree(field_.mesh(), before, pictures_.set().views));
-  const double without = TrialPsnr(steps, progress);
+  const double without = TrialPsnr(steps);
   const bool stays = IsWorthHarmonics(with, without);
   LogInfo(
       "judging pictures after {} steps: {:.2f} dB with harmonics of degree {}, {:.2f} dB without: "
@@ -50,8 +50,8 @@ void HarmonicsTrials::Judge(double progress) {
   steps_.CountTried(steps);
 }
 
-double HarmonicsTrials::TrialPsnr(uint64_t steps, double progress) {
-  steps_.Try(steps, progress, kRatesOfTrials);
+double HarmonicsTrials::TrialPsnr(uint64_t steps) {
+  steps_.Try(steps, kRatesOfTrials);
   return pictures_.JudgeField().psnr;
 }
 

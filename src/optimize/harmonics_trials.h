@@ -21,14 +21,14 @@ class HarmonicsTrials {
   void Resume(const HarmonicsState& state) { state_ = state; }
   const HarmonicsState& state() const { return state_; }
 
-  // Does what is due at this progress of the run; returns whether anything was.
-  bool Advance(double progress);
+  // Does what is due at this growth of the run; returns whether anything was.
+  bool Advance(double growth);
 
  private:
   void Unlock();
-  void Judge(double progress);
+  void Judge();
   // The PSNR of the judging pictures after some steps more [dB].
-  double TrialPsnr(uint64_t steps, double progress);
+  double TrialPsnr(uint64_t steps);
 
   const OptimizeOptions& options_;
   FittedField& field_;

@@ -71,14 +71,6 @@ std::vector<RayBlock> BlocksOfRays(std::span<const RayBlock> blocks, int samples
   return rays;
 }
 
-// Of one view, or of several together.
-struct ErrorSum {
-  double squares = 0, rays = 0;
-
-  void Add(const ErrorSum& other) { squares += other.squares, rays += other.rays; }
-  double Psnr() const { return rays > 0 ? -10 * std::log10(std::max(squares / rays, 1e-12)) : 0; }
-};
-
 // The error of blocks of one view, which are rendered in batches of bounded size.
 ErrorSum ErrorOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
                  const glm::vec3& background_srgb, int samples) {
@@ -151,7 +143,33 @@ Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
     all.Add(sum);
     (judging.is_whole[blocks[begin].view] ? whole : tiles).Add(sum);
   }
-  return {all.Psnr(), StandardError(views, all), whole.Psnr(), tiles.Psnr()};
+  const double standard_error = StandardError(views, all);
+  return {all.Psnr(), standard_error, whole.Psnr(), tiles.Psnr(), std::move(views)};
+}
+
+double ErrorSum::Psnr() const {
+  return rays > 0 ? -10 * std::log10(std::max(squares / rays, 1e-12)) : 0;
+}
+
+JudgedGain GainBetween(std::span<const ErrorSum> before, std::span<const ErrorSum> after) {
+  if (before.empty() || before.size() != after.size()) return {};
+  ErrorSum all_before, all_after;
+  for (const ErrorSum& view : before) all_before.Add(view);
+  for (const ErrorSum& view : after) all_after.Add(view);
+  // To first order, log(after / before) deviates by the sum over the views of these terms.
+  const double mean_before = all_before.squares / all_before.rays;
+  const double mean_after = all_after.squares / all_after.rays;
+  if (!(mean_before > 0 && mean_after > 0)) return {all_after.Psnr() - all_before.Psnr(), 0};
+  double squares = 0;
+  for (size_t view = 0; view < before.size(); ++view) {
+    const double deviation =
+        (after[view].squares / mean_after - after[view].rays) / all_after.rays -
+        (before[view].squares / mean_before - before[view].rays) / all_before.rays;
+    squares += deviation * deviation;
+  }
+  const double count = double(before.size());
+  const double error = count > 1 ? std::sqrt(squares * count / (count - 1)) : 0.0;
+  return {all_after.Psnr() - all_before.Psnr(), 10 / std::log(10.0) * error};
 }
 
 }  // namespace tetrec

@@ -30,16 +30,36 @@ JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed);
 std::vector<TargetImage> TargetsToLearn(const TrainingSet& set, const JudgingSet& judging);
 std::vector<TargetImage> TargetsToJudge(const TrainingSet& set, const JudgingSet& judging);
 
+// The squared error of some rays, of display sRGB in [0, 1], averaged over the channels.
+struct ErrorSum {
+  double squares = 0, rays = 0;
+
+  void Add(const ErrorSum& other) { squares += other.squares, rays += other.rays; }
+  double Psnr() const;  // 0 without rays [dB]
+  bool operator==(const ErrorSum&) const = default;
+};
+
 // The PSNR of the mean squared error [dB] of whole views and of tiles, and of all judging pixels
 // with its standard error over the views.
 struct Judgement {
   double psnr = 0, standard_error = 0;
   double views_psnr = 0, tiles_psnr = 0;  // 0 if there are none
+  std::vector<ErrorSum> views;            // each view that judges
 };
 
 // The renderer's targets are TargetsToJudge. `background_srgb`: behind field and targets.
 // `samples`: TrainingBatch::samples.
 Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
                 const glm::vec3& background_srgb, int samples = 1);
+
+// What the judging pictures gained [dB], and its standard error over the views. It is far smaller
+// than that of either PSNR, because views that are hard are hard both times.
+struct JudgedGain {
+  double gain = 0, standard_error = 0;
+};
+
+// From `before` to `after`, of the same views. Without views, or of other ones, nothing is known:
+// 0.
+JudgedGain GainBetween(std::span<const ErrorSum> before, std::span<const ErrorSum> after);
 
 }  // namespace tetrec

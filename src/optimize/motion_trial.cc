@@ -8,7 +8,10 @@
 namespace tetrec {
 namespace {
 
-constexpr double kTrialProgress = 0.1;
+// The gradients of a coarse first field move vertices nowhere useful. Growth of the run
+// (schedule.h) at which vertices begin to move where nothing is tried, and at which the trial is
+// held.
+constexpr double kFirstMotion = 0.05, kTrial = 0.1;
 // Only a clear loss keeps vertices where they are: a trial shows only the beginning of the gain.
 constexpr double kLeastGain = -0.02;  // [dB]
 
@@ -17,8 +20,7 @@ constexpr double kLeastGain = -0.02;  // [dB]
 MotionTrial::MotionTrial(const OptimizeOptions& options, FittedField& field,
                          TrainingPictures& pictures, TrainingSteps& steps, VertexMotion& motion)
     : options_(options), field_(field), pictures_(pictures), steps_(steps), motion_(motion) {
-  if (options.positions != PositionsChoice::kAuto)
-    Decide(options.positions == PositionsChoice::kOn);
+  if (options.positions == PositionsChoice::kOff) Decide(false);
 }
 
 void MotionTrial::Resume(TrialState state) {
@@ -30,12 +32,13 @@ void MotionTrial::Decide(bool moves) {
   motion_.Use(moves);
 }
 
-bool MotionTrial::Advance(double progress) {
-  if (state_ != TrialState::kNotTried || progress < kTrialProgress) return false;
-  if (pictures_.learns_all()) {
+bool MotionTrial::Advance(double growth, double progress) {
+  if (state_ != TrialState::kNotTried || growth < kFirstMotion) return false;
+  if (options_.positions == PositionsChoice::kOn || pictures_.learns_all()) {
     Decide(true);
     return false;
   }
+  if (growth < kTrial) return false;
   if (steps_.iteration() < kFewestTrialSteps) return false;
   const uint64_t steps = TrialSteps(steps_.iteration());
   TetMesh mesh = field_.mesh();
@@ -58,7 +61,7 @@ bool MotionTrial::Advance(double progress) {
 
 double MotionTrial::TrialPsnr(bool moves, double progress) {
   motion_.Use(moves);
-  steps_.Try(TrialSteps(steps_.iteration()), progress, kRatesOfTrials, progress);
+  steps_.Try(TrialSteps(steps_.iteration()), kRatesOfTrials, progress);
   return pictures_.JudgeField().psnr;
 }
 

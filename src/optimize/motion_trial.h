@@ -1,5 +1,5 @@
-// The choice whether vertices move in a run: by a trial, and if there are no pictures that could
-// judge it, they do, because every scene that was measured gained by it.
+// The choice whether vertices move in a run, and from when on: by a trial, and if there are no
+// pictures that could judge it, they do, because every scene that was measured gained by it.
 #pragma once
 
 #include "optimize/fitted_field.h"
@@ -18,8 +18,8 @@ class MotionTrial {
   void Resume(TrialState state);
   TrialState state() const { return state_; }
 
-  // Holds the trial if it is due at this progress of the run; returns whether it was.
-  bool Advance(double progress);
+  // Holds the trial if it is due at this growth and progress of the run; returns whether it was.
+  bool Advance(double growth, double progress);
 
  private:
   void Decide(bool moves);

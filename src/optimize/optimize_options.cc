@@ -18,8 +18,10 @@ void OptimizeOptions::Check() const {
     throw UsageError(fmt::format("{} is {}, must be {}", option, value, want));
   };
   if (!(time_limit_s >= 0)) fail("time_limit", time_limit_s, "at least 0 s");
-  if (time_limit_s == 0 && iterations == 0) {
-    throw UsageError("time_limit and 'iterations' are both 0, so nothing ends the run: set one");
+  if (!HasLimit() && judging_pictures == JudgingPictures::kLearned) {
+    throw UsageError(
+        "time_limit and 'iterations' are both 0 and judging_pictures is learned, so nothing ends "
+        "the run: set a limit, or judging_pictures kept");
   }
   if (renderer.deterministic && (time_limit_s > 0 || iterations == 0)) {
     throw UsageError(

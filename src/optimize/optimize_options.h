@@ -59,7 +59,7 @@ enum class TrialState : uint32_t { kNotTried, kNotUsed, kUsed };
 
 struct OptimizeOptions {
   double time_limit_s = 300;  // of optimisation, with refinement and watching; 0: none
-  uint64_t iterations = 0;    // 0: by time
+  uint64_t iterations = 0;    // 0: no limit; without any the run ends by itself (convergence.h)
   uint64_t seed = 1;
   int rays_per_step = 4096;
   LossOptions loss;
@@ -92,6 +92,7 @@ struct OptimizeOptions {
   ScheduleOptions schedule;
   RendererOptions renderer;
 
+  bool HasLimit() const { return time_limit_s > 0 || iterations > 0; }
   void Check() const;  // throws UsageError naming the option and its value
 };
 

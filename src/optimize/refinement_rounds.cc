@@ -9,20 +9,21 @@
 #include "optimize/refine.h"
 #include "render/seen_colors.h"
 
+#include <utility>
+
 namespace tetrec {
 
-RefinementRounds::RefinementRounds(const OptimizeOptions& options, const GrowthPlan& plan,
+RefinementRounds::RefinementRounds(const OptimizeOptions& options, std::vector<PlannedRound> plan,
                                    const RefinedParts& parts, std::filesystem::path best_file)
-    : options_(options), plan_(plan), parts_(parts), best_file_(std::move(best_file)) {}
+    : options_(options), plan_(std::move(plan)), parts_(parts), best_file_(std::move(best_file)) {}
 
-void RefinementRounds::Resume(const RoundsState& state) {
-  state_ = state;
+void RefinementRounds::Resume(RoundsState state) {
+  state_ = std::move(state);
   last_iteration_ = parts_.steps.iteration();
 }
 
-bool RefinementRounds::IsDue(double progress) const {
-  return int(state_.rounds) < plan_.rounds &&
-         progress >= RoundProgress(options_.schedule, plan_, int(state_.rounds)) && IsTaught();
+bool RefinementRounds::IsDue(double growth) const {
+  return !IsOver() && growth >= plan_[state_.rounds].due && IsTaught();
 }
 
 bool RefinementRounds::IsTaught() const {
@@ -46,14 +47,23 @@ bool RefinementRounds::IsWorthRefining() {
     ReturnToBest(now.psnr);
     return false;
   }
+  const JudgedGain gain = GainBetween(state_.last_views, now.views);
+  if (!is_first && gain.standard_error > 0 && !(gain.gain > gain.standard_error)) {
+    LogInfo(
+        "since round {} the judging pictures gained {:.2f} dB, standard error {:.2f}: the mesh is "
+        "fine enough",
+        state_.rounds, gain.gain, gain.standard_error);
+    state_.ended = 1;
+    return false;
+  }
   if (is_first || now.psnr > state_.best_psnr) SaveBest(now.psnr);
+  state_.last_views = now.views;
   return true;
 }
 
 void RefinementRounds::SaveBest(double psnr) {
   state_.best_psnr = psnr;
   Checkpoint best;
-  best.best_psnr = psnr;
   best.mesh = parts_.field.mesh();
   best.state = parts_.field.ReadState();
   WriteCheckpoint(best_file_, best);
@@ -67,7 +77,7 @@ void RefinementRounds::ReturnToBest(double psnr) {
       state_.rounds, state_.best_psnr - psnr, WithThousands(best.mesh.positions.size()));
   parts_.field.Put(std::move(best.mesh),
                    WithHarmonics(best.state, parts_.field.harmonics_degree()));
-  state_.rounds = uint32_t(plan_.rounds);
+  state_.ended = 1;
 }
 
 void RefinementRounds::RefineOnce() {
@@ -78,8 +88,9 @@ void RefinementRounds::RefineOnce() {
                    parts_.field.mesh().tets.size(), parts_.steps.iteration());
   const double look_seconds = timer.seconds();
   RefineOptions refine;
-  refine.growth = RoundGrowth(plan_, int(state_.rounds), vertices_before);
-  refine.max_vertices = plan_.max_vertices;
+  const PlannedRound& round = plan_[state_.rounds];
+  refine.growth = RoundGrowth(round, vertices_before);
+  refine.max_vertices = round.vertices;
   refine.seed = options_.seed + state_.rounds;
   const FieldState before = parts_.field.ReadState();
   RefineResult result = Refine(parts_.field.TakeMesh(), before, error, refine);

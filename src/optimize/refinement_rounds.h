@@ -12,13 +12,17 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 namespace tetrec {
 
 // What a resumed run needs.
 struct RoundsState {
-  uint32_t rounds = 0;   // done
-  double best_psnr = 0;  // of the judging pictures, before a round [dB]
+  uint32_t rounds = 0;               // done
+  uint32_t ended = 0;                // 1: the mesh is refined no more
+  double best_psnr = 0;              // of the judging pictures, before a round [dB]
+  std::vector<ErrorSum> last_views;  // what they said before the last round
+  bool operator==(const RoundsState&) const = default;
 };
 
 // What a round works on.
@@ -34,16 +38,20 @@ struct RefinedParts {
 class RefinementRounds {
  public:
   // `best_file`: keeps the best field on disk.
-  RefinementRounds(const OptimizeOptions& options, const GrowthPlan& plan,
+  RefinementRounds(const OptimizeOptions& options, std::vector<PlannedRound> plan,
                    const RefinedParts& parts, std::filesystem::path best_file);
 
   // Once steps() has been resumed.
-  void Resume(const RoundsState& state);
+  void Resume(RoundsState state);
   const RoundsState& state() const { return state_; }
 
-  bool IsDue(double progress) const;
-  // Refines the mesh, or, if the round before made the judging pictures worse, returns to the field
-  // before that and refines no more.
+  // At this growth of the run.
+  bool IsDue(double growth) const;
+  // True if the mesh is refined no more.
+  bool IsOver() const { return state_.ended != 0 || state_.rounds >= plan_.size(); }
+  // Refines the mesh, unless the judging pictures gained no more than the standard error since the
+  // round before: then the mesh is fine enough and refined no more; if they lost, the run returns
+  // to the field before that round.
   void Advance();
   // The judging pictures gained by something else than the field [dB].
   void RaiseBest(double gain) { state_.best_psnr += gain; }
@@ -56,7 +64,7 @@ class RefinementRounds {
   void RefineOnce();
 
   const OptimizeOptions& options_;
-  GrowthPlan plan_;
+  std::vector<PlannedRound> plan_;
   RefinedParts parts_;
   std::filesystem::path best_file_;
   RoundsState state_;

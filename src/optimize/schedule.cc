@@ -1,4 +1,4 @@
-// The schedule of a run, as functions of its progress in [0, 1].
+// The schedule of a run, as functions of its progress, steps and growth.
 #include "optimize/schedule.h"
 
 #include <algorithm>
@@ -11,45 +11,66 @@ namespace {
 constexpr double kFastFall = 0.75;    // the progress at which rates begin to fall fast
 constexpr double kFinalOfSlow = 0.1;  // what the fast fall leaves of them
 
-// The share to which rates would fall in a whole run without the fast fall. On lego, 0.2 gains 0.7
-// dB against 0.05 after 1,200 steps and 0.2 dB after 4,000; on the demo it gains 0.3 dB after 800
-// and loses 0.14 dB after 6,000.
-double SlowFall(double steps) {
-  return std::clamp(0.2 * std::pow(1500.0 / std::max(steps, 1.0), 0.7), 0.03, 0.3);
-}
+// The share of the rates after some steps without the fast fall.
+double SlowFall(uint64_t steps) { return std::pow(1.0 + double(steps) / 800.0, -0.95); }
+
+// Vertices that kGrowthSeconds afford, and how they become more with time.
+constexpr double kVerticesOfGrowth = 110e3, kExponentOfVertices = 0.3;
 
 constexpr double kUsualGrowth = 4.0 / 3.0;
 constexpr int kFewestRounds = 3, kMostRounds = 9;
 
+int UsualRounds(double factor) {
+  return int(std::ceil(std::log(std::max(factor, 1.0)) / std::log(kUsualGrowth)));
+}
+
 }  // namespace
 
-double RateShare(const ScheduleOptions& options, double progress, double steps) {
+double RateShare(const ScheduleOptions& options, double progress, uint64_t steps) {
   const double at = std::clamp(progress, 0.0, 1.0);
   if (options.final_rate_share) return std::pow(*options.final_rate_share, at);
   const double fast = std::max(0.0, at - kFastFall) / (1.0 - kFastFall);
-  return std::pow(SlowFall(steps), at) * (1.0 - fast * (1.0 - kFinalOfSlow));
+  return SlowFall(steps) * (1.0 - fast * (1.0 - kFinalOfSlow));
 }
 
-GrowthPlan PlanGrowth(const ScheduleOptions& options, uint64_t vertices, uint64_t max_vertices) {
-  const double factor = double(max_vertices) / double(std::max<uint64_t>(vertices, 1));
-  const double rounds = std::ceil(std::log(std::max(factor, 1.0)) / std::log(kUsualGrowth));
-  return {options.rounds.value_or(std::clamp(int(rounds), kFewestRounds, kMostRounds)),
-          max_vertices};
+std::vector<PlannedRound> PlanGrowth(const ScheduleOptions& options, uint64_t vertices,
+                                     uint64_t growth_vertices, uint64_t max_vertices,
+                                     double length) {
+  const bool is_given = options.rounds.has_value();
+  const double start = double(std::max<uint64_t>(vertices, 1));
+  const double factor = double(is_given ? max_vertices : growth_vertices) / start;
+  const double last = is_given ? options.last_round * length : options.last_round;
+  const int count =
+      options.rounds.value_or(std::clamp(UsualRounds(factor), kFewestRounds, kMostRounds));
+  std::vector<PlannedRound> plan;
+  for (int round = 1; round <= count; ++round) {
+    const double share = double(round) / count;
+    plan.push_back(
+        {last * std::pow(share, 1.7), uint64_t(std::round(start * std::pow(factor, share)))});
+  }
+  if (is_given || length <= 1.0) return plan;
+  const double late_factor = double(max_vertices) / (start * factor);
+  const int late = UsualRounds(late_factor);
+  for (int round = 1; round <= late; ++round) {
+    const double share = double(round) / late;
+    plan.push_back({last * std::pow(length, share),
+                    uint64_t(std::round(start * factor * std::pow(late_factor, share)))});
+  }
+  return plan;
 }
 
-double RoundProgress(const ScheduleOptions& options, const GrowthPlan& plan, int round) {
-  return options.last_round * std::pow(double(round + 1) / plan.rounds, 1.7);
-}
-
-double RoundGrowth(const GrowthPlan& plan, int round, uint64_t vertices) {
-  const int left = std::max(1, plan.rounds - round);
-  const double factor = double(plan.max_vertices) / double(std::max<uint64_t>(vertices, 1));
-  return std::clamp(std::pow(factor, 1.0 / left), 1.0, 2.5);
+double RoundGrowth(const PlannedRound& round, uint64_t vertices) {
+  return std::clamp(double(round.vertices) / double(std::max<uint64_t>(vertices, 1)), 1.0, 2.5);
 }
 
 uint64_t AffordableVertices(double seconds, uint64_t pixels) {
-  const double by_time = 110e3 * std::pow(seconds / 120.0, 0.3);
-  return uint64_t(std::min(by_time, double(pixels) / 16.0));
+  const double by_time =
+      kVerticesOfGrowth * std::pow(seconds / kGrowthSeconds, kExponentOfVertices);
+  return uint64_t(std::min(by_time, double(pixels) / kPixelsPerVertex));
+}
+
+double SecondsForVertices(double vertices) {
+  return kGrowthSeconds * std::pow(vertices / kVerticesOfGrowth, 1.0 / kExponentOfVertices);
 }
 
 }  // namespace tetrec

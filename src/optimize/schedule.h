@@ -1,15 +1,19 @@
-// The schedule of a run, as functions of its progress in [0, 1].
+// The schedule of a run, as functions of its progress in [0, 1], of its steps, and of its growth:
+// the progress of a run that is as long, but of kGrowthSeconds at most. So a long run begins like a
+// short one, and is at any moment near to what a run of that length gives. In a long run growth
+// continues beyond 1.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace tetrec {
 
 struct ScheduleOptions {
   std::optional<int> rounds;  // refinements; by default as many as PlanGrowth finds
   double last_round = 0.55;   // progress at the last refinement; the rest settles
-  // Share to which the learning rates fall exponentially; by default they fall as RateShare does.
+  // Share to which the learning rates fall exponentially; by default they fall by steps.
   std::optional<double> final_rate_share;
   double fine_rays = 0.75;  // progress from which pixels may be learned by 2 x 2 rays each
   // Until this progress the judging pictures are kept from learning.
@@ -21,34 +25,43 @@ struct ScheduleOptions {
   uint64_t min_round_steps = 150;
 };
 
-// The learning rates at a progress, as a share of the first ones. For three quarters of a run they
-// fall slowly, as what is new must still be learned, then fast, so that the noise of batches
-// settles. `steps`: of the whole run, as far as is known. The more there are, the further rates
-// fall before the end: a short run ends before all is learned, in a long one noise does harm.
-double RateShare(const ScheduleOptions& options, double progress, double steps);
+// The length of a run that growth refers to [s], and the steps that a second is taken for in runs
+// by iterations.
+inline constexpr double kGrowthSeconds = 120, kStepsPerSecond = 40;
 
-// How a mesh grows in a run.
-struct GrowthPlan {
-  int rounds;
-  uint64_t max_vertices;
+// No run affords more vertices than one per so many pixels.
+inline constexpr double kPixelsPerVertex = 16;
+
+// The learning rates after `steps` steps, as a share of the first ones. They fall with the steps,
+// because what is new must still be learned, and in the last quarter of the run fast, so that the
+// noise of batches settles.
+double RateShare(const ScheduleOptions& options, double progress, uint64_t steps);
+
+// A round of refinement: the growth of the run at which it is due, and the vertices it may lead to.
+struct PlannedRound {
+  double due;
+  uint64_t vertices;
 };
 
-// Unless the options give their number, as many rounds, 3 to 9, as multiply the vertices by 4/3
-// each: errors that are looked at more often place vertices better, but every look takes time.
-GrowthPlan PlanGrowth(const ScheduleOptions& options, uint64_t vertices, uint64_t max_vertices);
+// Rounds by equal factors to `growth_vertices`, which follow each other quickly at first, because a
+// coarse mesh is fitted fast and cheaply; and in a long run, which lasts `length` times
+// kGrowthSeconds, further ones to `max_vertices`, each after the same multiple of the time before
+// it. Unless the options give their number, as many, 3 to 9 until then, as multiply the vertices by
+// 4/3 each: errors that are looked at more often place vertices better, but every look takes time.
+// A given number of rounds is spread over the whole run.
+std::vector<PlannedRound> PlanGrowth(const ScheduleOptions& options, uint64_t vertices,
+                                     uint64_t growth_vertices, uint64_t max_vertices,
+                                     double length);
 
-// The progress at which round `round` (from 0) is due. The first rounds follow each other quickly,
-// because a coarse mesh is fitted fast and cheaply.
-double RoundProgress(const ScheduleOptions& options, const GrowthPlan& plan, int round);
-
-// The growth in round `round` with which equal factors lead from `vertices` to the most in the
-// rounds that are left, but no more than 2.5.
-double RoundGrowth(const GrowthPlan& plan, int round, uint64_t vertices);
+// The growth from `vertices` in a planned round: at least 1, at most 2.5.
+double RoundGrowth(const PlannedRound& round, uint64_t vertices);
 
 // The number of vertices that a run can fit, and needs. Measured on two cores: with vertices that
 // move, 100 k give lego at 200x200 after 120 s 0.2 dB more than 180 k, and the demo 0.3 dB less but
 // a better surface (F-score 0.93 against 0.87). Never more than one per 16 pixels: with one per
 // ten, the demo's images gain nothing and its surface breaks up.
 uint64_t AffordableVertices(double seconds, uint64_t pixels);
+// The time at which so many are affordable, as far as time decides [s].
+double SecondsForVertices(double vertices);
 
 }  // namespace tetrec

@@ -10,6 +10,7 @@
 #include "field/change_storage.h"
 #include "optimize/batches.h"
 #include "optimize/checkpoint.h"
+#include "optimize/convergence.h"
 #include "optimize/exposure.h"
 #include "optimize/fine_rays.h"
 #include "optimize/fitted_field.h"
@@ -39,9 +40,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A run by iterations is taken to make 40 steps per second.
-double ExpectedSeconds(const OptimizeOptions& options) {
-  const double by_iterations = double(options.iterations) / 40.0;
+// A run without limits may grow to the most vertices.
+double ExpectedSeconds(const OptimizeOptions& options, uint64_t pixels) {
+  if (!options.HasLimit()) {
+    return SecondsForVertices(options.max_vertices > 0 ? double(options.max_vertices)
+                                                       : double(pixels) / kPixelsPerVertex);
+  }
+  const double by_iterations = double(options.iterations) / kStepsPerSecond;
   if (options.time_limit_s <= 0) return by_iterations;
   if (options.iterations == 0) return options.time_limit_s;
   return std::min(by_iterations, options.time_limit_s);
@@ -49,7 +54,17 @@ double ExpectedSeconds(const OptimizeOptions& options) {
 
 uint64_t MaxVertices(const OptimizeOptions& options, uint64_t pixels) {
   return options.max_vertices > 0 ? options.max_vertices
-                                  : AffordableVertices(ExpectedSeconds(options), pixels);
+                                  : AffordableVertices(ExpectedSeconds(options, pixels), pixels);
+}
+
+std::vector<PlannedRound> PlanRounds(const OptimizeOptions& options, uint64_t start_vertices,
+                                     uint64_t max_vertices, uint64_t pixels) {
+  const double seconds = ExpectedSeconds(options, pixels);
+  const uint64_t growth_vertices = AffordableVertices(std::min(seconds, kGrowthSeconds), pixels);
+  return PlanGrowth(
+      options.schedule, start_vertices,
+      seconds > kGrowthSeconds ? std::min(growth_vertices, max_vertices) : max_vertices,
+      max_vertices, std::max(1.0, seconds / kGrowthSeconds));
 }
 
 bool CamerasWereEstimated(const fs::path& scene_folder) {
@@ -78,7 +93,7 @@ class Trainer {
         harmonics_(options, field_, pictures_, steps_),
         fine_rays_(options, field_, pictures_, steps_),
         motion_trial_(options, field_, pictures_, steps_, motion_),
-        rounds_(options, PlanGrowth(options.schedule, start_vertices, max_vertices_),
+        rounds_(options, PlanRounds(options, start_vertices, max_vertices_, pictures_.set().pixels),
                 {field_, motion_, pictures_, batches_, steps_, *renderer_},
                 stage.Scratch("best.bin")),
         checkpoint_path_(stage.Scratch("checkpoint.bin")) {}
@@ -94,9 +109,9 @@ class Trainer {
           "stopped at iteration {} after {:.0f} s; the same command continues from here",
           steps_.iteration(), seconds_));
     }
-    RadianceField result = FieldOf(field_.mesh(), field_.ReadState());
     Report(history.End(Figures(Done())));
-    return result;
+    const FieldState state = field_.ReadState();
+    return FieldOf(field_.TakeMesh(), state);
   }
 
   void WriteEstimates() {
@@ -119,6 +134,12 @@ class Trainer {
   }
 
   void Begin(const RadianceField& start) {
+    if (!options_.HasLimit() && !pictures_.can_judge()) {
+      throw DataError(fmt::format(
+          "{}: its pictures are too small for parts that judge, so nothing would end the run: set "
+          "--time-limit or --iterations",
+          scene_folder_.string()));
+    }
     if (stage_.resume() && fs::exists(checkpoint_path_)) {
       Resume(ReadCheckpoint(checkpoint_path_));
     } else {
@@ -142,7 +163,8 @@ class Trainer {
     seconds_ = checkpoint.seconds;
     metrics_bytes_ = checkpoint.metrics_bytes;
     steps_.Resume(checkpoint.iteration, checkpoint.rays);
-    rounds_.Resume({checkpoint.rounds, checkpoint.best_psnr});
+    rounds_.Resume(std::move(checkpoint.rounds));
+    convergence_.Resume(std::move(checkpoint.convergence));
     harmonics_.Resume(checkpoint.harmonics);
     fine_rays_.Resume(checkpoint.fine_rays);
     exposure_ = ResumedExposure(std::move(checkpoint.exposure));
@@ -169,11 +191,17 @@ class Trainer {
           SaveCheckpoint(history.bytes());
         }
       }
-      if (rounds_.IsDue(done)) {
+      if (!options_.HasLimit() && convergence_.IsDue(steps_.iteration())) {
+        LookForConvergence();
+        continue;
+      }
+      const double growth = Growth();
+      if (rounds_.IsDue(growth)) {
         rounds_.Advance();
         continue;
       }
-      if (motion_trial_.Advance(done) || harmonics_.Advance(done) || fine_rays_.Advance(done)) {
+      if (motion_trial_.Advance(growth, done) || harmonics_.Advance(growth) ||
+          fine_rays_.Advance(done)) {
         continue;
       }
       if (poses_.IsDue(done)) CorrectPoses(done);
@@ -202,12 +230,32 @@ class Trainer {
 
   // The progress of the run, in [0, 1].
   double Done() const {
-    double done = 0;
-    if (options_.time_limit_s > 0) done = seconds_ / options_.time_limit_s;
-    if (options_.iterations > 0) {
-      done = std::max(done, double(steps_.iteration()) / double(options_.iterations));
-    }
-    return done;
+    if (!options_.HasLimit()) return convergence_.Progress(steps_.iteration());
+    return ProgressOf(options_.time_limit_s, double(options_.iterations));
+  }
+
+  // The growth of the run (schedule.h).
+  double Growth() const {
+    constexpr double kGrowthSteps = kGrowthSeconds * kStepsPerSecond;
+    if (!options_.HasLimit()) return ProgressOf(0, kGrowthSteps);
+    return ProgressOf(std::min(options_.time_limit_s, kGrowthSeconds),
+                      std::min(double(options_.iterations), kGrowthSteps));
+  }
+
+  // The progress of a run with these limits, of which 0 is none.
+  double ProgressOf(double time_limit_s, double iterations) const {
+    double progress = 0;
+    if (time_limit_s > 0) progress = seconds_ / time_limit_s;
+    if (iterations > 0) progress = std::max(progress, double(steps_.iteration()) / iterations);
+    return progress;
+  }
+
+  void LookForConvergence() {
+    const std::optional<double> gain =
+        convergence_.Look(steps_.iteration(), pictures_.JudgeField().views, rounds_.IsOver());
+    if (!gain) return;
+    LogInfo("judging pictures gained {:.2f} dB since the run was shorter by a fifth{}", *gain,
+            convergence_.state().converged > 0 ? ": it ends after a last part" : "");
   }
 
   void CorrectPoses(double done) {
@@ -232,9 +280,9 @@ class Trainer {
     checkpoint.iteration = steps_.iteration();
     checkpoint.seconds = seconds_;
     checkpoint.rays = steps_.rays();
-    checkpoint.rounds = rounds_.state().rounds;
+    checkpoint.rounds = rounds_.state();
+    checkpoint.convergence = convergence_.state();
     checkpoint.metrics_bytes = metrics_bytes;
-    checkpoint.best_psnr = rounds_.state().best_psnr;
     checkpoint.harmonics = harmonics_.state();
     checkpoint.fine_rays = fine_rays_.state();
     checkpoint.motion_trial = motion_trial_.state();
@@ -321,6 +369,7 @@ class Trainer {
   FineRays fine_rays_;
   MotionTrial motion_trial_;
   RefinementRounds rounds_;
+  Convergence convergence_;
   fs::path checkpoint_path_;
   double seconds_ = 0;          // of optimisation
   uint64_t metrics_bytes_ = 0;  // of metrics.csv, at the checkpoint that the run continues from

@@ -30,6 +30,8 @@ class TrainingPictures {
   const glm::vec3& background_srgb() const { return background_srgb_; }
   // True if the judging pictures are learned, too: then nothing judges.
   bool learns_all() const { return learns_all_; }
+  // False if the pictures are so small that none of their parts can be kept to judge.
+  bool can_judge() const { return !judging_.blocks.empty(); }
   // The pictures without their judging pixels, whether these are learned or not.
   std::vector<TargetImage> WithoutJudging() const { return TargetsToLearn(set_, judging_); }
 

@@ -10,24 +10,23 @@ uint64_t TrialSteps(uint64_t iteration) {
 }
 
 StepResult TrainingSteps::Take(double progress, bool sums_exposures) {
-  return TakeStep(iteration_++, progress, progress, progress, sums_exposures);
+  return TakeStep(iteration_++, progress, progress, sums_exposures);
 }
 
-void TrainingSteps::Try(uint64_t count, double progress, double as_at, double motion_as_at) {
+void TrainingSteps::Try(uint64_t count, double as_at, double motion_as_at) {
   for (uint64_t iteration = iteration_; iteration < iteration_ + count; ++iteration) {
-    TakeStep(iteration, progress, as_at, motion_as_at, false);
+    TakeStep(iteration, as_at, motion_as_at, false);
   }
 }
 
-StepResult TrainingSteps::TakeStep(uint64_t iteration, double progress, double as_at,
-                                   double motion_as_at, bool sums_exposures) {
-  TrainingBatch batch = Draw(iteration, as_at);
+StepResult TrainingSteps::TakeStep(uint64_t iteration, double progress, double motion_as_at,
+                                   bool sums_exposures) {
+  TrainingBatch batch = Draw(iteration, progress);
   batch.sums_exposures = sums_exposures;
   batch.parts = motion_.PartsOf(motion_as_at);
   const uint64_t steps = iteration + 1;
-  const StepResult result = renderer_.Step(batch, UpdateOf(steps, progress, as_at));
-  motion_.AfterStep(steps, motion_as_at,
-                    RateShare(options_.schedule, motion_as_at, ExpectedSteps(steps, progress)));
+  const StepResult result = renderer_.Step(batch, UpdateOf(steps, progress));
+  motion_.AfterStep(steps, motion_as_at, RateShare(options_.schedule, motion_as_at, steps));
   return result;
 }
 
@@ -38,14 +37,8 @@ TrainingBatch TrainingSteps::Draw(uint64_t iteration, double progress) {
   return batch;
 }
 
-// A run by time is taken to go on at its pace.
-double TrainingSteps::ExpectedSteps(uint64_t step, double progress) const {
-  if (options_.time_limit_s <= 0) return double(options_.iterations);
-  return double(step) / std::clamp(progress, 1e-3, 1.0);
-}
-
-AdamUpdate TrainingSteps::UpdateOf(uint64_t step, double progress, double as_at) const {
-  const double share = RateShare(options_.schedule, as_at, ExpectedSteps(step, progress));
+AdamUpdate TrainingSteps::UpdateOf(uint64_t step, double progress) const {
+  const double share = RateShare(options_.schedule, progress, step);
   return {.step = uint32_t(std::min<uint64_t>(step, 1u << 30)),
           .color_rate = options_.color_rate * share,
           .density_rate = options_.density_rate * share,

@@ -39,19 +39,17 @@ class TrainingSteps {
   // Takes the next `count` steps without counting them: the same steps can be taken again, from
   // another state of the field. Rates and rays per pixel are those of the progress `as_at`;
   // vertices move, if they do, as at the progress `motion_as_at`.
-  void Try(uint64_t count, double progress, double as_at, double motion_as_at);
-  void Try(uint64_t count, double progress, double as_at) { Try(count, progress, as_at, as_at); }
-  void Try(uint64_t count, double progress) { Try(count, progress, progress); }
+  void Try(uint64_t count, double as_at, double motion_as_at);
+  void Try(uint64_t count, double as_at) { Try(count, as_at, as_at); }
   void CountTried(uint64_t count) { iteration_ += count; }
 
  private:
   // Step `iteration`, from 0.
-  StepResult TakeStep(uint64_t iteration, double progress, double as_at, double motion_as_at,
+  StepResult TakeStep(uint64_t iteration, double progress, double motion_as_at,
                       bool sums_exposures);
   TrainingBatch Draw(uint64_t iteration, double progress);
-  double ExpectedSteps(uint64_t step, double progress) const;
   // The update that ends step `step`, counted from 1.
-  AdamUpdate UpdateOf(uint64_t step, double progress, double as_at) const;
+  AdamUpdate UpdateOf(uint64_t step, double progress) const;
 
   const OptimizeOptions& options_;
   BatchDrawer& batches_;

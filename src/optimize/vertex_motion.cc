@@ -11,9 +11,8 @@
 namespace tetrec {
 namespace {
 
-// A coarse first field's gradients move vertices nowhere useful; at the end, while the noise of
-// batches settles, the mesh stands still.
-constexpr double kFirstMotion = 0.05, kLastMotion = 0.8;
+// At the end of a run, while the noise of batches settles, the mesh stands still.
+constexpr double kLastMotion = 0.8;
 // Vertices move after every so many steps, by the sums of their gradients.
 constexpr uint64_t kStepsOfMotion = 16;
 static_assert(kStepsOfMotion <= kMostSummedBatches);
@@ -37,9 +36,7 @@ std::vector<float> SizesOfVertices(const TetMesh& mesh) {
 
 }  // namespace
 
-bool VertexMotion::IsOn(double progress) const {
-  return is_used_ && progress >= kFirstMotion && progress < kLastMotion;
-}
+bool VertexMotion::IsOn(double progress) const { return is_used_ && progress < kLastMotion; }
 
 GradientParts VertexMotion::PartsOf(double progress) const {
   return IsOn(progress) ? GradientParts::kColorDensityPosition : GradientParts::kColorDensity;

@@ -37,7 +37,7 @@ class VertexMotion {
   VertexMotion(const OptimizeOptions& options, FittedField& field, TrainingRenderer& renderer)
       : options_(options), field_(field), renderer_(renderer) {}
 
-  // Vertices move from the progress kFirstMotion to kLastMotion, or not at all.
+  // Vertices move from now on until the progress kLastMotion, or not at all.
   void Use(bool moves) { is_used_ = moves; }
   bool is_used() const { return is_used_; }
 

@@ -15,12 +15,13 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECK9", u64 iteration, f64 seconds, u64 rays, u32 rounds, u64 metrics
-// bytes, f64 best PSNR, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64 T, then
+// Where the fields start: "TETRECKA", u64 iteration, f64 seconds, u64 rays, u32 x 2 and f64 of the
+// rounds, u64 and f64 x 2 x 2 of the judging views, u64 x 3 and f64 x 2 of the convergence, u64
+// metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64 T, then
 // the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the name, the
 // name, and 3 u32 each. Positions follow.
-constexpr size_t kSecondsAt = 16, kFineRaysAt = 64, kMotionAt = 68, kVertexCountAt = 72,
-                 kTetCountAt = 80, kStorageAt = 88,
+constexpr size_t kSecondsAt = 16, kFineRaysAt = 148, kMotionAt = 152, kVertexCountAt = 156,
+                 kTetCountAt = 164, kStorageAt = 172,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
@@ -38,9 +39,9 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   checkpoint.iteration = (uint64_t{1} << 40) + 3;
   checkpoint.seconds = 12.375;
   checkpoint.rays = 987654321012345;
-  checkpoint.rounds = 4;
+  checkpoint.rounds = {4, 1, 23.5, {{1.5, 16.0}, {0.25, 32.0}}};
+  checkpoint.convergence = {500, 700, {{0.5, 8.0}}};
   checkpoint.metrics_bytes = 777;
-  checkpoint.best_psnr = 23.5;
   checkpoint.fine_rays = TrialState::kNotUsed;
   checkpoint.mesh = BuildDelaunay(points).mesh;
   FieldState& state = checkpoint.state;
@@ -95,7 +96,8 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.seconds, written.seconds);
     EXPECT_EQ(read.rays, written.rays);
     EXPECT_EQ(read.fine_rays, written.fine_rays);
-    EXPECT_EQ(read.rounds, written.rounds);
+    EXPECT_TRUE(read.rounds == written.rounds);
+    EXPECT_TRUE(read.convergence == written.convergence);
     EXPECT_EQ(read.metrics_bytes, written.metrics_bytes);
     EXPECT_EQ(read.mesh.positions, written.mesh.positions);
     EXPECT_EQ(read.mesh.tets, written.mesh.tets);

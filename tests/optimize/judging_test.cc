@@ -1,5 +1,6 @@
 #include "optimize/judging.h"
 
+#include "core/random.h"
 #include "mesh/delaunay.h"
 #include "render/create_renderer.h"
 
@@ -115,6 +116,47 @@ TEST(Judge, GivesThePsnrOfTheJudgingPixelsAndItsStandardError) {
   EXPECT_NEAR(mixed.views_psnr, -20 * std::log10(0.25), 1e-4);
   EXPECT_NEAR(mixed.tiles_psnr, judgement.psnr, 1e-9);
   EXPECT_GT(mixed.standard_error, 0.001);
+}
+
+TEST(GainBetween, HasNoErrorWhereAllViewsGainAlike) {
+  const std::vector<ErrorSum> before = {{2.0, 100}, {9.0, 300}, {0.5, 50}};
+  std::vector<ErrorSum> after = before;
+  for (ErrorSum& view : after) view.squares /= 2;
+  const JudgedGain gain = GainBetween(before, after);
+  EXPECT_NEAR(gain.gain, 10 * std::log10(2.0), 1e-12);
+  EXPECT_NEAR(gain.standard_error, 0.0, 1e-12);
+}
+
+// Leaving out one view after another (the jackknife) estimates the same error in another way.
+TEST(GainBetween, HasTheErrorThatTheJackknifeFinds) {
+  std::vector<ErrorSum> before, after;
+  Random random(8);
+  for (int view = 0; view < 60; ++view) {
+    const double rays = 100.0 + std::floor(50 * random.Uniform());
+    const double squares = rays * (0.01 + 0.01 * random.Uniform());
+    before.push_back({squares, rays});
+    after.push_back({squares * (0.8 + 0.3 * random.Uniform()), rays});
+  }
+  const JudgedGain gain = GainBetween(before, after);
+  double mean = 0, squares = 0;
+  std::vector<double> gains;
+  for (size_t left_out = 0; left_out < before.size(); ++left_out) {
+    std::vector<ErrorSum> some_before = before, some_after = after;
+    some_before.erase(some_before.begin() + long(left_out));
+    some_after.erase(some_after.begin() + long(left_out));
+    gains.push_back(GainBetween(some_before, some_after).gain);
+    mean += gains.back() / double(before.size());
+  }
+  for (const double one : gains) squares += (one - mean) * (one - mean);
+  const double jackknife = std::sqrt(squares * double(gains.size() - 1) / double(gains.size()));
+  EXPECT_GT(gain.gain, 0.1);
+  EXPECT_NEAR(gain.standard_error, jackknife, 0.05 * jackknife);
+}
+
+TEST(GainBetween, IsUnknownBetweenOtherViews) {
+  const std::vector<ErrorSum> two = {{1.0, 10}, {2.0, 10}}, one = {{1.0, 10}};
+  EXPECT_EQ(GainBetween({}, two).gain, 0.0);
+  EXPECT_EQ(GainBetween(one, two).gain, 0.0);
 }
 
 }  // namespace

@@ -27,7 +27,10 @@ TEST(OptimizeOptions, AreAcceptedWhereTheyAgree) {
 
 TEST(OptimizeOptions, AreRefusedWhereTheyContradictEachOther) {
   const std::vector<OptimizeOptions> refused = {
-      With([](OptimizeOptions& o) { o.time_limit_s = 0; }),
+      With([](OptimizeOptions& o) {
+        o.time_limit_s = 0;
+        o.judging_pictures = JudgingPictures::kLearned;
+      }),
       With([](OptimizeOptions& o) { o.renderer.deterministic = true; }),
       With([](OptimizeOptions& o) { o.rays_per_step = 0; }),
       With([](OptimizeOptions& o) {

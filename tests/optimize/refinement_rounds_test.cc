@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace tetrec {
 namespace {
 
@@ -12,7 +14,7 @@ class RefinementRoundsTest : public ::testing::Test {
  protected:
   const ScratchFolder folder_;
   SmallRun run_;
-  const GrowthPlan plan_{4, 2000};
+  const std::vector<PlannedRound> plan_{{0.1, 1000}, {0.2, 1300}, {0.3, 1600}, {0.5, 2000}};
   RefinementRounds rounds_{
       run_.options,
       plan_,
@@ -22,12 +24,10 @@ class RefinementRoundsTest : public ::testing::Test {
 };
 
 TEST_F(RefinementRoundsTest, AreDueOneAfterAnother) {
-  const ScheduleOptions& schedule = run_.options.schedule;
-  for (int round = 0; round < plan_.rounds; ++round) {
-    const double due = RoundProgress(schedule, plan_, round);
-    EXPECT_FALSE(rounds_.IsDue(due - 1e-3));
-    ASSERT_TRUE(rounds_.IsDue(due));
-    rounds_.Resume({uint32_t(round + 1), 0.0});
+  for (uint32_t round = 0; round < plan_.size(); ++round) {
+    EXPECT_FALSE(rounds_.IsDue(plan_[round].due - 1e-3));
+    ASSERT_TRUE(rounds_.IsDue(plan_[round].due));
+    rounds_.Resume({.rounds = round + 1});
   }
   EXPECT_FALSE(rounds_.IsDue(1.0));
 }
@@ -42,6 +42,17 @@ TEST_F(RefinementRoundsTest, GoOnWithAFieldThatGained) {
   rounds_.Advance();
   EXPECT_EQ(rounds_.state().rounds, 2u);
   EXPECT_GT(rounds_.state().best_psnr, first);
+}
+
+TEST_F(RefinementRoundsTest, EndWhereTheJudgingPicturesGainNothing) {
+  run_.PutField(0.3);
+  rounds_.Advance();
+  run_.PutField(0.3);
+  const size_t before = vertices();
+  rounds_.Advance();
+  EXPECT_EQ(vertices(), before);
+  EXPECT_EQ(rounds_.state().rounds, 1u);
+  EXPECT_FALSE(rounds_.IsDue(1.0));
 }
 
 TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {

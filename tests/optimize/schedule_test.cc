@@ -3,17 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 namespace tetrec {
 namespace {
 
 TEST(RateShare, FallsFromOne) {
   const ScheduleOptions options;
-  for (const double steps : {1.0, 500.0, 5000.0, 1e6}) {
-    EXPECT_EQ(RateShare(options, 0.0, steps), 1.0);
+  EXPECT_EQ(RateShare(options, 0.0, 0), 1.0);
+  for (const uint64_t steps : {100u, 5000u, 1000000u}) {
     double before = 1.0;
-    for (int i = 1; i <= 100; ++i) {
-      const double share = RateShare(options, i / 100.0, steps);
+    for (uint64_t i = 1; i <= 100; ++i) {
+      const double share = RateShare(options, double(i) / 100.0, steps * i / 100);
       EXPECT_LT(share, before);
       before = share;
     }
@@ -21,21 +22,15 @@ TEST(RateShare, FallsFromOne) {
   }
 }
 
-TEST(RateShare, FallsFastAtTheEnd) {
+TEST(RateShare, IsTheSameInEveryRunThatLastsLonger) {
   const ScheduleOptions options;
-  const auto fall = [&](double from) {
-    return RateShare(options, from, 4000) / RateShare(options, from + 0.25, 4000);
-  };
-  EXPECT_DOUBLE_EQ(fall(0.25), fall(0.5));  // exponential
-  EXPECT_DOUBLE_EQ(fall(0.75), 10 * fall(0.5));
+  EXPECT_EQ(RateShare(options, 0.7, 2000), RateShare(options, 0.1, 2000));
 }
 
-TEST(RateShare, FallsFurtherInLongerRuns) {
+TEST(RateShare, FallsFastAtTheEnd) {
   const ScheduleOptions options;
-  for (const double progress : {0.1, 0.5, 1.0}) {
-    EXPECT_LT(RateShare(options, progress, 8000), RateShare(options, progress, 2000));
-    EXPECT_EQ(RateShare(options, progress, 1e7), RateShare(options, progress, 1e6));
-  }
+  EXPECT_DOUBLE_EQ(RateShare(options, 0.75, 4000), 10 * RateShare(options, 1.0, 4000));
+  EXPECT_NEAR(RateShare(options, 0.875, 4000), 0.55 * RateShare(options, 0.75, 4000), 1e-12);
 }
 
 TEST(RateShare, FallsExponentiallyToAGivenShare) {
@@ -50,83 +45,69 @@ TEST(RateShare, FallsExponentiallyToAGivenShare) {
 
 TEST(RateShare, StaysAtItsEndsOutsideTheRun) {
   const ScheduleOptions options;
-  EXPECT_EQ(RateShare(options, -0.5, 1000), 1.0);
+  EXPECT_EQ(RateShare(options, -0.5, 1000), RateShare(options, 0.0, 1000));
   EXPECT_EQ(RateShare(options, 1.5, 1000), RateShare(options, 1.0, 1000));
 }
 
 TEST(PlanGrowth, HasMoreRoundsWhereThereIsMoreToGrow) {
   const ScheduleOptions options;
-  EXPECT_EQ(PlanGrowth(options, 1000, 1000).rounds, 3);
-  EXPECT_EQ(PlanGrowth(options, 1000, 500).rounds, 3);
-  EXPECT_EQ(PlanGrowth(options, 1000, 4000).rounds, 5);
-  EXPECT_EQ(PlanGrowth(options, 10, 1000000000).rounds, 9);
-  EXPECT_EQ(PlanGrowth(options, 1000, 4000).max_vertices, 4000u);
+  EXPECT_EQ(PlanGrowth(options, 1000, 1000, 1000, 1.0).size(), 3u);
+  EXPECT_EQ(PlanGrowth(options, 1000, 500, 500, 1.0).size(), 3u);
+  EXPECT_EQ(PlanGrowth(options, 1000, 4000, 4000, 1.0).size(), 5u);
+  EXPECT_EQ(PlanGrowth(options, 10, 1000000000, 1000000000, 1.0).size(), 9u);
 }
 
-TEST(PlanGrowth, TakesAGivenNumberOfRounds) {
+TEST(PlanGrowth, LeadsToTheBudgetByEqualFactors) {
+  const std::vector<PlannedRound> plan = PlanGrowth({}, 1000, 4000, 4000, 1.0);
+  uint64_t before = 1000;
+  for (const PlannedRound& round : plan) {
+    EXPECT_NEAR(double(round.vertices) / double(before), std::pow(4.0, 0.2), 2e-3);
+    before = round.vertices;
+  }
+  EXPECT_EQ(before, 4000u);
+}
+
+TEST(PlanGrowth, BeginsWithRoundsThatFollowEachOtherQuickly) {
+  const ScheduleOptions options;
+  double before = 0.0, gap_before = 0.0;
+  for (const PlannedRound& round : PlanGrowth(options, 1000, 8000, 8000, 1.0)) {
+    EXPECT_GT(round.due - before, gap_before);
+    gap_before = round.due - before;
+    before = round.due;
+  }
+  EXPECT_DOUBLE_EQ(before, options.last_round);
+}
+
+TEST(PlanGrowth, OfALongRunBeginsWithThatOfAShortOne) {
+  const ScheduleOptions options;
+  const std::vector<PlannedRound> brief = PlanGrowth(options, 1000, 4000, 4000, 1.0);
+  const std::vector<PlannedRound> plan = PlanGrowth(options, 1000, 4000, 7000, 5.0);
+  ASSERT_EQ(plan.size(), brief.size() + 2);
+  for (size_t i = 0; i < brief.size(); ++i) {
+    EXPECT_EQ(plan[i].due, brief[i].due);
+    EXPECT_EQ(plan[i].vertices, brief[i].vertices);
+  }
+  EXPECT_NEAR(plan[5].due, options.last_round * std::sqrt(5.0), 1e-12);
+  EXPECT_NEAR(plan[6].due, options.last_round * 5.0, 1e-12);
+  EXPECT_EQ(plan[6].vertices, 7000u);
+}
+
+TEST(PlanGrowth, SpreadsAGivenNumberOfRoundsOverTheRun) {
   ScheduleOptions options;
   for (const int rounds : {0, 1, 40}) {
     options.rounds = rounds;
-    EXPECT_EQ(PlanGrowth(options, 1000, 4000).rounds, rounds);
+    const std::vector<PlannedRound> plan = PlanGrowth(options, 1000, 4000, 9000, 5.0);
+    ASSERT_EQ(plan.size(), size_t(rounds));
+    if (rounds == 0) continue;
+    EXPECT_NEAR(plan.back().due, options.last_round * 5.0, 1e-12);
+    EXPECT_EQ(plan.back().vertices, 9000u);
   }
 }
 
-TEST(RoundProgress, RisesToTheLastRound) {
-  const ScheduleOptions options;
-  for (const int rounds : {1, 2, 5, 12}) {
-    double before = 0.0, gap_before = 0.0;
-    for (int round = 0; round < rounds; ++round) {
-      const double progress = RoundProgress(options, {rounds, 1000}, round);
-      EXPECT_GT(progress, before);
-      EXPECT_GT(progress - before, gap_before) << "the first rounds come soon after one another";
-      gap_before = progress - before;
-      before = progress;
-    }
-    EXPECT_DOUBLE_EQ(before, options.last_round);
-  }
-}
-
-// Vertices after all rounds, if each round grows as much as it may.
-double AfterAllRounds(const GrowthPlan& plan, uint64_t start) {
-  uint64_t vertices = start;
-  for (int round = 0; round < plan.rounds; ++round) {
-    const double growth = RoundGrowth(plan, round, vertices);
-    EXPECT_GE(growth, 1.0);
-    EXPECT_LE(growth, 2.5);
-    vertices = uint64_t(std::llround(double(vertices) * growth));
-  }
-  return double(vertices);
-}
-
-TEST(RoundGrowth, LeadsToTheBudget) {
-  for (const int rounds : {1, 3, 5, 8}) {
-    for (const double factor : {1.0, 1.3, 2.0, 2.4}) {
-      const uint64_t start = 10000;
-      const GrowthPlan plan{rounds, uint64_t(double(start) * std::pow(factor, rounds))};
-      // The last round aims at the budget itself, so only its own rounding remains.
-      EXPECT_NEAR(AfterAllRounds(plan, start), double(plan.max_vertices), 1.0);
-      EXPECT_NEAR(RoundGrowth(plan, 0, start), factor, 1e-4);
-    }
-  }
-}
-
-TEST(RoundGrowth, IsCappedWhereTheBudgetIsFar) {
-  const GrowthPlan plan{5, 1000000000};
-  EXPECT_EQ(RoundGrowth(plan, 0, 1000), 2.5);
-  // Each round rounds up by half a vertex or less, which later rounds multiply: below 1 %.
-  EXPECT_NEAR(AfterAllRounds(plan, 1000), 1000 * std::pow(2.5, 5), 1000);
-}
-
-TEST(RoundGrowth, CatchesUpAfterARoundThatGrewLess) {
-  const GrowthPlan plan{5, 32000};
-  EXPECT_GT(RoundGrowth(plan, 1, 1000), RoundGrowth(plan, 1, 2000));
-  EXPECT_DOUBLE_EQ(RoundGrowth(plan, 4, 20000), 1.6);
-}
-
-TEST(RoundGrowth, IsOneWhereTheBudgetIsSpent) {
-  EXPECT_EQ(RoundGrowth({5, 1000}, 2, 1000), 1.0);
-  EXPECT_EQ(RoundGrowth({5, 10}, 2, 1000), 1.0);
-  EXPECT_EQ(RoundGrowth({5, 1500}, 99, 1000), 1.5);  // after the last round
+TEST(RoundGrowth, LeadsToThePlannedVerticesWithinBounds) {
+  EXPECT_DOUBLE_EQ(RoundGrowth({0.5, 1500}, 1000), 1.5);
+  EXPECT_EQ(RoundGrowth({0.5, 1000000}, 1000), 2.5);
+  EXPECT_EQ(RoundGrowth({0.5, 10}, 1000), 1.0);
 }
 
 TEST(AffordableVertices, GrowsWithTimeUpToAVertexForSixteenPixels) {

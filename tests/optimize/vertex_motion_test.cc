@@ -36,7 +36,9 @@ bool IsInside(const glm::vec3& position) {
 
 struct MovingRun : SmallRun {
   explicit MovingRun(PositionsChoice positions = PositionsChoice::kOn)
-      : SmallRun(MovingOptions(positions), 5, kDensity) {}
+      : SmallRun(MovingOptions(positions), 5, kDensity) {
+    motion.Use(positions == PositionsChoice::kOn);
+  }
 
   // The true field, but vertices inside are moved by up to `most`, with their colours.
   void PutMoved(float most) {
@@ -154,8 +156,7 @@ TEST(VertexMotion, StopsBeforeTheEndOfARun) {
   MovingRun run;
   run.PutMoved(0.06f);
   const std::vector<glm::vec3> before = run.field.mesh().positions;
-  run.Take(32, 0.01);  // not yet
-  run.Take(32, 0.9);   // no more
+  run.Take(32, 0.9);
   EXPECT_EQ(run.field.mesh().positions, before);
   EXPECT_EQ(run.motion.counts().all(), 0u);
   MovingRun off(PositionsChoice::kOff);
@@ -217,15 +218,24 @@ TEST(MotionTrial, KeepsWhatGained) {
   MovingRun run(PositionsChoice::kAuto);
   run.PutMoved(0.06f);
   run.steps.Resume(400, 0);
-  EXPECT_FALSE(run.trial.Advance(0.05));
+  EXPECT_FALSE(run.trial.Advance(0.05, 0.05));
   EXPECT_EQ(run.trial.state(), TrialState::kNotTried);
   const double before = run.Psnr();
-  EXPECT_TRUE(run.trial.Advance(0.15));
+  EXPECT_TRUE(run.trial.Advance(0.15, 0.15));
   EXPECT_EQ(run.trial.state(), TrialState::kUsed);
   EXPECT_TRUE(run.motion.is_used());
   EXPECT_GT(run.Psnr(), before);
   EXPECT_EQ(run.steps.iteration(), 400u + TrialSteps(400));
-  EXPECT_FALSE(run.trial.Advance(0.2));
+  EXPECT_FALSE(run.trial.Advance(0.2, 0.2));
+}
+
+TEST(MotionTrial, LetsVerticesMoveOnceTheFieldIsNoLongerCoarse) {
+  MovingRun run;
+  run.motion.Use(false);
+  EXPECT_FALSE(run.trial.Advance(0.01, 0.01));
+  EXPECT_FALSE(run.motion.is_used());
+  EXPECT_FALSE(run.trial.Advance(0.05, 0.01));
+  EXPECT_TRUE(run.motion.is_used());
 }
 
 // Of a mesh that has no motion yet, as after the return to a smaller one.
@@ -264,7 +274,7 @@ TEST(MotionTrial, LeavesAFieldThatLostAsItWas) {
   run.steps.Resume(400, 0);
   const std::vector<glm::vec3> positions = run.field.mesh().positions;
   const FieldState before = run.field.ReadState();
-  EXPECT_TRUE(run.trial.Advance(0.15));
+  EXPECT_TRUE(run.trial.Advance(0.15, 0.15));
   EXPECT_EQ(run.trial.state(), TrialState::kNotUsed);
   EXPECT_FALSE(run.motion.is_used());
   EXPECT_EQ(run.field.mesh().positions, positions);
@@ -279,7 +289,7 @@ TEST(MotionTrial, LetsVerticesMoveWhereNothingCanJudge) {
   MovingRun run(PositionsChoice::kAuto);
   run.steps.Resume(400, 0);
   run.pictures.EndJudgingIfDue(1.0);
-  EXPECT_FALSE(run.trial.Advance(0.15));
+  EXPECT_FALSE(run.trial.Advance(0.15, 0.15));
   EXPECT_EQ(run.trial.state(), TrialState::kUsed);
   EXPECT_TRUE(run.motion.is_used());
 }
@@ -288,17 +298,17 @@ TEST(MotionTrial, WaitsUntilThereAreStepsToTellFrom) {
   MovingRun run(PositionsChoice::kAuto);
   run.PutMoved(0.06f);
   run.steps.Resume(kFewestTrialSteps - 1, 0);
-  EXPECT_FALSE(run.trial.Advance(0.15));
+  EXPECT_FALSE(run.trial.Advance(0.15, 0.15));
   EXPECT_EQ(run.trial.state(), TrialState::kNotTried);
   run.steps.Resume(kFewestTrialSteps, 0);
-  EXPECT_TRUE(run.trial.Advance(0.2));
+  EXPECT_TRUE(run.trial.Advance(0.2, 0.2));
 }
 
 TEST(MotionTrial, ContinuesAsItWasDecided) {
   for (const TrialState state : {TrialState::kUsed, TrialState::kNotUsed}) {
     MovingRun run(PositionsChoice::kAuto);
     run.trial.Resume(state);
-    EXPECT_FALSE(run.trial.Advance(0.15));
+    EXPECT_FALSE(run.trial.Advance(0.15, 0.15));
     EXPECT_EQ(run.motion.is_used(), state == TrialState::kUsed);
   }
 }
