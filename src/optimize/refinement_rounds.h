@@ -49,9 +49,9 @@ class RefinementRounds {
   bool IsDue(double growth) const;
   // True if the mesh is refined no more.
   bool IsOver() const { return state_.ended != 0 || state_.rounds >= plan_.size(); }
-  // Refines the mesh, unless the judging pictures gained no more than the standard error since the
-  // round before: then the mesh is fine enough and refined no more; if they lost, the run returns
-  // to the field before that round.
+  // Refines the mesh. If the judging pictures lost since the round before, the run returns to the
+  // field before that one and refines no more; nor does it if a late round would follow one that
+  // gained no more than the standard error.
   void Advance();
   // The judging pictures gained by something else than the field [dB].
   void RaiseBest(double gain) { state_.best_psnr += gain; }

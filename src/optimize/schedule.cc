@@ -54,7 +54,7 @@ std::vector<PlannedRound> PlanGrowth(const ScheduleOptions& options, uint64_t ve
   for (int round = 1; round <= late; ++round) {
     const double share = double(round) / late;
     plan.push_back({last * std::pow(length, share),
-                    uint64_t(std::round(start * factor * std::pow(late_factor, share)))});
+                    uint64_t(std::round(start * factor * std::pow(late_factor, share))), true});
   }
   return plan;
 }

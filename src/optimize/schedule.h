@@ -37,10 +37,14 @@ inline constexpr double kPixelsPerVertex = 16;
 // noise of batches settles.
 double RateShare(const ScheduleOptions& options, double progress, uint64_t steps);
 
-// A round of refinement: the growth of the run at which it is due, and the vertices it may lead to.
+// A round of refinement.
 struct PlannedRound {
-  double due;
-  uint64_t vertices;
+  double due;         // growth of the run
+  uint64_t vertices;  // that it may lead to
+  // True for the further rounds of a long run. Time enough has passed before them for the judging
+  // pictures to show whether the round before gained anything; early rounds follow each other so
+  // quickly that the noise of high learning rates may hide it (0.2 dB on fox from sparse points).
+  bool is_late = false;
 };
 
 // Rounds by equal factors to `growth_vertices`, which follow each other quickly at first, because a

@@ -14,7 +14,7 @@ class RefinementRoundsTest : public ::testing::Test {
  protected:
   const ScratchFolder folder_;
   SmallRun run_;
-  const std::vector<PlannedRound> plan_{{0.1, 1000}, {0.2, 1300}, {0.3, 1600}, {0.5, 2000}};
+  const std::vector<PlannedRound> plan_{{0.1, 1000}, {0.2, 1300}, {0.5, 1600}, {1.2, 2000, true}};
   RefinementRounds rounds_{
       run_.options,
       plan_,
@@ -29,7 +29,7 @@ TEST_F(RefinementRoundsTest, AreDueOneAfterAnother) {
     ASSERT_TRUE(rounds_.IsDue(plan_[round].due));
     rounds_.Resume({.rounds = round + 1});
   }
-  EXPECT_FALSE(rounds_.IsDue(1.0));
+  EXPECT_FALSE(rounds_.IsDue(2.0));
 }
 
 TEST_F(RefinementRoundsTest, GoOnWithAFieldThatGained) {
@@ -44,15 +44,20 @@ TEST_F(RefinementRoundsTest, GoOnWithAFieldThatGained) {
   EXPECT_GT(rounds_.state().best_psnr, first);
 }
 
-TEST_F(RefinementRoundsTest, EndWhereTheJudgingPicturesGainNothing) {
-  run_.PutField(0.3);
-  rounds_.Advance();
+TEST_F(RefinementRoundsTest, EndLateWhereTheJudgingPicturesGainNothing) {
+  for (uint32_t round = 1; round <= 3; ++round) {
+    run_.PutField(0.3);
+    rounds_.Advance();
+    ASSERT_EQ(rounds_.state().rounds, round);
+  }
   run_.PutField(0.3);
   const size_t before = vertices();
+  ASSERT_TRUE(rounds_.IsDue(1.2));
   rounds_.Advance();
   EXPECT_EQ(vertices(), before);
-  EXPECT_EQ(rounds_.state().rounds, 1u);
-  EXPECT_FALSE(rounds_.IsDue(1.0));
+  EXPECT_EQ(rounds_.state().rounds, 3u);
+  EXPECT_FALSE(rounds_.IsDue(2.0));
+  EXPECT_TRUE(rounds_.IsOver());
 }
 
 TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {
@@ -69,7 +74,7 @@ TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {
   EXPECT_TRUE(run_.field.mesh().positions == positions);
   EXPECT_TRUE(now.parameters == best.parameters);
   EXPECT_TRUE(now.second_moment == best.second_moment);
-  EXPECT_FALSE(rounds_.IsDue(1.0));
+  EXPECT_FALSE(rounds_.IsDue(2.0));
 }
 
 TEST_F(RefinementRoundsTest, TakeNothingBackWhereNothingJudges) {

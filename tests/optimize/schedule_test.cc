@@ -86,10 +86,12 @@ TEST(PlanGrowth, OfALongRunBeginsWithThatOfAShortOne) {
   for (size_t i = 0; i < brief.size(); ++i) {
     EXPECT_EQ(plan[i].due, brief[i].due);
     EXPECT_EQ(plan[i].vertices, brief[i].vertices);
+    EXPECT_FALSE(plan[i].is_late);
   }
   EXPECT_NEAR(plan[5].due, options.last_round * std::sqrt(5.0), 1e-12);
   EXPECT_NEAR(plan[6].due, options.last_round * 5.0, 1e-12);
   EXPECT_EQ(plan[6].vertices, 7000u);
+  EXPECT_TRUE(plan[5].is_late && plan[6].is_late);
 }
 
 TEST(PlanGrowth, SpreadsAGivenNumberOfRoundsOverTheRun) {
