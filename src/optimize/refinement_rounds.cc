@@ -48,8 +48,7 @@ bool RefinementRounds::IsWorthRefining() {
     return false;
   }
   const JudgedGain gain = GainBetween(state_.last_views, now.views);
-  if (plan_[state_.rounds].is_late && gain.standard_error > 0 &&
-      !(gain.gain > gain.standard_error)) {
+  if (!is_first && plan_[state_.rounds].is_late && !(gain.gain > gain.standard_error)) {
     LogInfo(
         "since round {} the judging pictures gained {:.2f} dB, standard error {:.2f}: the mesh is "
         "fine enough",
