@@ -6,7 +6,7 @@
 #include "core/timer.h"
 #include "optimize/checkpoint.h"
 #include "optimize/error_look.h"
-#include "optimize/refine.h"
+#include "refine/refine.h"
 #include "render/seen_colors.h"
 
 namespace tetrec {
@@ -73,18 +73,18 @@ void RefinementRounds::ReturnToBest(double psnr) {
 void RefinementRounds::RefineOnce() {
   const Timer timer;
   const size_t vertices_before = parts_.field.mesh().positions.size();
-  const std::vector<float> error =
-      LookAtErrors(parts_.renderer, parts_.pictures.set(), parts_.batches, options_,
-                   parts_.field.mesh().tets.size(), parts_.steps.iteration());
+  RefineScores scores;
+  scores.of_tets = LookAtErrors(parts_.renderer, parts_.pictures.set(), parts_.batches, options_,
+                                parts_.field.mesh().tets.size(), parts_.steps.iteration());
   const double look_seconds = timer.seconds();
   RefineOptions refine;
   refine.growth = RoundGrowth(plan_, int(state_.rounds), vertices_before);
   refine.max_vertices = plan_.max_vertices;
   refine.seed = options_.seed + state_.rounds;
   const FieldState before = parts_.field.ReadState();
-  RefineResult result = Refine(parts_.field.TakeMesh(), before, error, refine);
+  RefineResult result = Refine(parts_.field.TakeMesh(), before, std::move(scores), refine);
   parts_.field.Put(std::move(result.mesh), std::move(result.state));
-  parts_.motion.Follow(result.vertex_sources);
+  parts_.motion.Follow(result.of_vertices);
   ++state_.rounds;
   last_iteration_ = parts_.steps.iteration();
   const TetMesh& mesh = parts_.field.mesh();

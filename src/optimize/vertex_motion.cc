@@ -66,18 +66,14 @@ void VertexMotion::Begin() {
           SizesOfVertices(mesh), field_.RoomOfVertices(), state_.counts});
 }
 
-void VertexMotion::Follow(std::span<const RowSource> of_vertices) {
+void VertexMotion::Follow(const Prolongation& of_vertices) {
   if (state_.size.empty()) return;
-  MotionState next{.motions = state_.motions, .counts = state_.counts};
-  for (const RowSource& source : of_vertices) {
-    next.first_moment.push_back(
-        glm::mix(state_.first_moment[source.a], state_.first_moment[source.b], source.share));
-    next.second_moment.push_back(
-        glm::mix(state_.second_moment[source.a], state_.second_moment[source.b], source.share));
-  }
-  next.size = SizesOfVertices(field_.mesh());
-  next.room = field_.RoomOfVertices();
-  Resume(std::move(next));
+  Resume({.motions = state_.motions,
+          .first_moment = Prolong(std::move(state_.first_moment), of_vertices),
+          .second_moment = Prolong(std::move(state_.second_moment), of_vertices),
+          .size = SizesOfVertices(field_.mesh()),
+          .room = field_.RoomOfVertices(),
+          .counts = state_.counts});
 }
 
 MotionState VertexMotion::state() const {

@@ -50,7 +50,7 @@ class VertexMotion {
   bool CanResumeAfter(uint64_t steps, double progress) const;
 
   // The field has got a new mesh, whose vertices come from those of the old one.
-  void Follow(std::span<const RowSource> of_vertices);
+  void Follow(const Prolongation& of_vertices);
 
   // The state for the mesh that the field has now.
   MotionState state() const;

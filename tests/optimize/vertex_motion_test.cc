@@ -187,8 +187,11 @@ TEST(VertexMotion, FollowsVerticesThroughARefinement) {
   const MotionState before = run.motion.state();
   const size_t count = before.second_moment.size();
   ASSERT_EQ(count, run.field.mesh().positions.size());
-  std::vector<RowSource> sources;
-  for (uint32_t v = 0; v < count; ++v) sources.push_back({uint32_t(count) - 1 - v, v, 0.25f});
+  Prolongation sources;
+  for (uint32_t v = 0; v < count; ++v) {
+    sources.inserted.push_back({uint32_t(count) - 1 - v, v, 0.25f});
+    sources.kept.push_back(uint32_t(count) + v);
+  }
   run.field.Put(run.field.mesh(), run.field.ReadState());
   run.motion.Follow(sources);
   const MotionState& after = run.motion.state();
