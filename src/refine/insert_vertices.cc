@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <set>
 
 namespace tetrec {
@@ -33,17 +32,13 @@ Edge LongestEdge(const TetMesh& mesh, const glm::uvec4& tet) {
 }
 
 // The edges to split, worst tets first.
-std::vector<Edge> ChooseEdges(const TetMesh& mesh, std::span<const float> error,
+std::vector<Edge> ChooseEdges(const TetMesh& mesh, const std::vector<float>& error,
                               const std::vector<uint8_t>& on_hull, size_t count,
                               const RefineOptions& options) {
-  std::vector<uint32_t> order(mesh.tets.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [error](uint32_t x, uint32_t y) { return error[x] > error[y]; });
   std::vector<int> splits(mesh.positions.size(), 0);
   std::set<std::pair<uint32_t, uint32_t>> taken;
   std::vector<Edge> edges;
-  for (uint32_t t : order) {
+  for (const uint32_t t : WorstFirst(error)) {
     if (edges.size() >= count || error[t] <= 0.0f) break;
     const Edge edge = LongestEdge(mesh, mesh.tets[t]);
     // A point on an edge of the hull would make the hull rough; one on a chord between two of its

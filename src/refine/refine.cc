@@ -2,9 +2,12 @@
 #include "refine/refine.h"
 
 #include "core/error.h"
+#include "refine/bisect.h"
 #include "refine/insert_vertices.h"
+#include "refine/split_prisms.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace tetrec {
 namespace {
@@ -14,6 +17,10 @@ Refinement RefineMesh(TetMesh mesh, const FieldState& state, const RefineScores&
   switch (options.scheme) {
     case RefineScheme::kInsert:
       return InsertVertices(std::move(mesh), state, scores, options);
+    case RefineScheme::kPrism:
+      return SplitPrisms(std::move(mesh), scores, options);
+    case RefineScheme::kBisect:
+      return BisectTets(std::move(mesh), scores, options);
   }
   TETREC_CHECK(false, "no such scheme of refinement");
   return {};
@@ -45,6 +52,14 @@ void CompleteScores(const TetMesh& mesh, RefineScores& scores) {
 
 uint64_t VertexBudget(size_t vertices, const RefineOptions& options) {
   return uint64_t(std::min(double(options.max_vertices), options.growth * double(vertices)));
+}
+
+std::vector<uint32_t> WorstFirst(const std::vector<float>& scores) {
+  std::vector<uint32_t> order(scores.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](uint32_t a, uint32_t b) { return scores[a] > scores[b]; });
+  return order;
 }
 
 RefineResult Refine(TetMesh mesh, const FieldState& state, RefineScores scores,

@@ -16,10 +16,23 @@ namespace tetrec {
 
 enum class RefineScheme {
   kInsert,  // inserts vertices and triangulates again (insert_vertices.h)
+  kPrism,   // halves all edges at a vertex (split_prisms.h)
+  kBisect,  // halves the longest edge of a tet (bisect.h)
 };
 template <>
 inline constexpr auto kWords<RefineScheme> =
-    std::to_array<Word<RefineScheme>>({{RefineScheme::kInsert, "insert"}});
+    std::to_array<Word<RefineScheme>>({{RefineScheme::kInsert, "insert"},
+                                       {RefineScheme::kPrism, "prism"},
+                                       {RefineScheme::kBisect, "bisect"}});
+
+// How the diagonals of prisms are chosen (prism.h).
+enum class PrismDiagonals {
+  kShorter,  // the shorter one of each quad: a total order of the vertices around the split one
+  kFlips,    // the search of Erleben et al., or the shorter one where it takes too long
+};
+template <>
+inline constexpr auto kWords<PrismDiagonals> = std::to_array<Word<PrismDiagonals>>(
+    {{PrismDiagonals::kShorter, "shorter"}, {PrismDiagonals::kFlips, "flips"}});
 
 struct RefineOptions {
   RefineScheme scheme = RefineScheme::kInsert;
@@ -29,6 +42,8 @@ struct RefineOptions {
   int max_splits_at_vertex = 3;  // insert: new points per round on edges that end at one vertex
   double empty_depth = 0.02;     // insert: optical depth over an edge below which a vertex is empty
   double drop_share = 0.5;       // insert: of the empty vertices, per round
+  PrismDiagonals diagonals = PrismDiagonals::kShorter;
+  double split_share = 1.0;  // prism: of the vertices, which are split in one round at most
   uint64_t seed = 1;
 };
 
@@ -50,10 +65,14 @@ struct Refinement {
   // (T) For a field with a row per tet only: the old tet that contains each new tet's centroid.
   std::vector<uint32_t> old_tets;
   uint64_t split_edges = 0, dropped_empty = 0;
+  uint64_t refused = 0;  // splits that would have harmed the mesh
 };
 
 // The number of vertices that the mesh may get.
 uint64_t VertexBudget(size_t vertices, const RefineOptions& options);
+
+// Indices of scores, the largest first.
+std::vector<uint32_t> WorstFirst(const std::vector<float>& scores);
 
 struct RefineResult : Refinement {
   FieldState state;

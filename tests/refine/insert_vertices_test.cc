@@ -2,6 +2,7 @@
 #include "field/extra_attribute.h"
 #include "mesh/delaunay.h"
 #include "refine/refine.h"
+#include "refine/refined_box.h"
 
 #include <gtest/gtest.h>
 
@@ -19,24 +20,6 @@ constexpr float kHalfSide = 1.0f;
 // Bounds the sum of the rounding errors of exp and log of a density (log below 3: 2e-7 relative),
 // of the point itself and of the blend, each in float on values below 8.
 constexpr float kRounding = 8e-6f;
-
-// The corners of the box [-1, 1]^3 and points strictly inside.
-TetMesh JitteredBox(int cells = 7, uint64_t seed = 1) {
-  std::vector<glm::vec3> points;
-  for (int i = 0; i < 8; ++i) {
-    points.push_back(kHalfSide * glm::vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
-  }
-  Random random(seed);
-  for (int i = 0; i < cells * cells * cells; ++i) {
-    const glm::ivec3 cell(i % cells, i / cells % cells, i / (cells * cells));
-    glm::vec3 point;
-    for (int k = 0; k < 3; ++k) {
-      point[k] = 1.9f * (float(cell[k]) + float(random.Uniform())) / float(cells) - 0.95f;
-    }
-    points.push_back(point);
-  }
-  return BuildDelaunay(points).mesh;
-}
 
 // Colour, density (not its logarithm) and the moments are all linear in space.
 glm::vec4 LinearRow(const glm::vec3& p, float scale) {
