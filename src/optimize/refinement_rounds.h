@@ -26,7 +26,7 @@ struct RefinedParts {
   FittedField& field;
   VertexMotion& motion;
   TrainingPictures& pictures;
-  const BatchDrawer& batches;
+  BatchDrawer& batches;
   const TrainingSteps& steps;
   TrainingRenderer& renderer;
 };

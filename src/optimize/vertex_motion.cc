@@ -52,11 +52,18 @@ bool VertexMotion::CanResumeAfter(uint64_t steps, double progress) const {
 void VertexMotion::AfterStep(uint64_t steps, double progress, double rate_share) {
   if (!IsOn(progress) || steps % kStepsOfMotion != 0) return;
   const Timer timer;
-  const GradientSums sums = renderer_.TakePositionGradients();
+  GradientSums sums = renderer_.TakePositionGradients();
   if (sums.position.empty()) return;  // the field was put anew since
+  if (options_.quality.strength > 0) AddRegulariser(sums.position);
   if (state_.size.empty() || topology_ != field_.topology()) Begin();
   state_.counts.Add(field_.MoveVertices(Moves(sums.position, options_.position_rate * rate_share)));
   seconds_ += timer.seconds();
+}
+
+// The regulariser is a part of the loss of each step.
+void VertexMotion::AddRegulariser(std::vector<glm::dvec3>& sums) const {
+  const std::vector<glm::dvec3> of_step = RegulariserGradients(field_.mesh(), options_.quality);
+  for (size_t v = 0; v < sums.size(); ++v) sums[v] += double(kStepsOfMotion) * of_step[v];
 }
 
 void VertexMotion::Begin() {

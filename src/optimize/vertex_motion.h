@@ -63,6 +63,7 @@ class VertexMotion {
  private:
   bool IsOn(double progress) const;
   void Begin();
+  void AddRegulariser(std::vector<glm::dvec3>& sums) const;
   // The moves of all vertices, from the sums of their gradients.
   std::vector<glm::vec3> Moves(std::span<const glm::dvec3> gradients, double rate);
 

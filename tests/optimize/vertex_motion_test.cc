@@ -69,6 +69,19 @@ TEST(VertexMotion, BringsVerticesBackToWhereThePicturesWantThem) {
   EXPECT_GT(run.motion.counts().moved, 0u);
 }
 
+TEST(VertexMotion, KeepsTetsBetterWithARegulariser) {
+  constexpr double kSharpness = 3;
+  const auto badness_after = [](double strength) {
+    MovingRun run;
+    run.options.quality = {strength, kSharpness};
+    run.options.position_rate = 0.02;
+    run.PutMoved(0.06f);
+    run.Take(160, 0.1);
+    return RegulariserOf(run.field.mesh(), {1, kSharpness});
+  };
+  EXPECT_LT(badness_after(1e3), 0.99 * badness_after(0));
+}
+
 TEST(VertexMotion, LeavesTheBoundaryWhereItIs) {
   MovingRun run;
   run.PutMoved(0.06f);
