@@ -43,6 +43,14 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   app.add_option("--position-rate", options.position_rate,
                  "Initial learning rate of positions, as a share of the edges of a vertex")
       ->check(tetrec::AboveZero());
+  app.add_option("--quality-weight", options.quality.strength,
+                 "Weight of the regulariser that keeps moving vertices from flattening tets "
+                 "(lambda of the DiffTetVR article); 0: none")
+      ->check(tetrec::AtLeastZero());
+  app.add_option("--quality-sharpness", options.quality.sharpness,
+                 "Sharpness of that regulariser (beta of the article): the larger, the fewer tets "
+                 "feel it, the flattest")
+      ->check(tetrec::AboveZero());
   app.add_option(
          "--final-rate-share", options.schedule.final_rate_share,
          "Share to which learning rates fall exponentially; by default they fall slowly at first, "
@@ -99,6 +107,23 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
       ->check(CLI::Range(0.01, 1.0));
   app.add_option("--max-vertices", options.max_vertices,
                  "Largest number of vertices after refinement; 0: what the time allows");
+  tetrec::AddWordOption(
+      app, "--refine", options.refine,
+      "Refinement of the mesh: insert (new vertices on the longest edges of the worst tets, empty "
+      "ones dropped, triangulated anew), bisect (the worst tets halved at their longest edges) or "
+      "prism (the DiffTetVR article's: all edges at the worst vertices halved)");
+  tetrec::AddWordOption(
+      app, "--score", options.score,
+      "What is worst: residual (squared errors), color or position (absolute gradients by colours "
+      "or by positions), variance (of the squared errors over the views), or auto (color with "
+      "--refine prism, else residual)");
+  tetrec::AddWordOption(
+      app, "--prism-diagonals", options.prism_diagonals,
+      "How --refine prism cuts the sides of prisms: shorter (diagonal) or flips (the search of "
+      "Erleben et al., as in the article)");
+  app.add_option("--split-share", options.split_share,
+                 "Largest share of the vertices that one round of --refine prism splits")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_option("--score-rays", options.score_rays_per_tet,
                  "Rays per tet that gather the errors for a refinement")
       ->check(tetrec::AboveZero());

@@ -104,7 +104,7 @@ struct PpllPush {
 
 struct LossPush {
   uint ray_count;
-  uint loss;              // kLossL2 or kLossL1
+  uint loss;              // kLossL2, ...
   float gradient_scale;   // 1 / (3 x rays)
   uint writes_residuals;  // not 0: gradients are dL/dshown, for scores, which are of what is shown
   vec4 background;        // rgb [display sRGB] behind field and target

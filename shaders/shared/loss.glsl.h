@@ -10,6 +10,7 @@
 
 #define kLossL2 0
 #define kLossL1 1
+#define kLossSignedL2 2
 
 TETREC_BEGIN
 
@@ -25,15 +26,17 @@ TETREC_FN Real ResidualOf(Real color, Real transmittance, Real target, Real targ
   return color - target + (transmittance - (Real(1.0) - target_alpha)) * background;
 }
 
-// The square for L2, the absolute value for L1.
+// The square for L2, with the residual's sign for signed L2; the absolute value for L1.
 TETREC_FN Real LossOf(int loss, Real residual) {
   if (loss == kLossL2) return residual * residual;
-  return residual < Real(0.0) ? -residual : residual;
+  Real size = residual < Real(0.0) ? -residual : residual;
+  return loss == kLossL1 ? size : residual * size;
 }
 
 // dloss/dresidual; 0 where the derivative of L1 does not exist.
 TETREC_FN Real LossSlope(int loss, Real residual) {
   if (loss == kLossL2) return Real(2.0) * residual;
+  if (loss == kLossSignedL2) return Real(2.0) * (residual < Real(0.0) ? -residual : residual);
   if (residual == Real(0.0)) return Real(0.0);
   return residual < Real(0.0) ? Real(-1.0) : Real(1.0);
 }

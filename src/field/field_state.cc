@@ -12,14 +12,20 @@ float MixParameters(const Attribute& attribute, float a, float b, float share) {
   return ParameterOf(attribute, glm::mix(ValueOf(attribute, a), ValueOf(attribute, b), share));
 }
 
-std::vector<float> MixRows(const std::vector<float>& rows, size_t width,
-                           std::span<const RowSource> sources) {
-  std::vector<float> result;
-  result.reserve(sources.size() * width);
-  for (const auto [a, b, share] : sources) {
+// `rows`: of `width` values each; `mix`: of component, two values and share.
+template <class Mix>
+std::vector<float> ProlongRows(std::vector<float> rows, size_t width,
+                               const Prolongation& prolongation, const Mix& mix) {
+  rows.reserve(rows.size() + prolongation.inserted.size() * width);
+  for (const auto [a, b, share] : prolongation.inserted) {
     for (size_t c = 0; c < width; ++c) {
-      result.push_back(glm::mix(rows[a * width + c], rows[b * width + c], share));
+      rows.push_back(mix(c, rows[a * width + c], rows[b * width + c], share));
     }
+  }
+  std::vector<float> result;
+  result.reserve(prolongation.kept.size() * width);
+  for (const uint32_t row : prolongation.kept) {
+    result.insert(result.end(), rows.data() + row * width, rows.data() + (row + 1) * width);
   }
   return result;
 }
@@ -67,23 +73,18 @@ RadianceField FieldOf(TetMesh mesh, const FieldState& state) {
   return field;
 }
 
-FieldState Prolong(const FieldState& state, std::span<const RowSource> sources) {
+FieldState Prolong(const FieldState& state, const Prolongation& prolongation) {
   const std::vector<const Attribute*> attributes = state.layout.ByComponent();
-  const size_t components = attributes.size();
-  FieldState result{.layout = state.layout};
-  result.parameters.reserve(sources.size() * components);
-  for (const auto [a, b, share] : sources) {
-    for (size_t c = 0; c < components; ++c) {
-      const size_t at = a * components + c, bt = b * components + c;
-      result.parameters.push_back(a == b ? state.parameters[at]
-                                         : MixParameters(*attributes[c], state.parameters[at],
-                                                         state.parameters[bt], share));
-    }
-  }
-  result.first_moment = MixRows(state.first_moment, size_t(FieldLayout::FirstMoments()), sources);
-  result.second_moment =
-      MixRows(state.second_moment, size_t(state.layout.SecondMoments()), sources);
-  return result;
+  const auto by_value = [&](size_t c, float a, float b, float share) {
+    return MixParameters(*attributes[c], a, b, share);
+  };
+  const auto mix = [](size_t, float a, float b, float share) { return glm::mix(a, b, share); };
+  return {.layout = state.layout,
+          .parameters = ProlongRows(state.parameters, attributes.size(), prolongation, by_value),
+          .first_moment = ProlongRows(state.first_moment, size_t(FieldLayout::FirstMoments()),
+                                      prolongation, mix),
+          .second_moment = ProlongRows(state.second_moment, size_t(state.layout.SecondMoments()),
+                                       prolongation, mix)};
 }
 
 }  // namespace tetrec

@@ -3,7 +3,9 @@
 
 #include "field/radiance_field.h"
 
-#include <span>
+#include <glm/common.hpp>
+
+#include <cstdint>
 #include <vector>
 
 namespace tetrec {
@@ -37,14 +39,33 @@ inline FieldState StateOf(const RadianceField& field) {
 // The field that a state describes. Throws DataError as CheckField.
 RadianceField FieldOf(TetMesh mesh, const FieldState& state);
 
-// A row of a new field: at `share` of the way from row `a` to row `b` of an old one.
+// A row at `share` of the way from row `a` to row `b`.
 struct RowSource {
   uint32_t a, b;
   float share;
 };
 
-// Linear interpolation of the values, whose parameters need not be linear, and of the moments. A
-// row whose ends are one is copied.
-FieldState Prolong(const FieldState& state, std::span<const RowSource> sources);
+// How the rows of a new field come from those of an old one: the inserted rows are put behind the
+// old ones, each between two rows before it, and then row i of the new field is row kept[i] of all
+// these.
+struct Prolongation {
+  std::vector<RowSource> inserted;
+  std::vector<uint32_t> kept;
+};
+
+// Linear interpolation of the values, whose parameters need not be linear, and of the moments.
+FieldState Prolong(const FieldState& state, const Prolongation& prolongation);
+
+// The same for other values, one per row, that interpolate linearly.
+template <class T>
+std::vector<T> Prolong(std::vector<T> values, const Prolongation& prolongation) {
+  for (const auto [a, b, share] : prolongation.inserted) {
+    values.push_back(glm::mix(values[a], values[b], share));
+  }
+  std::vector<T> result;
+  result.reserve(prolongation.kept.size());
+  for (const uint32_t row : prolongation.kept) result.push_back(values[row]);
+  return result;
+}
 
 }  // namespace tetrec

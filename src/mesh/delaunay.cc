@@ -110,7 +110,7 @@ DelaunayResult BuildDelaunay(std::span<const glm::vec3> points) {
         points.size(), triangulation.number_of_vertices()));
   }
   DelaunayResult result = Extract(triangulation, points);
-  const std::vector<uint32_t> old_of_new = SortAlongMortonCurve(result.mesh);
+  const std::vector<uint32_t> old_of_new = SortAlongMortonCurve(result.mesh).vertices;
   std::vector<uint32_t> point_of_vertex(old_of_new.size());
   for (size_t v = 0; v < old_of_new.size(); ++v) {
     point_of_vertex[v] = result.point_of_vertex[old_of_new[v]];

@@ -272,8 +272,8 @@ TetMeshQuality MeasureQuality(const TetMesh& mesh) {
   return quality;
 }
 
-std::vector<uint32_t> SortAlongMortonCurve(TetMesh& mesh) {
-  const std::vector<uint32_t> old_vertex = MortonOrder(mesh.positions);
+MeshOrder SortAlongMortonCurve(TetMesh& mesh) {
+  std::vector<uint32_t> old_vertex = MortonOrder(mesh.positions);
   const std::vector<uint32_t> new_vertex = Inverse(old_vertex);
   std::vector<glm::vec3> centers(mesh.tets.size());
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
@@ -281,7 +281,7 @@ std::vector<uint32_t> SortAlongMortonCurve(TetMesh& mesh) {
     // Adds quarters instead of dividing the sum, which overflows for huge coordinates.
     for (int i = 0; i < 4; ++i) centers[t] += 0.25f * mesh.positions[tet[i]];
   }
-  const std::vector<uint32_t> old_tet = MortonOrder(centers);
+  std::vector<uint32_t> old_tet = MortonOrder(centers);
   const std::vector<uint32_t> new_tet = Inverse(old_tet);
 
   TetMesh sorted;
@@ -298,7 +298,7 @@ std::vector<uint32_t> SortAlongMortonCurve(TetMesh& mesh) {
     }
   }
   mesh = std::move(sorted);
-  return old_vertex;
+  return {std::move(old_vertex), std::move(old_tet)};
 }
 
 }  // namespace tetrec

@@ -27,11 +27,9 @@ size_t CountOfFewViews(std::span<const RayBlock> blocks, size_t first) {
   return count;
 }
 
-}  // namespace
-
-std::vector<float> LookAtErrors(TrainingRenderer& renderer, const TrainingSet& set,
-                                const BatchDrawer& batches, const OptimizeOptions& options,
-                                uint64_t tets, uint64_t iteration) {
+// As many of all blocks as `tets` tets need to be judged, in random order.
+std::vector<RayBlock> DrawJudgingBlocks(const TrainingSet& set, const OptimizeOptions& options,
+                                        uint64_t tets, uint64_t iteration) {
   std::vector<RayBlock> blocks = set.blocks;
   Random random(options.seed ^ 0x5C0ull, iteration);
   size_t wanted =
@@ -45,16 +43,57 @@ std::vector<float> LookAtErrors(TrainingRenderer& renderer, const TrainingSet& s
     std::swap(blocks[i], blocks[i + random.Below(uint32_t(blocks.size() - i))]);
   }
   blocks.resize(wanted);
-  if (batches.few_views()) std::ranges::stable_sort(blocks, {}, &RayBlock::view);
+  return blocks;
+}
+
+std::vector<float> ScoresOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
+                            const BatchDrawer& batches, uint64_t iteration) {
   renderer.ClearScores();
-  for (size_t first = 0, count = 0; first < wanted; first += count) {
+  for (size_t first = 0, count = 0; first < blocks.size(); first += count) {
     TrainingBatch batch;
-    count = batches.few_views() ? CountOfFewViews(blocks, first) : std::min(kBatch, wanted - first);
-    batch.blocks = std::span(blocks).subspan(first, count);
+    count = batches.few_views() ? CountOfFewViews(blocks, first)
+                                : std::min(kBatch, blocks.size() - first);
+    batch.blocks = blocks.subspan(first, count);
     batch.background_srgb = batches.Background(iteration + first);
     renderer.AddScores(batch, ScoreKind::kSquaredResidual);
   }
   return renderer.ReadScores();
+}
+
+}  // namespace
+
+std::vector<float> LookAtErrors(TrainingRenderer& renderer, const TrainingSet& set,
+                                const BatchDrawer& batches, const OptimizeOptions& options,
+                                uint64_t iteration) {
+  std::vector<RayBlock> blocks =
+      DrawJudgingBlocks(set, options, renderer.mesh().tets.size(), iteration);
+  if (batches.few_views()) std::ranges::stable_sort(blocks, {}, &RayBlock::view);
+  return ScoresOf(renderer, blocks, batches, iteration);
+}
+
+std::vector<float> LookAtVariances(TrainingRenderer& renderer, const TrainingSet& set,
+                                   const BatchDrawer& batches, const OptimizeOptions& options,
+                                   uint64_t iteration) {
+  const size_t tets = renderer.mesh().tets.size();
+  std::vector<RayBlock> blocks = DrawJudgingBlocks(set, options, tets, iteration);
+  std::ranges::stable_sort(blocks, {}, &RayBlock::view);
+  std::vector<double> sums(tets, 0.0), squares(tets, 0.0);
+  double views = 0;
+  for (size_t first = 0, last = 0; first < blocks.size(); first = last, ++views) {
+    while (last < blocks.size() && blocks[last].view == blocks[first].view) ++last;
+    const std::vector<float> of_view = ScoresOf(
+        renderer, std::span(blocks).subspan(first, last - first), batches, iteration + first);
+    for (size_t t = 0; t < tets; ++t) {
+      sums[t] += of_view[t];
+      squares[t] += double(of_view[t]) * of_view[t];
+    }
+  }
+  std::vector<float> variances(tets, 0.0f);
+  for (size_t t = 0; t < tets && views > 0; ++t) {
+    const double mean = sums[t] / views;
+    variances[t] = float(std::max(0.0, squares[t] / views - mean * mean));
+  }
+  return variances;
 }
 
 }  // namespace tetrec

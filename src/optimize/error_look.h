@@ -11,10 +11,16 @@
 
 namespace tetrec {
 
-// Scores per tet, from blocks that are drawn in random order, none twice, as many as `tets` tets
-// need to be judged.
+// Scores per tet, from blocks that are drawn in random order, none twice, as many as the field's
+// tets need to be judged.
 std::vector<float> LookAtErrors(TrainingRenderer& renderer, const TrainingSet& set,
                                 const BatchDrawer& batches, const OptimizeOptions& options,
-                                uint64_t tets, uint64_t iteration);
+                                uint64_t iteration);
+
+// From the same blocks, the variance over the views of the error that each view blames on a tet:
+// large where the views disagree, so that no value of the tet's vertices suits them all.
+std::vector<float> LookAtVariances(TrainingRenderer& renderer, const TrainingSet& set,
+                                   const BatchDrawer& batches, const OptimizeOptions& options,
+                                   uint64_t iteration);
 
 }  // namespace tetrec

@@ -53,4 +53,9 @@ void OptimizeOptions::Check() const {
   if (!(max_density > 0 && max_density <= 1e30)) fail("max_density", max_density, "above 0");
 }
 
+RefineScore ScoreOf(const OptimizeOptions& options) {
+  if (options.score != RefineScore::kAuto) return options.score;
+  return options.refine == RefineScheme::kPrism ? RefineScore::kColor : RefineScore::kResidual;
+}
+
 }  // namespace tetrec

@@ -2,11 +2,13 @@
 #pragma once
 
 #include "field/layout.h"
+#include "mesh/tet_quality.h"
 #include "optimize/camera_poses.h"
 #include "optimize/density_form.h"
 #include "optimize/exposure.h"
 #include "optimize/harmonics.h"
 #include "optimize/schedule.h"
+#include "refine/refine.h"
 #include "render/loss.h"
 #include "render/training_renderer.h"
 
@@ -54,6 +56,22 @@ inline constexpr auto kWords<PositionsChoice> =
                                           {PositionsChoice::kOn, "on"},
                                           {PositionsChoice::kOff, "off"}});
 
+// By what a refinement chooses where it refines (refine_scores.h).
+enum class RefineScore {
+  kAuto,      // kColor for the scheme prism, kResidual for the others
+  kResidual,  // squared residuals, by the share that a tet has in what the rays show
+  kColor,     // absolute gradients by a vertex's colour, summed over rays
+  kPosition,  // absolute gradients by a vertex's position across the rays, summed over rays (AbsGS)
+  kVariance,  // variance over the views of what kResidual sums
+};
+template <>
+inline constexpr auto kWords<RefineScore> =
+    std::to_array<Word<RefineScore>>({{RefineScore::kAuto, "auto"},
+                                      {RefineScore::kResidual, "residual"},
+                                      {RefineScore::kColor, "color"},
+                                      {RefineScore::kPosition, "position"},
+                                      {RefineScore::kVariance, "variance"}});
+
 // What a trial has decided. Checkpoints contain the numbers.
 enum class TrialState : uint32_t { kNotTried, kNotUsed, kUsed };
 
@@ -68,6 +86,8 @@ struct OptimizeOptions {
   double harmonics_rate = AdamUpdate().harmonics_rate;  // on coefficients [display sRGB]
   // A vertex's first moves, as a share of its edges' mean length.
   double position_rate = 0.1;
+  // Added to the loss while vertices move; none by default, because moves are safe without it.
+  QualityRegulariser quality{.strength = 0, .sharpness = 100};
   double max_density = AdamUpdate().max_density;  // [1 / world unit]
   // Pull of seen vertices towards empty, as a share of Adam's largest step: without it, fog in
   // front of the cameras explains why photos differ in exposure.
@@ -81,7 +101,11 @@ struct OptimizeOptions {
   HarmonicsChoice harmonics = HarmonicsChoice::kAuto;
   FineRaysChoice fine_rays = FineRaysChoice::kAuto;
   PositionsChoice positions = PositionsChoice::kAuto;
-  uint64_t max_vertices = 0;      // 0: as many as the time affords
+  uint64_t max_vertices = 0;  // 0: as many as the time affords
+  RefineScheme refine = RefineScheme::kInsert;
+  PrismDiagonals prism_diagonals = PrismDiagonals::kShorter;
+  double split_share = 1.0;  // RefineOptions::split_share
+  RefineScore score = RefineScore::kAuto;
   double score_rays_per_tet = 1;  // by which a refinement judges the tets
   int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv
   double checkpoint_interval_s = 30;
@@ -95,5 +119,8 @@ struct OptimizeOptions {
   bool HasLimit() const { return time_limit_s > 0 || iterations > 0; }
   void Check() const;  // throws UsageError naming the option and its value
 };
+
+// The score that a run uses, never kAuto.
+RefineScore ScoreOf(const OptimizeOptions& options);
 
 }  // namespace tetrec

@@ -5,9 +5,11 @@
 #include "core/progress.h"
 #include "core/timer.h"
 #include "optimize/checkpoint.h"
-#include "optimize/error_look.h"
-#include "optimize/refine.h"
+#include "optimize/refine_scores.h"
+#include "refine/refine.h"
 #include "render/seen_colors.h"
+
+#include <fmt/format.h>
 
 #include <utility>
 
@@ -83,28 +85,32 @@ void RefinementRounds::ReturnToBest(double psnr) {
 void RefinementRounds::RefineOnce() {
   const Timer timer;
   const size_t vertices_before = parts_.field.mesh().positions.size();
-  const std::vector<float> error =
-      LookAtErrors(parts_.renderer, parts_.pictures.set(), parts_.batches, options_,
-                   parts_.field.mesh().tets.size(), parts_.steps.iteration());
+  RefineScores scores = LookAtScores(parts_.renderer, parts_.pictures.set(), parts_.batches,
+                                     options_, parts_.steps.iteration());
   const double look_seconds = timer.seconds();
   RefineOptions refine;
+  refine.scheme = options_.refine;
+  refine.diagonals = options_.prism_diagonals;
+  refine.split_share = options_.split_share;
   const PlannedRound& round = plan_[state_.rounds];
   refine.growth = RoundGrowth(round, vertices_before);
   refine.max_vertices = round.vertices;
   refine.seed = options_.seed + state_.rounds;
   const FieldState before = parts_.field.ReadState();
-  RefineResult result = Refine(parts_.field.TakeMesh(), before, error, refine);
+  RefineResult result = Refine(parts_.field.TakeMesh(), before, std::move(scores), refine);
   parts_.field.Put(std::move(result.mesh), std::move(result.state));
-  parts_.motion.Follow(result.vertex_sources);
+  parts_.motion.Follow(result.of_vertices);
   ++state_.rounds;
   last_iteration_ = parts_.steps.iteration();
   const TetMesh& mesh = parts_.field.mesh();
   LogInfo(
-      "round {}: {} -> {} vertices, {} tets: {} edges split, {} empty vertices dropped; errors "
+      "round {}: {} -> {} vertices, {} tets: {} edges split, {} empty vertices dropped{}; errors "
       "{:.1f} s, mesh {:.1f} s",
       state_.rounds, WithThousands(vertices_before), WithThousands(mesh.positions.size()),
       WithThousands(mesh.tets.size()), WithThousands(result.split_edges),
-      WithThousands(result.dropped_empty), look_seconds, timer.seconds() - look_seconds);
+      WithThousands(result.dropped_empty),
+      result.refused > 0 ? fmt::format(", {} splits refused", WithThousands(result.refused)) : "",
+      look_seconds, timer.seconds() - look_seconds);
 }
 
 }  // namespace tetrec

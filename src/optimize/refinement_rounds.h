@@ -30,7 +30,7 @@ struct RefinedParts {
   FittedField& field;
   VertexMotion& motion;
   TrainingPictures& pictures;
-  const BatchDrawer& batches;
+  BatchDrawer& batches;
   const TrainingSteps& steps;
   TrainingRenderer& renderer;
 };

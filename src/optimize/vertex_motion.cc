@@ -49,11 +49,18 @@ bool VertexMotion::CanResumeAfter(uint64_t steps, double progress) const {
 void VertexMotion::AfterStep(uint64_t steps, double progress, double rate_share) {
   if (!IsOn(progress) || steps % kStepsOfMotion != 0) return;
   const Timer timer;
-  const GradientSums sums = renderer_.TakePositionGradients();
+  GradientSums sums = renderer_.TakePositionGradients();
   if (sums.position.empty()) return;  // the field was put anew since
+  if (options_.quality.strength > 0) AddRegulariser(sums.position);
   if (state_.size.empty() || topology_ != field_.topology()) Begin();
   state_.counts.Add(field_.MoveVertices(Moves(sums.position, options_.position_rate * rate_share)));
   seconds_ += timer.seconds();
+}
+
+// The regulariser is a part of the loss of each step.
+void VertexMotion::AddRegulariser(std::vector<glm::dvec3>& sums) const {
+  const std::vector<glm::dvec3> of_step = RegulariserGradients(field_.mesh(), options_.quality);
+  for (size_t v = 0; v < sums.size(); ++v) sums[v] += double(kStepsOfMotion) * of_step[v];
 }
 
 void VertexMotion::Begin() {
@@ -63,18 +70,14 @@ void VertexMotion::Begin() {
           SizesOfVertices(mesh), field_.RoomOfVertices(), state_.counts});
 }
 
-void VertexMotion::Follow(std::span<const RowSource> of_vertices) {
+void VertexMotion::Follow(const Prolongation& of_vertices) {
   if (state_.size.empty()) return;
-  MotionState next{.motions = state_.motions, .counts = state_.counts};
-  for (const RowSource& source : of_vertices) {
-    next.first_moment.push_back(
-        glm::mix(state_.first_moment[source.a], state_.first_moment[source.b], source.share));
-    next.second_moment.push_back(
-        glm::mix(state_.second_moment[source.a], state_.second_moment[source.b], source.share));
-  }
-  next.size = SizesOfVertices(field_.mesh());
-  next.room = field_.RoomOfVertices();
-  Resume(std::move(next));
+  Resume({.motions = state_.motions,
+          .first_moment = Prolong(std::move(state_.first_moment), of_vertices),
+          .second_moment = Prolong(std::move(state_.second_moment), of_vertices),
+          .size = SizesOfVertices(field_.mesh()),
+          .room = field_.RoomOfVertices(),
+          .counts = state_.counts});
 }
 
 MotionState VertexMotion::state() const {

@@ -50,7 +50,7 @@ class VertexMotion {
   bool CanResumeAfter(uint64_t steps, double progress) const;
 
   // The field has got a new mesh, whose vertices come from those of the old one.
-  void Follow(std::span<const RowSource> of_vertices);
+  void Follow(const Prolongation& of_vertices);
 
   // The state for the mesh that the field has now.
   MotionState state() const;
@@ -63,6 +63,7 @@ class VertexMotion {
  private:
   bool IsOn(double progress) const;
   void Begin();
+  void AddRegulariser(std::vector<glm::dvec3>& sums) const;
   // The moves of all vertices, from the sums of their gradients.
   std::vector<glm::vec3> Moves(std::span<const glm::dvec3> gradients, double rate);
 

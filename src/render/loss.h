@@ -5,8 +5,15 @@
 
 namespace tetrec {
 
-// The mean over rays and channels of squares or of absolute values.
-enum class LossKind { kL2, kL1 };
+// The mean over rays and channels of a function of the residual. Shaders use the numbers (kLoss...
+// of shared/loss.glsl.h).
+enum class LossKind {
+  kL2,  // the square
+  kL1,  // the absolute value
+  // The square, with the residual's sign. Nothing is fitted by it: its gradients by colours are the
+  // absolute values of those of L2, for each ray and tet, so that they do not cancel in sums.
+  kSignedL2,
+};
 
 // (1 - dssim) x pixel loss + dssim x D-SSIM, D-SSIM = (1 - SSIM) / 2, between 0 and 1. (Kerbl et
 // al. 2023 mix l1 and D-SSIM like this, with weight 0.2; their published code omits the half.) SSIM

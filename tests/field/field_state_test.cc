@@ -44,8 +44,7 @@ TEST(FieldState, KeepsTheSignsOfSignedDensity) {
   for (int v = 0; v < 4; ++v) EXPECT_NEAR(back.density[v], field.density[v], 1e-5);
   const RadianceField by_itself = FieldOf(field.mesh, StateOf(field));
   for (int v = 0; v < 4; ++v) EXPECT_NEAR(by_itself.density[v], field.density[v], 1e-5);
-  const RowSource sources[] = {{0, 3, 0.5f}};
-  const FieldState between = Prolong(state, sources);
+  const FieldState between = Prolong(state, {.inserted = {{0, 3, 0.5f}}, .kept = {4}});
   EXPECT_NEAR(ValueOf(SignedDensity(0.5f), between.parameters[kDensityOffset]), 23.0f, 1e-4f);
 }
 
@@ -64,8 +63,7 @@ TEST(Prolong, InterpolatesValuesNotParameters) {
   FieldState state = StateOf(OneTet());
   for (size_t i = 0; i < state.first_moment.size(); ++i) state.first_moment[i] = float(i);
   for (size_t i = 0; i < state.second_moment.size(); ++i) state.second_moment[i] = 100 + float(i);
-  const RowSource sources[] = {{2, 2, 0.0f}, {1, 3, 0.25f}};
-  const FieldState result = Prolong(state, sources);
+  const FieldState result = Prolong(state, {.inserted = {{1, 3, 0.25f}}, .kept = {2, 4}});
   ASSERT_EQ(result.layout, state.layout);
   ASSERT_EQ(result.rows(), 2u);
   ASSERT_EQ(result.first_moment.size(), 2u * 4);
@@ -85,6 +83,20 @@ TEST(Prolong, InterpolatesValuesNotParameters) {
   }
   // 0.75 x 1 + 0.25 x 3.5; two roundings of exp and log.
   EXPECT_NEAR(std::exp(result.parameters[9 + kDensityOffset]), 1.625f, 1e-6f);
+}
+
+TEST(Prolong, InsertsRowsBetweenInsertedOnes) {
+  const FieldState state = StateOf(OneTet());
+  // Row 5 is 3/4 row 0, 1/4 row 2.
+  const Prolongation twice{.inserted = {{0, 2, 0.5f}, {0, 4, 0.5f}}, .kept = {5, 1}};
+  const FieldState result = Prolong(state, twice);
+  ASSERT_EQ(result.rows(), 2u);
+  for (size_t c = 0; c < 3; ++c) {
+    const float mixed = 0.75f * state.parameters[c] + 0.25f * state.parameters[2 * 9 + c];
+    EXPECT_FLOAT_EQ(result.parameters[c], mixed);
+    EXPECT_EQ(result.parameters[9 + c], state.parameters[9 + c]);
+  }
+  EXPECT_EQ(Prolong(std::vector<float>{1, 2, 5, 3}, twice), (std::vector<float>{2, 2}));
 }
 
 }  // namespace

@@ -202,7 +202,7 @@ TEST(SortAlongMortonCurve, KeepsTheMesh) {
   std::shuffle(shuffled.tets.begin(), shuffled.tets.end(), std::mt19937(7));
   shuffled.neighbors = ComputeNeighbors(shuffled.tets, shuffled.positions.size());
   const TetMesh before = shuffled;
-  const std::vector<uint32_t> old_of_new = SortAlongMortonCurve(shuffled);
+  const std::vector<uint32_t> old_of_new = SortAlongMortonCurve(shuffled).vertices;
   CheckTetMesh(shuffled);
   EXPECT_EQ(AsGeometry(shuffled), AsGeometry(mesh));
   for (size_t v = 0; v < old_of_new.size(); ++v) {

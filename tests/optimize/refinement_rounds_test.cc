@@ -86,5 +86,26 @@ TEST_F(RefinementRoundsTest, TakeNothingBackWhereNothingJudges) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "best.bin"));
 }
 
+// The picture of the judging views does not change by a split, so it does not change by a round.
+TEST(RefinementRounds, OfSchemesThatSplitLeaveThePictureAsItIs) {
+  for (const RefineScheme scheme : {RefineScheme::kPrism, RefineScheme::kBisect}) {
+    OptimizeOptions options = SmallRunOptions();
+    options.refine = scheme;
+    const ScratchFolder folder;
+    SmallRun run(options);
+    RefinementRounds rounds(
+        run.options, {4, 2000},
+        {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
+        folder / "best.bin");
+    run.PutField(0.2);
+    const size_t before = run.field.mesh().positions.size();
+    rounds.Advance();
+    EXPECT_GT(run.field.mesh().positions.size(), 1.1 * double(before));
+    EXPECT_NEAR(run.pictures.JudgeField().psnr, rounds.state().best_psnr, 1e-3);
+    CheckTetMesh(run.field.mesh());
+    CheckConvexDomain(run.field.mesh());
+  }
+}
+
 }  // namespace
 }  // namespace tetrec

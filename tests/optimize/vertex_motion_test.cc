@@ -71,6 +71,19 @@ TEST(VertexMotion, BringsVerticesBackToWhereThePicturesWantThem) {
   EXPECT_GT(run.motion.counts().moved, 0u);
 }
 
+TEST(VertexMotion, KeepsTetsBetterWithARegulariser) {
+  constexpr double kSharpness = 3;
+  const auto badness_after = [](double strength) {
+    MovingRun run;
+    run.options.quality = {strength, kSharpness};
+    run.options.position_rate = 0.02;
+    run.PutMoved(0.06f);
+    run.Take(160, 0.1);
+    return RegulariserOf(run.field.mesh(), {1, kSharpness});
+  };
+  EXPECT_LT(badness_after(1e3), 0.99 * badness_after(0));
+}
+
 TEST(VertexMotion, LeavesTheBoundaryWhereItIs) {
   MovingRun run;
   run.PutMoved(0.06f);
@@ -188,8 +201,11 @@ TEST(VertexMotion, FollowsVerticesThroughARefinement) {
   const MotionState before = run.motion.state();
   const size_t count = before.second_moment.size();
   ASSERT_EQ(count, run.field.mesh().positions.size());
-  std::vector<RowSource> sources;
-  for (uint32_t v = 0; v < count; ++v) sources.push_back({uint32_t(count) - 1 - v, v, 0.25f});
+  Prolongation sources;
+  for (uint32_t v = 0; v < count; ++v) {
+    sources.inserted.push_back({uint32_t(count) - 1 - v, v, 0.25f});
+    sources.kept.push_back(uint32_t(count) + v);
+  }
   run.field.Put(run.field.mesh(), run.field.ReadState());
   run.motion.Follow(sources);
   const MotionState& after = run.motion.state();

@@ -200,6 +200,18 @@ class InterruptTest(StageCase):
         for name in ("vertex_moves", "shortened_moves", "stopped_moves", "min_volume", "min_radius_ratio"):
             self.assertEqual(counts[0][name], counts[1][name], name)
 
+    def test_a_resumed_optimize_gives_the_same_bytes_with_each_refinement(self):
+        tetrahedra = self.tiny_tetrahedra()
+        for refine, score in (("prism", "color"), ("prism", "position"), ("bisect", "variance")):
+            with self.subTest(refine=refine, score=score):
+                command = ("optimize", tetrahedra, "--deterministic", "--time-limit", 0, "--iterations", 200, "--rays", 512,
+                           "--refine", refine, "--score", score, "--positions", "on", "--last-round", 0.8)
+                whole, resumed = (self.folder / "run" / f"{name}_{refine}_{score}" for name in ("whole", "resumed"))
+                self.assert_done(self.run_stage(*command, "-o", whole))
+                self.interrupt_and_resume(resumed, command, rows=15)
+                self.assertIn("round 2", (resumed / "log.txt").read_text())
+                self.assertEqual(hashes(resumed)["field.tetf"], hashes(whole)["field.tetf"])
+
     def test_a_resumed_optimize_with_harmonics_gives_the_same_bytes(self):
         command = ("optimize", self.tiny_tetrahedra(train=16, paint=by_direction), "--deterministic",
                    "--time-limit", 0, "--iterations", 280, "--rays", 512, "--sh", "auto")

@@ -501,7 +501,7 @@ class ReferenceRenderer final : public ProbedRenderer {
   StepResult CompareWithTargets(const Batch& batch, std::span<const Vec4<Real>> shown,
                                 const TrainingBatch& training, Real gradient_scale,
                                 std::span<Vec4<Real>> gradients) const {
-    const int loss = training.loss == LossKind::kL2 ? kLossL2 : kLossL1;
+    const int loss = int(training.loss);
     const Vec3<Real> background(training.background_srgb);
     StepResult result;
     for (size_t i = 0; i < batch.rays(); ++i) {

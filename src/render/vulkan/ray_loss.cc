@@ -10,6 +10,9 @@ namespace tetrec {
 
 using gpu_types::LossPush;
 
+static_assert(int(LossKind::kL2) == kLossL2 && int(LossKind::kL1) == kLossL1 &&
+              int(LossKind::kSignedL2) == kLossSignedL2);
+
 RayLoss::RayLoss(const Device& device) : device_(device), program_(device, "loss", kLoss) {}
 
 RayLoss::WithDssim::WithDssim(const Device& device)
@@ -22,7 +25,7 @@ void RayLoss::Record(CommandRecorder& recorder, BatchSlot& slot, const TrainingB
   if (with_dssim && !with_dssim_) with_dssim_ = std::make_unique<WithDssim>(device_);
   RayBatch& rays = slot.rays;
   const LossPush push{.ray_count = rays.count,
-                      .loss = batch.loss == LossKind::kL2 ? uint32_t(kLossL2) : uint32_t(kLossL1),
+                      .loss = uint32_t(batch.loss),
                       .gradient_scale = gradients.scale * (1.0f - batch.dssim_weight),
                       .writes_residuals = gradients.are_residuals,
                       .background = glm::vec4(batch.background_srgb, 0.0f),

@@ -83,7 +83,7 @@ void ExpectSameBits(const FieldState& a, const FieldState& b) {
 }
 
 TEST_P(TrainingPartsTest, GradientsOfHalvesSumToThoseOfTheWhole) {
-  for (const LossKind loss : {LossKind::kL2, LossKind::kL1}) {
+  for (const LossKind loss : {LossKind::kL2, LossKind::kL1, LossKind::kSignedL2}) {
     TrainingBatch whole = Whole();
     whole.loss = loss;
     ProbedRenderer& renderer = MakeLearner(false);
@@ -102,6 +102,27 @@ TEST_P(TrainingPartsTest, GradientsOfHalvesSumToThoseOfTheWhole) {
     EXPECT_EQ(*std::max_element(none.values.begin(), none.values.end()), 0.0);
     EXPECT_TRUE(none.position.empty());
   }
+}
+
+TEST_P(TrainingPartsTest, GradientsOfSignedL2ByColoursAddUpAndDoNotCancel) {
+  ProbedRenderer& renderer = MakeLearner(false);
+  const auto gradients = [&](LossKind loss) {
+    TrainingBatch batch = Whole();
+    batch.loss = loss;
+    renderer.Forward(batch);
+    renderer.Backward(GradientParts::kColorDensity);
+    return renderer.TakeGradients().values;
+  };
+  const std::vector<double> signed_sums = gradients(LossKind::kSignedL2);
+  const std::vector<double> sums = gradients(LossKind::kL2);
+  const double largest = *std::max_element(signed_sums.begin(), signed_sums.end());
+  size_t cancelled = 0;
+  for (size_t i = 0; i < sums.size(); ++i) {
+    if (i % kStandardComponents == kDensityOffset) continue;
+    EXPECT_GE(signed_sums[i], std::abs(sums[i]) - 1e-5 * largest);
+    cancelled += signed_sums[i] > 1.2 * std::abs(sums[i]) + 1e-5 * largest;
+  }
+  EXPECT_GT(cancelled, 0u);
 }
 
 TEST_P(TrainingPartsTest, RowsMoveByTheirShareOfTheRates) {

@@ -1,7 +1,6 @@
-// Coarse to fine: adds vertices where the images are wrong, removes them where space is empty.
-#include "optimize/refine.h"
+// Refinement by new vertices and a new triangulation.
+#include "refine/insert_vertices.h"
 
-#include "core/error.h"
 #include "core/random.h"
 #include "mesh/boundary.h"
 #include "mesh/delaunay.h"
@@ -10,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <set>
 
 namespace tetrec {
@@ -34,17 +32,13 @@ Edge LongestEdge(const TetMesh& mesh, const glm::uvec4& tet) {
 }
 
 // The edges to split, worst tets first.
-std::vector<Edge> ChooseEdges(const TetMesh& mesh, std::span<const float> error,
+std::vector<Edge> ChooseEdges(const TetMesh& mesh, const std::vector<float>& error,
                               const std::vector<uint8_t>& on_hull, size_t count,
                               const RefineOptions& options) {
-  std::vector<uint32_t> order(mesh.tets.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [error](uint32_t x, uint32_t y) { return error[x] > error[y]; });
   std::vector<int> splits(mesh.positions.size(), 0);
   std::set<std::pair<uint32_t, uint32_t>> taken;
   std::vector<Edge> edges;
-  for (uint32_t t : order) {
+  for (const uint32_t t : WorstFirst(error)) {
     if (edges.size() >= count || error[t] <= 0.0f) break;
     const Edge edge = LongestEdge(mesh, mesh.tets[t]);
     // A point on an edge of the hull would make the hull rough; one on a chord between two of its
@@ -105,47 +99,47 @@ uint32_t NearestTet(const TetMesh& mesh, const glm::dvec3& point) {
 }
 
 // For each new tet the old one that contains its centroid; both meshes fill the same hull.
-std::vector<RowSource> SourcesOfCells(const TetMesh& mesh, const TetMesh& new_mesh) {
-  std::vector<RowSource> sources;
+std::vector<uint32_t> OldTets(const TetMesh& mesh, const TetMesh& new_mesh) {
+  std::vector<uint32_t> old_tets;
   uint32_t old = 0;
   for (const glm::uvec4& tet : new_mesh.tets) {
     const glm::dvec3 point = Centroid(new_mesh, tet);
     const uint32_t found = FindTet(mesh, point, old);
     old = found == kNoTet ? NearestTet(mesh, point) : found;
-    sources.push_back({old, old, 0.0f});
+    old_tets.push_back(old);
   }
-  return sources;
+  return old_tets;
 }
 
 }  // namespace
 
-RefineResult Refine(TetMesh mesh, const FieldState& state, std::span<const float> error,
-                    const RefineOptions& options) {
+Refinement InsertVertices(TetMesh mesh, const FieldState& state, const RefineScores& scores,
+                          const RefineOptions& options) {
   const size_t count = mesh.positions.size();
-  TETREC_CHECK(error.size() == mesh.tets.size(), "one score per tet");
   const std::vector<uint8_t> on_hull = BoundaryVertices(mesh);
   const std::vector<uint8_t> empty = EmptyVertices(mesh, state, options.empty_depth);
 
-  RefineResult result;
+  Refinement result;
   Random random(options.seed, count);
   std::vector<glm::vec3> points;
-  std::vector<RowSource> sources;
+  std::vector<uint32_t> rows;  // of the points, among old and inserted ones
   for (uint32_t v = 0; v < count; ++v) {
     if (!on_hull[v] && empty[v] && random.Uniform() < options.drop_share) {
       ++result.dropped_empty;
       continue;
     }
     points.push_back(mesh.positions[v]);
-    sources.push_back({v, v, 0.0f});
+    rows.push_back(v);
   }
 
-  const double wanted = std::min(double(options.max_vertices), options.growth * double(count));
-  const size_t room = wanted > double(points.size()) ? size_t(wanted) - points.size() : 0;
-  for (const Edge edge : ChooseEdges(mesh, error, on_hull, room, options)) {
+  const uint64_t wanted = VertexBudget(count, options);
+  const size_t room = wanted > points.size() ? wanted - points.size() : 0;
+  for (const Edge edge : ChooseEdges(mesh, scores.of_tets, on_hull, room, options)) {
     // Off the exact middle, so that regular starts do not stay cospherical.
     const float f = float(0.5 + 0.1 * (random.Uniform() - 0.5));
     points.push_back(glm::mix(mesh.positions[edge.a], mesh.positions[edge.b], f));
-    sources.push_back({edge.a, edge.b, f});
+    rows.push_back(uint32_t(count + result.split_edges));
+    result.of_vertices.inserted.push_back({edge.a, edge.b, f});
     ++result.split_edges;
   }
 
@@ -154,10 +148,9 @@ RefineResult Refine(TetMesh mesh, const FieldState& state, std::span<const float
   DelaunayResult delaunay = BuildDelaunay(points);
   result.mesh = std::move(delaunay.mesh);
   for (const uint32_t point : delaunay.point_of_vertex) {
-    result.vertex_sources.push_back(sources[point]);
+    result.of_vertices.kept.push_back(rows[point]);
   }
-  result.state = has_cells ? Prolong(state, SourcesOfCells(mesh, result.mesh))
-                           : Prolong(state, result.vertex_sources);
+  if (has_cells) result.old_tets = OldTets(mesh, result.mesh);
   return result;
 }
 

@@ -1,8 +1,8 @@
-#include "optimize/refine.h"
-
 #include "core/random.h"
 #include "field/extra_attribute.h"
 #include "mesh/delaunay.h"
+#include "refine/refine.h"
+#include "refine/refined_box.h"
 
 #include <gtest/gtest.h>
 
@@ -20,24 +20,6 @@ constexpr float kHalfSide = 1.0f;
 // Bounds the sum of the rounding errors of exp and log of a density (log below 3: 2e-7 relative),
 // of the point itself and of the blend, each in float on values below 8.
 constexpr float kRounding = 8e-6f;
-
-// The corners of the box [-1, 1]^3 and points strictly inside.
-TetMesh JitteredBox(int cells = 7, uint64_t seed = 1) {
-  std::vector<glm::vec3> points;
-  for (int i = 0; i < 8; ++i) {
-    points.push_back(kHalfSide * glm::vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
-  }
-  Random random(seed);
-  for (int i = 0; i < cells * cells * cells; ++i) {
-    const glm::ivec3 cell(i % cells, i / cells % cells, i / (cells * cells));
-    glm::vec3 point;
-    for (int k = 0; k < 3; ++k) {
-      point[k] = 1.9f * (float(cell[k]) + float(random.Uniform())) / float(cells) - 0.95f;
-    }
-    points.push_back(point);
-  }
-  return BuildDelaunay(points).mesh;
-}
 
 // Colour, density (not its logarithm) and the moments are all linear in space.
 glm::vec4 LinearRow(const glm::vec3& p, float scale) {
@@ -155,13 +137,18 @@ std::vector<uint8_t> EmptyInside(const TetMesh& mesh, const FieldState& state, f
   return empty;
 }
 
+RefineResult Refine(const TetMesh& mesh, const FieldState& state, const std::vector<float>& error,
+                    const RefineOptions& options) {
+  return Refine(mesh, state, RefineScores{.of_tets = error, .of_vertices = {}}, options);
+}
+
 RefineOptions KeepAll() {
   RefineOptions options;
   options.drop_share = 0.0;
   return options;
 }
 
-TEST(Refine, PutsNewVerticesOnlyWhereTheErrorIs) {
+TEST(InsertVertices, PutsNewVerticesOnlyWhereTheErrorIs) {
   const TetMesh mesh = JitteredBox();
   std::vector<float> error(mesh.tets.size(), 0.0f);
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
@@ -176,7 +163,7 @@ TEST(Refine, PutsNewVerticesOnlyWhereTheErrorIs) {
   for (const uint32_t v : added) EXPECT_GT(result.mesh.positions[v].x, 0.0f);
 }
 
-TEST(Refine, SplitsTheLongestEdgeOfTheWorstTetFirst) {
+TEST(InsertVertices, SplitsTheLongestEdgeOfTheWorstTetFirst) {
   const TetMesh mesh = JitteredBox();
   RefineOptions options = KeepAll();
   options.max_vertices = mesh.positions.size() + 1;
@@ -195,7 +182,7 @@ TEST(Refine, SplitsTheLongestEdgeOfTheWorstTetFirst) {
   EXPECT_EQ(tried, 10);
 }
 
-TEST(Refine, KeepsToTheVertexBudgetAndToTheGrowth) {
+TEST(InsertVertices, KeepsToTheVertexBudgetAndToTheGrowth) {
   const TetMesh mesh = JitteredBox();
   const size_t count = mesh.positions.size();
   const std::vector<float> error(mesh.tets.size(), 1.0f);
@@ -213,7 +200,7 @@ TEST(Refine, KeepsToTheVertexBudgetAndToTheGrowth) {
   }
 }
 
-TEST(Refine, KeepsTheBoxWholeRoundAfterRound) {
+TEST(InsertVertices, KeepsTheBoxWholeRoundAfterRound) {
   TetMesh mesh = JitteredBox(4);
   FieldState state = LinearState(mesh);
   for (uint64_t round = 0; round < 4; ++round) {
@@ -235,7 +222,7 @@ TEST(Refine, KeepsTheBoxWholeRoundAfterRound) {
   }
 }
 
-TEST(Refine, ReproducesALinearFieldAtEveryNewVertex) {
+TEST(InsertVertices, ReproducesALinearFieldAtEveryNewVertex) {
   const TetMesh mesh = JitteredBox();
   const std::vector<float> error(mesh.tets.size(), 1.0f);
   const RefineResult result = Refine(mesh, LinearState(mesh), error, KeepAll());
@@ -253,7 +240,7 @@ TEST(Refine, ReproducesALinearFieldAtEveryNewVertex) {
   }
 }
 
-TEST(Refine, LeavesTheOldVerticesAsTheyWere) {
+TEST(InsertVertices, LeavesTheOldVerticesAsTheyWere) {
   const TetMesh mesh = JitteredBox();
   const FieldState state = LinearState(mesh);
   const RefineResult result =
@@ -268,7 +255,7 @@ TEST(Refine, LeavesTheOldVerticesAsTheyWere) {
   }
 }
 
-TEST(Refine, DropsTheGivenShareOfTheEmptyVerticesAndNoOther) {
+TEST(InsertVertices, DropsTheGivenShareOfTheEmptyVerticesAndNoOther) {
   const TetMesh mesh = JitteredBox(12);
   const FieldState state =
       StateOfLogDensity(mesh, [](const glm::vec3& p) { return p.x < 0 ? -20.0f : 6.0f; });
@@ -296,7 +283,7 @@ TEST(Refine, DropsTheGivenShareOfTheEmptyVerticesAndNoOther) {
   }
 }
 
-TEST(Refine, LeavesTheCornersWhereAllIsEmpty) {
+TEST(InsertVertices, LeavesTheCornersWhereAllIsEmpty) {
   const TetMesh mesh = JitteredBox(3);
   const FieldState state = StateOfLogDensity(mesh, [](const glm::vec3&) { return -80.0f; });
   RefineOptions options;
@@ -308,7 +295,7 @@ TEST(Refine, LeavesTheCornersWhereAllIsEmpty) {
   EXPECT_TRUE(std::all_of(result.mesh.positions.begin(), result.mesh.positions.end(), IsCorner));
 }
 
-TEST(Refine, SplitsNoEdgeShorterThanTheLeast) {
+TEST(InsertVertices, SplitsNoEdgeShorterThanTheLeast) {
   const TetMesh mesh = JitteredBox();
   const std::vector<float> error(mesh.tets.size(), 1.0f);
   RefineOptions options = KeepAll();
@@ -324,7 +311,7 @@ TEST(Refine, SplitsNoEdgeShorterThanTheLeast) {
   EXPECT_EQ(Refine(mesh, LinearState(mesh), error, options).split_edges, 0u);
 }
 
-TEST(Refine, SplitsNoMoreEdgesAtAVertexThanAllowed) {
+TEST(InsertVertices, SplitsNoMoreEdgesAtAVertexThanAllowed) {
   const TetMesh mesh = JitteredBox(5);
   const std::vector<float> error(mesh.tets.size(), 1.0f);
   for (const int most : {1, 3}) {
@@ -341,7 +328,7 @@ TEST(Refine, SplitsNoMoreEdgesAtAVertexThanAllowed) {
   }
 }
 
-TEST(Refine, GivesTheSameForTheSameSeedOnly) {
+TEST(InsertVertices, GivesTheSameForTheSameSeedOnly) {
   const TetMesh mesh = JitteredBox(5);
   const FieldState state =
       StateOfLogDensity(mesh, [](const glm::vec3& p) { return p.x < 0 ? -20.0f : 2.0f; });
@@ -356,7 +343,7 @@ TEST(Refine, GivesTheSameForTheSameSeedOnly) {
   EXPECT_NE(first.mesh.positions, Refine(mesh, state, error, options).mesh.positions);
 }
 
-TEST(Refine, SplitsNothingWhereThereIsNoError) {
+TEST(InsertVertices, SplitsNothingWhereThereIsNoError) {
   const TetMesh mesh = JitteredBox(5);
   const FieldState state = LinearState(mesh);
   const RefineResult result =
@@ -382,7 +369,7 @@ FieldState LinearOther(const TetMesh& mesh, const Attribute& attribute,
   return state;
 }
 
-TEST(Refine, ReproducesOtherLinearAttributesTooHarmonicsAmongThem) {
+TEST(InsertVertices, ReproducesOtherLinearAttributesTooHarmonicsAmongThem) {
   const TetMesh mesh = JitteredBox();
   // No more than 8, for kRounding.
   const auto truth = [](const glm::vec3& p, int c) {
@@ -444,7 +431,7 @@ double LeastWeight(const TetMesh& mesh, const glm::uvec4& tet, const glm::dvec3&
   return least;
 }
 
-TEST(Refine, GivesANewCellTheRowOfTheOldOneThatHoldsItsCentroid) {
+TEST(InsertVertices, GivesANewCellTheRowOfTheOldOneThatHoldsItsCentroid) {
   const TetMesh mesh = JitteredBox(5);
   const FieldState state = NumberedCells(mesh, 2.0f);
   const RefineResult result =
@@ -467,7 +454,7 @@ TEST(Refine, GivesANewCellTheRowOfTheOldOneThatHoldsItsCentroid) {
   }
 }
 
-TEST(Refine, LeavesCellsThatStayAsTheyWere) {
+TEST(InsertVertices, LeavesCellsThatStayAsTheyWere) {
   const TetMesh mesh = JitteredBox(5);
   const RefineResult result = Refine(mesh, NumberedCells(mesh, 2.0f),
                                      std::vector<float>(mesh.tets.size(), 0.0f), KeepAll());
@@ -483,7 +470,7 @@ TEST(Refine, LeavesCellsThatStayAsTheyWere) {
   }
 }
 
-TEST(Refine, DropsVerticesAmongEmptyCells) {
+TEST(InsertVertices, DropsVerticesAmongEmptyCells) {
   const TetMesh mesh = JitteredBox(5);
   RefineOptions options;
   options.drop_share = 1.0;
@@ -493,7 +480,7 @@ TEST(Refine, DropsVerticesAmongEmptyCells) {
   EXPECT_EQ(result.state.parameters.size(), 4 * result.mesh.tets.size());
 }
 
-TEST(Refine, KeepsTheLogarithmFiniteWhereThereIsNoDensity) {
+TEST(InsertVertices, KeepsTheLogarithmFiniteWhereThereIsNoDensity) {
   const TetMesh mesh = JitteredBox(4);
   // exp(-200) is 0 as a float.
   const FieldState state = StateOfLogDensity(mesh, [](const glm::vec3&) { return -200.0f; });
