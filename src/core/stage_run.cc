@@ -200,6 +200,7 @@ void RunStage(const StageRequest& request, const std::function<void(Stage&)>& bo
     return;
   }
   const FolderLock lock(request.folder);
+  RefuseLinks(request.folder, ReadManifestOrStatus(request.folder / kStatusFile));
   StageRun(request).Call(body);
 }
 
