@@ -186,6 +186,7 @@ std::string StageRequest::Key() const {
 }
 
 void RunStage(const StageRequest& request, const std::function<void(Stage&)>& body) {
+  CheckPathIsText(request.folder);
   std::error_code error;
   fs::create_directories(request.folder, error);
   if (error) {
