@@ -31,7 +31,7 @@ struct Checkpoint {
   PoseState poses;
 };
 
-// Own format, little endian: "TETRECK9", u64 iteration, f64 seconds, u64 rays, u32 rounds,
+// Own format, little endian: "TETRECKA", u64 iteration, f64 seconds, u64 rays, u32 rounds,
 // u64 metrics bytes, f64 best PSNR, harmonics unlocked, judged and closed u32 x 3, u32 fine rays
 // and u32 moving vertices (each 0 not tried, 1 not used, 2 used), u64 V, u64 T,
 // the layout (AppendLayout), positions f32 x 3 V, tets and neighbours u32 x 4 T each, then
@@ -41,10 +41,11 @@ struct Checkpoint {
 // u64 exposures E, for each gains and offsets, f64 x 3 each, and for each the sums of its three
 // channels, f64 x 5 each (GainOffsetSums); then u32 sweeps over the cameras, u64 poses P, and for
 // each cam_from_world, f64 x 9 of the rotation by columns and x 3 of the translation, and the
-// depth, f64. Written by rename.
+// depth, f64; last the SHA-256 of all before it, 64 hexadecimal digits. Written by rename.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
-// Throws DataError if the file is truncated or inconsistent.
+// Throws DataError if the file is damaged, truncated or inconsistent.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);
+// Parses what precedes the checksum.
 Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& name);
 
 }  // namespace tetrec
