@@ -1,6 +1,7 @@
 // tetrec-evaluate: measures the quality of images and meshes on disk; renders nothing.
 #include "eval/evaluate.h"
 
+#include "command/help.h"
 #include "command/stage_command.h"
 #include "core/error.h"
 #include "core/stage.h"
@@ -10,8 +11,7 @@ int main(int argc, char** argv) {
   tetrec::StageCommand command(
       "evaluate", 2,
       "Measures the quality of rendered views (PSNR, SSIM) and of a surface (accuracy, "
-      "completeness,\n"
-      "F-score), and writes metrics.json and a self-contained report.html.\n"
+      "completeness, F-score), and writes metrics.json and a self-contained report.html.\n"
       "Example: tetrec-evaluate RUN/4_views RUN/5_surface -o RUN/6_report");
   command.InputStage("VIEWS", "Folder that tetrec-render wrote", {"render"});
   command.InputStage("SURFACE", "Folder that tetrec-surface wrote", {"surface"}, false);
@@ -43,6 +43,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.get_option("--ground-truth")->needs("SURFACE");
   app.get_option("--cameras")->needs("--ground-truth");
+  tetrec::GroupOptions(app, "Comparison with the truth",
+                       {"--ground-truth", "--cameras", "--depth-maps", "--ground-truth-bounds",
+                        "--threshold", "--surface-samples", "--seed"});
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { Evaluate(options, stage); },
       [&] { options.Check(); });

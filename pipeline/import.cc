@@ -1,6 +1,7 @@
 // tetrec-import: a data set with known cameras, or a volume -> a scene folder.
 #include "import/import.h"
 
+#include "command/help.h"
 #include "command/stage_command.h"
 #include "command/word_option.h"
 #include "core/error.h"
@@ -53,11 +54,10 @@ void AddVolumeOptions(tetrec::StageCommand& command, tetrec::VolumeImportOptions
                  "Width and height of the images [px]; --max-size bounds them too, if given");
   app.add_option("--rays-per-side", options.rays_per_side, "A pixel is the mean of N x N rays");
   app.add_option("--seed", options.seed, "Random seed that rotates the sphere of cameras");
-  for (const char* name : {"--transfer-function", "--dimensions", "--sample-type", "--byte-order",
-                           "--spacing", "--value-range", "--attenuation", "--shading", "--cameras",
-                           "--size", "--rays-per-side", "--seed"}) {
-    app.get_option(name)->group(kVolumes);
-  }
+  tetrec::GroupOptions(app, kVolumes,
+                       {"--transfer-function", "--dimensions", "--sample-type", "--byte-order",
+                        "--spacing", "--value-range", "--attenuation", "--shading", "--cameras",
+                        "--size", "--rays-per-side", "--seed"});
 }
 
 void ReadTexts(const VolumeTexts& texts, tetrec::VolumeImportOptions& options) {
@@ -150,6 +150,11 @@ int main(int argc, char** argv) {
                "points, so that the first mesh can be built from points");
   app.add_flag("--skip-missing", options.skip_missing,
                "Leave out images that the data set names but does not contain");
+  using tetrec::GroupOptions;
+  GroupOptions(app, "Scene", {"--max-size", "--background", "--holdout", "--test-list"});
+  GroupOptions(app, "Image data sets",
+               {"--format", "--images", "--downscale", "--masks", "--bounds", "--triangulate",
+                "--skip-missing"});
   bool is_volume = false;
   return command.Run(
       argc, argv,

@@ -1,4 +1,5 @@
 // tetrec-optimize: fits the radiance field to the images, coarse to fine.
+#include "command/help.h"
 #include "command/option_checks.h"
 #include "command/stage_command.h"
 #include "command/word_option.h"
@@ -137,6 +138,22 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                                               options.checkpoint_interval_s,
                                               "Seconds between checkpoints")
                                    ->check(tetrec::AtLeastZero()));
+  using tetrec::GroupOptions;
+  GroupOptions(
+      app, "Length of the run",
+      {"--time-limit", "--iterations", "--seed", "--deterministic", "--checkpoint-interval"});
+  GroupOptions(app, "Rays and loss",
+               {"--rays", "--loss", "--jitter", "--subject-share", "--background", "--fine-rays",
+                "--judging-pictures", "--watched-views"});
+  GroupOptions(
+      app, "Field",
+      {"--storage", "--density", "--max-density", "--density-decay", "--sh", "--camera-space"});
+  GroupOptions(
+      app, "Learning rates",
+      {"--color-rate", "--sh-rate", "--density-rate", "--position-rate", "--final-rate-share"});
+  GroupOptions(app, "Photos and cameras", {"--exposure", "--poses"});
+  GroupOptions(app, "Mesh",
+               {"--positions", "--rounds", "--last-round", "--max-vertices", "--score-rays"});
   AddRendererOptions(command, options.renderer);
 }
 

@@ -1,4 +1,5 @@
 // tetrec-render: images of a finished field, with the ground truth beside them.
+#include "command/help.h"
 #include "command/stage_command.h"
 #include "command/word_option.h"
 #include "core/stage.h"
@@ -25,6 +26,7 @@ int main(int argc, char** argv) {
                         "Also render each view from a camera whose pose is fitted to the true "
                         "image, as a second number: auto (if the training cameras were corrected), "
                         "on or off");
+  tetrec::GroupOptions(app, "Views", {"--views", "--samples", "--background", "--refine-cameras"});
   AddRendererOptions(command, options.renderer);
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunRenderViews(options, stage); },

@@ -1,6 +1,7 @@
 // The options of every program that renders.
 #include "renderer_options.h"
 
+#include "command/help.h"
 #include "command/word_option.h"
 
 #include <string>
@@ -42,6 +43,9 @@ void AddRendererOptions(StageCommand& command, RendererOptions& options) {
   command.DoesNotChangeResults(
       app.add_option("--device", options.device.device,
                      "Vulkan device: auto, cpu, gpu or a number; not for the reference renderer"));
+  GroupOptions(app, "Renderer",
+               {"--renderer", "--precision", "--order", "--integral", "--fragment-memory",
+                "--fragment-sort", "--time-kernels", "--device"});
 }
 
 }  // namespace tetrec

@@ -1,9 +1,28 @@
 // tetrec-sfm: photos -> COLMAP -> undistorted views, cameras, sparse points.
 #include "sfm/sfm.h"
 
+#include "command/help.h"
 #include "command/stage_command.h"
 #include "command/word_option.h"
+#include "core/error.h"
 #include "core/stage.h"
+#include "import/dataset.h"
+
+#include <fmt/format.h>
+
+namespace {
+
+// COLMAP would search for them in vain among all pictures of the data set.
+void RefuseKnownCameras(const std::string& folder) {
+  const std::vector<tetrec::DatasetFormat> formats = tetrec::FormatsOf(folder);
+  if (formats.empty()) return;
+  throw tetrec::DataError(
+      fmt::format("{}: a data set whose cameras are known ({}); give it to tetrec-import, or give "
+                  "the folder of its photos alone",
+                  folder, Name(formats[0])));
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   tetrec::SfmOptions options;
@@ -41,7 +60,15 @@ int main(int argc, char** argv) {
                  "of the scene that are neither trained on nor held out; 1: train on all. All "
                  "photos help to find the cameras");
   app.add_option("--seed", options.seed, "Random seed of COLMAP's mapper");
+  using tetrec::GroupOptions;
+  GroupOptions(app, "Scene", {"--max-size", "--holdout", "--train-every"});
+  GroupOptions(
+      app, "COLMAP",
+      {"--matcher", "--max-features", "--retries", "--camera-sharing", "--camera-model", "--seed"});
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { tetrec::RunSfm(options, stage); },
-      [&] { options.Check(); });
+      [&] {
+        options.Check();
+        RefuseKnownCameras(app.get_option("PHOTOS")->as<std::string>());
+      });
 }

@@ -1,6 +1,7 @@
 // tetrec-surface: the level set of a field's density as a coloured triangle mesh.
 #include "surface/surface.h"
 
+#include "command/help.h"
 #include "command/stage_command.h"
 #include "command/word_option.h"
 
@@ -8,8 +9,7 @@ int main(int argc, char** argv) {
   tetrec::StageCommand command(
       "surface", 2,
       "Extracts the surface of a field: writes surface.ply and surface.obj, with vertex colours, "
-      "in\n"
-      "the input's own coordinates.\n"
+      "in the input's own coordinates.\n"
       "Example: tetrec-surface RUN/3_field -o RUN/5_surface");
   tetrec::SurfaceOptions options;
   command.InputStage("field", "Folder that tetrec-optimize wrote", {"optimize"});
@@ -31,6 +31,10 @@ int main(int argc, char** argv) {
   app.add_option("--max-faces", options.max_faces, "Simplify to this many triangles; 0: keep all");
   app.add_option("--rays", options.rays, "Rays that find the isovalue, 100 or more");
   app.add_option("--seed", options.seed, "Random seed of those rays");
+  using tetrec::GroupOptions;
+  GroupOptions(app, "Level", {"--isovalue", "--smoothing", "--rays", "--seed"});
+  GroupOptions(app, "Part of the surface",
+               {"--bounds", "--margin", "--min-component-share", "--keep-cavities", "--max-faces"});
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunSurface(options, stage); },
       [&] { options.Check(); });

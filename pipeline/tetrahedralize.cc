@@ -2,6 +2,7 @@
 // starts from.
 #include "start/tetrahedralize.h"
 
+#include "command/help.h"
 #include "command/stage_command.h"
 #include "command/word_option.h"
 
@@ -9,8 +10,7 @@ int main(int argc, char** argv) {
   tetrec::StageCommand command(
       "tetrahedralize", 2,
       "Fills a scene with tetrahedra: writes the mesh (mesh.tet), and the first density and colour "
-      "of\n"
-      "its vertices (field.tetf).\n"
+      "of its vertices (field.tetf).\n"
       "Example: tetrec-tetrahedralize RUN/1_scene -o RUN/2_tetrahedra");
   tetrec::TetrahedralizeOptions options;
   command.InputStage("scene", "Folder that tetrec-sfm or tetrec-import wrote", {"sfm", "import"});
@@ -54,6 +54,16 @@ int main(int argc, char** argv) {
                  "dense: distance of the layers from the points, in the points' spacing");
   app.add_option("--free-depth", options.dense.free_depth,
                  "dense: first optical depth of vertices in free space over their mean edge");
+  using tetrec::GroupOptions;
+  GroupOptions(app, "Start", {"--start", "--seed"});
+  GroupOptions(app, "Start from depth maps",
+               {"--dense-points", "--depth-size", "--depth-neighbors", "--surface-depth",
+                "--layer-spacing", "--free-depth"});
+  GroupOptions(app, "Start from sparse points",
+               {"--max-reprojection-error", "--min-track-length", "--min-spacing",
+                "--sphere-points", "--far-share"});
+  GroupOptions(app, "Start from masks or a box",
+               {"--resolution", "--outer-points", "--start-density"});
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunTetrahedralize(options, stage); },
       [&] { options.Check(); });

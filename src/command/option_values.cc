@@ -32,6 +32,12 @@ json ParsedValue(const std::string& text) {
   return text;
 }
 
+bool IsTooLarge(const std::string& text) {
+  uint64_t whole = 0;
+  return std::from_chars(text.data(), text.data() + text.size(), whole).ec ==
+         std::errc::result_out_of_range;
+}
+
 }  // namespace
 
 json OptionValue(const CLI::Option& option) {
@@ -59,6 +65,8 @@ void CheckNumbers(const CLI::App& app) {
       if (type.starts_with("UINT") && text.starts_with("-")) want = "a whole number of 0 or more";
       if (type.starts_with("FLOAT") && !std::isfinite(std::strtod(text.c_str(), nullptr)))
         want = "a finite number";
+      if (type.find("INT") < 2 && IsTooLarge(text)) want = "a smaller number";
+      if (text.empty()) throw UsageError(fmt::format("{} is empty", option->get_name()));
       if (want != nullptr)
         throw UsageError(fmt::format("{} is {}; expected {}", option->get_name(), text, want));
     }

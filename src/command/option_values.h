@@ -9,8 +9,9 @@ namespace tetrec {
 // The given value or the default: a number, a truth value, text, or an array of these.
 nlohmann::json OptionValue(const CLI::Option& option);
 
-// Throws UsageError for what CLI11 accepts wrongly: it reads "nan" and "inf" as numbers, and wraps
-// "-3" to a huge number for an unsigned option.
+// Throws UsageError for what CLI11 accepts wrongly: it reads "nan" and "inf" as numbers, wraps "-3"
+// to a huge number for an unsigned option, takes the largest number for a larger one, and an empty
+// text for a path.
 void CheckNumbers(const CLI::App& app);
 
 }  // namespace tetrec

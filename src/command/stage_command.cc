@@ -7,7 +7,6 @@
 #include "core/manifest.h"
 #include "core/stage_run.h"
 #include "core/stop_request.h"
-#include "core/version.h"
 
 #include <fmt/format.h>
 
@@ -40,8 +39,6 @@ std::string QuotedForShell(const std::string& argument) {
 StageCommand::StageCommand(std::string name, int version, const std::string& description)
     : name_(std::move(name)), version_(version), app_(description, ProgramOf(name_)) {
   app_.option_defaults()->always_capture_default();
-  app_.set_version_flag(
-      "--version", fmt::format("{} {} ({})", ProgramOf(name_), ProgramVersion(), GitRevision()));
 }
 
 void StageCommand::InputStage(const std::string& name, const std::string& help,
@@ -103,6 +100,7 @@ StageRequest StageCommand::MakeRequest(int argc, char** argv) const {
 
 int StageCommand::Run(int argc, char** argv, const std::function<void(Stage&)>& body,
                       const std::function<void()>& check_options) {
+  app_.option_defaults()->group("Folder to write");
   app_.add_option("-o,--output", output_, "Folder to write; created if it does not exist")
       ->required()
       ->type_name("FOLDER")

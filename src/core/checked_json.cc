@@ -2,6 +2,7 @@
 #include "core/checked_json.h"
 
 #include "core/error.h"
+#include "core/printable.h"
 
 #include <fmt/format.h>
 
@@ -129,10 +130,7 @@ bool StaysInside(const std::filesystem::path& path) {
   for (const std::filesystem::path& part : path) {
     if (part == "..") return false;
   }
-  for (const char c : path.string()) {
-    if (uint8_t(c) < 0x20 || c == 0x7F) return false;
-  }
-  return true;
+  return path.string() == Printable(path.string());
 }
 
 }  // namespace tetrec

@@ -50,7 +50,8 @@ class CheckedJson {
 nlohmann::json ToJson(const glm::dvec3& vector);
 nlohmann::json ToJson(const glm::dmat3& matrix);  // rows
 
-// True for a relative path of plain components: no "..", no root, no control characters.
+// True for a relative path of plain components: no "..", no root, no control characters, UTF-8.
+// Other names could be neither printed nor stored.
 bool StaysInside(const std::filesystem::path& path);
 
 }  // namespace tetrec

@@ -33,7 +33,8 @@ class FileDescriptor {
 };
 
 FileDescriptor OpenForReading(const fs::path& path) {
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // The opening of a pipe would wait for a writer.
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0)
     throw DataError(fmt::format("{}: cannot be read ({})", path.string(), std::strerror(errno)));
   struct stat info {};
@@ -64,6 +65,8 @@ size_t ReadSome(int fd, uint8_t* destination, size_t size, const fs::path& path)
   throw EnvironmentError(fmt::format("{}: cannot write {} bytes ({}){}", path.string(),
                                      WithThousands(bytes), std::strerror(error), advice));
 }
+
+constexpr size_t kDeepestJson = 100;
 
 std::string AsHex(const unsigned char* bytes, size_t size) {
   std::string text;
@@ -129,7 +132,10 @@ std::vector<uint8_t> ReadFront(const fs::path& path, size_t max_bytes) {
 
 FileWriter::FileWriter(fs::path path, uint64_t bytes)
     : path_(std::move(path)), temporary_(path_.string() + ".tmp"), bytes_(bytes) {
-  fd_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  // A new file: what a killed run, or somebody else, left under this name may be a link to a file
+  // that is not ours.
+  unlink(temporary_.c_str());
+  fd_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (fd_ < 0) FailWrite(path_, bytes_, errno);
 }
 
@@ -177,7 +183,36 @@ void WriteText(const fs::path& path, const std::string& text) {
   WriteBytes(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
+namespace {
+
+// The parser does not recurse, but copying and writing of what it returns do.
+size_t DepthOfJson(std::string_view text) {
+  size_t depth = 0, deepest = 0;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      deepest = std::max(deepest, ++depth);
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+  }
+  return deepest;
+}
+
+}  // namespace
+
 nlohmann::json ParseJson(std::string_view text, const std::string& name) {
+  if (const size_t depth = DepthOfJson(text); depth > kDeepestJson) {
+    throw DataError(
+        fmt::format("{}: is not valid JSON: {} levels of lists and objects; at most {} are read",
+                    name, WithThousands(depth), kDeepestJson));
+  }
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& error) {
@@ -201,6 +236,12 @@ void WriteJson(const fs::path& path, const nlohmann::json& value) {
 std::string Sha256(std::span<const uint8_t> bytes) {
   Sha256State state;
   state.Add(bytes);
+  return state.Finish();
+}
+
+std::string Sha256(std::span<const std::span<const uint8_t>> pieces) {
+  Sha256State state;
+  for (const auto& piece : pieces) state.Add(piece);
   return state.Finish();
 }
 

@@ -13,6 +13,9 @@
 
 namespace tetrec {
 
+// All readers refuse what is not a regular file: a pipe could make them wait for ever, a device
+// never ends.
+
 // Reads a whole file. Throws DataError (missing, unreadable, larger than max_bytes).
 std::vector<uint8_t> ReadBytes(const std::filesystem::path& path,
                                uint64_t max_bytes = uint64_t{1} << 34);
@@ -23,8 +26,8 @@ std::vector<uint8_t> ReadFront(const std::filesystem::path& path, size_t max_byt
 
 // Writes a file piece by piece, for data that should not first be assembled in memory. It writes
 // beside `path`; Finish syncs and renames, so that the final name never shows half a file, and
-// without Finish nothing is left. Throws EnvironmentError naming path, bytes and reason (disk
-// full).
+// without Finish nothing is left. A link at `path` is replaced, not followed. Throws
+// EnvironmentError naming path, bytes and reason (disk full).
 class FileWriter {
  public:
   // `bytes`: the size of all pieces together.
@@ -61,13 +64,15 @@ void WritePieces(const std::filesystem::path& path,
 void WriteBytes(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 void WriteText(const std::filesystem::path& path, const std::string& text);
 
-// Throws DataError with the name and the position of a syntax error.
+// Throws DataError with the name and the position of a syntax error, and for values nested deeper
+// than 100 levels.
 nlohmann::json ParseJson(std::string_view text, const std::string& name);
 nlohmann::json ReadJson(const std::filesystem::path& path);
 void WriteJson(const std::filesystem::path& path, const nlohmann::json& value);
 
 // Lower-case hexadecimal SHA-256.
 std::string Sha256(std::span<const uint8_t> bytes);
+std::string Sha256(std::span<const std::span<const uint8_t>> pieces);
 std::string Sha256OfFile(const std::filesystem::path& path);
 
 // Reads plain little-endian values from a byte span; every read is checked against what remains and

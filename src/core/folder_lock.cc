@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -14,13 +15,28 @@
 
 namespace tetrec {
 namespace fs = std::filesystem;
+namespace {
+
+struct stat StatusOf(int fd) {
+  struct stat status {};
+  if (fstat(fd, &status) != 0) status = {};
+  return status;
+}
+
+}  // namespace
 
 FolderLock::FolderLock(const fs::path& folder) {
   const fs::path path = folder / kLockFile;
-  fd_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (fd_ < 0) {
+  fd_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+  if (fd_ < 0 && errno != ELOOP) {
     throw EnvironmentError(
         fmt::format("{}: cannot be written ({})", folder.string(), std::strerror(errno)));
+  }
+  const struct stat status = StatusOf(fd_);
+  if (!S_ISREG(status.st_mode)) {
+    if (fd_ >= 0) close(fd_);
+    throw UsageError(fmt::format("{}: is a link or a device; remove it or choose another folder",
+                                 path.string()));
   }
   if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
     char pid[32] = {};
@@ -30,6 +46,7 @@ FolderLock::FolderLock(const fs::path& folder) {
         fmt::format("{} is in use by another process (pid {}); wait for it or stop it",
                     folder.string(), std::string(pid, std::strcspn(pid, "\n"))));
   }
+  if (status.st_nlink > 1) return;  // its other name may be that of a file outside of the folder
   const std::string pid = std::to_string(getpid()) + "\n";
   if (ftruncate(fd_, 0) != 0 || write(fd_, pid.data(), pid.size()) != ssize_t(pid.size())) {
     const int error = errno;

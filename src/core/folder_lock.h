@@ -8,7 +8,8 @@ namespace tetrec {
 inline constexpr const char* kLockFile = ".lock";
 
 // Held during its lifetime; the lock of a killed process is released. Throws EnvironmentError if
-// another process holds it (naming its pid) or the folder cannot be written.
+// another process holds it (naming its pid) or the folder cannot be written, and UsageError if the
+// lock is a link.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);

@@ -1,6 +1,8 @@
 // Log lines, and the status line that a terminal shows below them.
 #include "core/log.h"
 
+#include "core/printable.h"
+
 #include <unistd.h>
 
 #include <algorithm>
@@ -55,7 +57,7 @@ void WriteToFile(std::FILE* file, const std::string& text) {
 void LogLine(LogLevel level, const std::string& line) {
   LogState& state = State();
   const std::scoped_lock lock(state.mutex);
-  const std::string text = Prefix(level) + line;
+  const std::string text = Prefix(level) + Printable(line);
   if (level == LogLevel::kWarning) state.warnings.push_back(line);
   if (!state.status_line.empty()) std::fputs("\r\033[K", stderr);
   std::fputs((text + "\n" + state.status_line).c_str(), stderr);
@@ -94,7 +96,7 @@ void SetStatusLine(const std::string& line) {
 std::string OneLine(std::string text) {
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
+  return Printable(text);
 }
 
 }  // namespace tetrec

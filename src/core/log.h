@@ -11,7 +11,8 @@ namespace tetrec {
 
 enum class LogLevel { kInfo, kWarning, kError };
 
-// Writes one line. Thread safe. Warnings are counted and repeated at the end of a stage.
+// Writes one line, made printable (printable.h). Thread safe. Warnings are counted and repeated at
+// the end of a stage.
 void LogLine(LogLevel level, const std::string& line);
 
 template <class... Args>
@@ -28,7 +29,7 @@ void SetLogFile(const std::filesystem::path& path);
 // Warnings since the last call, oldest first.
 std::vector<std::string> TakeWarnings();
 
-// The text on one line, without white space at its end.
+// The text on one line, without white space at its end, printable.
 std::string OneLine(std::string text);
 
 // For Progress: a line for the log file only, and the line that a terminal keeps below the log

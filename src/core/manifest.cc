@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/process_memory.h"
+#include "core/stage_folder.h"
 #include "core/version.h"
 
 #include <fmt/format.h>
@@ -55,6 +56,11 @@ bool IsAlive(const json& status) {
          kill(pid_t(pid->get<int64_t>()), 0) == 0;
 }
 
+std::string StateAndErrorInWords(const json& status) {
+  const std::string state = StateInWords(status, true), error = TextOrEmpty(status, "error");
+  return state + (error.empty() ? "" : ": " + error);
+}
+
 }  // namespace
 
 std::string ProgramOf(const std::string& stage) { return "tetrec-" + stage; }
@@ -96,6 +102,14 @@ json StatusOfNewRun(const std::string& stage, const std::string& key, const json
 json ReadManifest(const fs::path& folder, const std::set<std::string>& stages) {
   const std::string name = folder.string(), programs = ProgramsOf(stages);
   std::error_code error;
+  if (fs::is_regular_file(folder, error)) {
+    const fs::path parent = fs::absolute(folder).parent_path();
+    const json written = ReadManifestOrStatus(parent / kManifestFile);
+    throw DataError(fmt::format("{}: is a file; {}", name,
+                                stages.contains(TextOrEmpty(written, "stage"))
+                                    ? "give the folder that it is in: " + parent.string()
+                                    : "expected the folder that " + programs + " wrote"));
+  }
   if (!fs::is_directory(folder, error)) {
     throw DataError(
         fmt::format("{}: there is no such folder; run {} with -o {} first", name, programs, name));
@@ -116,15 +130,15 @@ json ReadManifest(const fs::path& folder, const std::set<std::string>& stages) {
   }
   if (manifest.is_null()) {
     throw DataError(fmt::format("{}: {} did not finish there ({}); run it again", name,
-                                ProgramOf(stage), StateInWords(status, true)));
+                                ProgramOf(stage), StateAndErrorInWords(status)));
   }
   if (manifest["schema"] != kSchema) {
     throw DataError(fmt::format("{}: manifest.json has the schema {}, expected {}; run {} again",
                                 name, manifest["schema"].dump(), kSchema, ProgramOf(stage)));
   }
   if (const std::string spoiled = FirstSpoiledOutput(folder, manifest); !spoiled.empty()) {
-    throw DataError(fmt::format("{}: {} is missing or was changed; run {} again", name, spoiled,
-                                ProgramOf(stage)));
+    throw DataError(fmt::format("{}: {} is missing or was changed since {} wrote it; run {} again",
+                                name, spoiled, ProgramOf(stage), ProgramOf(stage)));
   }
   return manifest;
 }
@@ -174,23 +188,23 @@ std::string FirstSpoiledOutput(const fs::path& folder, const json& manifest) {
   const auto outputs = manifest.find("outputs");
   if (outputs == manifest.end() || !outputs->is_array()) return kManifestFile;
   for (const json& output : *outputs) {
-    const std::string path = TextOrEmpty(output, "path");
-    if (path.empty() || !output.contains("bytes") || !output["bytes"].is_number_unsigned())
+    const std::string path = TextOrEmpty(output, "path"), hash = TextOrEmpty(output, "sha256");
+    if (!StaysInFolder(path) || hash.empty() || !output.contains("bytes") ||
+        !output["bytes"].is_number_unsigned())
       return kManifestFile;
     std::error_code error;
-    if (fs::file_size(folder / path, error) != output["bytes"].get<uint64_t>() || error)
+    if (fs::file_size(folder / path, error) != output["bytes"].get<uint64_t>() || error ||
+        Sha256OfFile(folder / path) != hash)
       return path;
   }
   return "";
 }
 
 std::string StateInWords(const json& status, bool may_run) {
-  std::string state = TextOrEmpty(status, "status");
+  const std::string state = TextOrEmpty(status, "status");
   if (state == "running")
     return may_run && IsAlive(status) ? "is still running" : "was killed before it finished";
-  if (state.empty()) state = "unfinished";
-  const std::string error = TextOrEmpty(status, "error");
-  return state + (error.empty() ? "" : ": " + error);
+  return state.empty() ? "unfinished" : state;
 }
 
 }  // namespace tetrec

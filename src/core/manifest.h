@@ -60,11 +60,12 @@ std::optional<std::filesystem::path> PreviousFolder(const std::filesystem::path&
 std::filesystem::path PreviousStage(const std::filesystem::path& folder,
                                     const std::set<std::string>& stages);
 
-// The first listed output that is missing or has another size (manifest.json itself if its list is
-// invalid); empty if there is none.
+// The first listed output that is missing or has another content than the manifest's sha256
+// (manifest.json itself if its list is invalid); empty if there is none. It reads all outputs: 1 GB
+// takes about half a second on a processor with SHA instructions, and otherwise two to three.
 std::string FirstSpoiledOutput(const std::filesystem::path& folder, const nlohmann::json& manifest);
 
-// The state of an unfinished run, "interrupted: stopped by the user; ...". `may_run` is false for a
+// The state of an unfinished run, such as "interrupted". `may_run` is false for a
 // caller who has the folder's lock: the recorded process id may belong to another process by now.
 std::string StateInWords(const nlohmann::json& status, bool may_run);
 

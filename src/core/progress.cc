@@ -16,6 +16,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr double kTerminalInterval_s = 0.1;
 constexpr double kLogInterval_s = 10.0;
+// What must have passed before the rest can be estimated.
+constexpr double kLeastPercent = 0.5, kLeastTime_s = 1.0;
 
 double Since(Clock::time_point time) {
   return std::chrono::duration<double>(Clock::now() - time).count();
@@ -53,10 +55,16 @@ void Progress::Update(double done, const std::string& detail) {
   if (!show && !log) return;
 
   const double elapsed_s = Since(start_);
-  std::string line = title_ + " " + ShownNumber(done);
-  if (total_ > 0) line += fmt::format("/{} ({:.0f} %)", ShownNumber(total_), 100 * done / total_);
+  const double percent = total_ > 0 ? 100 * done / total_ : 0;
+  std::string line = title_ + " ";
+  if (total_ == kShare) {
+    line += fmt::format("{:.0f} %", percent);
+  } else {
+    line += ShownNumber(done);
+    if (total_ > 0) line += fmt::format("/{} ({:.0f} %)", ShownNumber(total_), percent);
+  }
   line += "  " + AsDuration(elapsed_s);
-  if (total_ > 0 && done > 0 && !finished) {
+  if (percent >= kLeastPercent && elapsed_s >= kLeastTime_s && !finished) {
     line += ", " + AsDuration(elapsed_s * (total_ - done) / done) + " left";
   }
   if (!detail.empty()) line += "  " + detail;

@@ -10,6 +10,8 @@ namespace tetrec {
 
 class Progress {
  public:
+  // The total of work whose `done` is the share of it.
+  static constexpr double kShare = 1;
   // `total` has the unit of Update's `done`; 0: unknown, no ETA.
   Progress(std::string title, double total);
   ~Progress();

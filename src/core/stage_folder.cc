@@ -28,6 +28,14 @@ bool IsForeign(const fs::path& folder) {
   return false;
 }
 
+// True for something inside of one of the folders.
+bool IsBelow(const fs::path& path, const std::set<std::string>& folders) {
+  for (fs::path parent = path.parent_path(); !parent.empty(); parent = parent.parent_path()) {
+    if (folders.contains(parent.string())) return true;
+  }
+  return false;
+}
+
 json FileRecord(const fs::path& folder, const fs::path& file) {
   return {{"path", file.lexically_relative(folder).generic_string()},
           {"bytes", fs::file_size(file)},
@@ -72,6 +80,30 @@ std::set<std::string> DeclaredPaths(const json& status, const char* role) {
       paths.insert(path.get<std::string>());
   }
   return paths;
+}
+
+void RefuseLinks(const fs::path& folder, const json& status) {
+  std::set<std::string> working = DeclaredPaths(status, "scratch");
+  working.merge(DeclaredPaths(status, "caches"));
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error);
+       !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    const fs::file_status kind = entry->symlink_status(error);
+    if (error) break;
+    if (fs::is_regular_file(kind) || fs::is_directory(kind)) continue;
+    const fs::path& path = entry->path();
+    if (!fs::is_symlink(kind) || !IsBelow(path.lexically_relative(folder), working)) {
+      throw UsageError(
+          fmt::format("{}: is a {}; a folder that a stage writes contains files and folders only: "
+                      "remove it or choose another folder",
+                      path.string(), fs::is_symlink(kind) ? "link" : "pipe or device"));
+    }
+    RemoveOwned(path);
+  }
+  if (error) {
+    throw EnvironmentError(
+        fmt::format("{}: cannot be listed ({})", folder.string(), error.message()));
+  }
 }
 
 void RemoveOwned(const fs::path& path) {

@@ -24,6 +24,13 @@ void CheckFolderIsOurs(const std::filesystem::path& folder, const std::string& s
 // "caches".
 std::set<std::string> DeclaredPaths(const nlohmann::json& status, const char* role);
 
+// A stage opens, writes and removes nothing outside of its folder, whatever somebody left inside:
+// throws UsageError if the folder contains anything but files and folders, at any depth. Links in
+// the scratch and the caches of the run with this status (may be null) are those of a stage that
+// was killed; they are removed, never followed. Another process that changes the folder while the
+// stage runs is not guarded against.
+void RefuseLinks(const std::filesystem::path& folder, const nlohmann::json& status);
+
 // Removes a file or folder, and the half-written file that a killed process left beside it. Throws
 // EnvironmentError.
 void RemoveOwned(const std::filesystem::path& path);

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/manifest.h"
+#include "core/printable.h"
 #include "core/stage_folder.h"
 
 #include <fmt/format.h>
@@ -48,9 +49,16 @@ void CheckOutputIsOutside(const fs::path& output_folder, const fs::path& input) 
 
 }  // namespace
 
+void CheckPathIsText(const fs::path& path) {
+  if (path.string() == Printable(path.string())) return;
+  throw UsageError(fmt::format(
+      "{}: a path that is not UTF-8 or contains control characters; rename it", path.string()));
+}
+
 StageInput ReadStageInput(const std::string& name, const fs::path& path,
                           const std::set<std::string>& stages, const fs::path& output_folder,
                           const FilesNamedBy& files_of) {
+  CheckPathIsText(path);
   StageInput input = {.name = name, .path = path};
   input.record = {{"name", name}, {"path", RelativeTo(path, output_folder)}};
   if (!stages.empty()) {
@@ -73,7 +81,9 @@ StageInput ReadStageInput(const std::string& name, const fs::path& path,
       input.hashes[name + " names " + file.filename().string()] = hash;
     }
   } else {
-    throw DataError(fmt::format("{}: there is no such file or folder", path.string()));
+    throw DataError(fmt::format(
+        "{}: {}", path.string(),
+        fs::exists(path) ? "is neither a file nor a folder" : "there is no such file or folder"));
   }
   input.hashes[name] = input.record["sha256"];
   return input;

@@ -24,6 +24,9 @@ struct StageInput {
   std::map<std::string, std::string> hashes;  // for the key: of the input and of files it names
 };
 
+// Manifests name paths as text. Throws UsageError for one that they could not name.
+void CheckPathIsText(const std::filesystem::path& path);
+
 // `stages`: those of which one must have written the folder; empty for a path from outside, which
 // may be a file (hashed, with the files that it names) or a folder (hashed by the names, sizes and
 // times of its files). `output_folder` must not be inside of a folder that is an input. Throws

@@ -186,6 +186,7 @@ std::string StageRequest::Key() const {
 }
 
 void RunStage(const StageRequest& request, const std::function<void(Stage&)>& body) {
+  CheckPathIsText(request.folder);
   std::error_code error;
   fs::create_directories(request.folder, error);
   if (error) {
@@ -200,6 +201,7 @@ void RunStage(const StageRequest& request, const std::function<void(Stage&)>& bo
     return;
   }
   const FolderLock lock(request.folder);
+  RefuseLinks(request.folder, ReadManifestOrStatus(request.folder / kStatusFile));
   StageRun(request).Call(body);
 }
 

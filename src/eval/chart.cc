@@ -63,7 +63,10 @@ std::vector<std::string> LegendsOf(const std::vector<RunCurve>& runs, bool with_
   return legends;
 }
 
-std::string CsvCell(const std::string& text) {
+// Spreadsheets take a text that starts with one of these for a formula, unless an apostrophe
+// precedes it.
+std::string CsvCell(std::string text) {
+  if (text.find_first_of("=+-@") == 0) text.insert(0, 1, '\'');
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -148,6 +151,7 @@ void WriteChart(const std::vector<RunCurve>& runs, const ChartOptions& options,
         fmt::format("{}: cannot be created ({})", out.string(), error.message()));
   }
   const fs::path scratch = out / ".gnuplot";
+  fs::remove_all(scratch);  // of a killed run, or a link that somebody left
   DrawPlot(plot, out / "chart.svg", scratch);
   DrawPlot(plot, out / "chart.png", scratch);
   fs::remove_all(scratch);

@@ -9,9 +9,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <string_view>
 
 namespace tetrec {
 namespace {
@@ -22,14 +24,21 @@ constexpr const char* kPalette[8] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                      "#E69F00", "#56B4E9", "#000000", "#7F7F7F"};
 constexpr int kMarks[8] = {7, 5, 9, 11, 13, 6, 4, 8};
 
-// gnuplot's single-quoted strings have one escape: '' for '.
+// A gnuplot string in which whatever could end it, or run a command, is an octal escape. (gnuplot
+// reads single quotes at the start of a single-quoted string as its end.)
 std::string Quoted(const std::string& text) {
-  std::string quoted = "'";
+  constexpr std::string_view kPlain = " .,:;()[]{}<>=+-*/_!?#&|~%";
+  std::string quoted = "\"";
   for (const char c : text) {
-    if (c == '\'') quoted += '\'';
-    quoted += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+    const auto byte = uint8_t(c);
+    const bool plain = byte >= 0x80 || std::isalnum(byte) || kPlain.find(c) != kPlain.npos;
+    if (byte < 0x20 || byte == 0x7f) {
+      quoted += ' ';
+    } else {
+      quoted += plain ? std::string(1, c) : fmt::format("\\{:03o}", byte);
+    }
   }
-  return quoted + "'";
+  return quoted + "\"";
 }
 
 // gnuplot cuts a title that is wider than the chart off. This breaks it between words into lines,
@@ -49,14 +58,17 @@ std::string TitleInLines(const Plot& plot) {
 
 std::string DataName(size_t series) { return fmt::format("series_{}.txt", series); }
 
+// Subnormal numbers have one too, but gnuplot cannot draw it.
+bool HasLogarithm(double value) { return value > 0 && std::isnormal(value); }
+
 // The points that can be drawn; a blank line breaks the curve.
 std::string DataOf(const Plot& plot, const PlotSeries& series) {
   std::string lines;
   const bool log_y = series.on_second_axis ? plot.log_y2 : plot.log_y;
   for (size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
     const double x = series.x[i], y = series.y[i];
-    const bool drawable =
-        std::isfinite(x) && std::isfinite(y) && (!plot.log_x || x > 0) && (!log_y || y > 0);
+    const bool drawable = std::isfinite(x) && std::isfinite(y) &&
+                          (!plot.log_x || HasLogarithm(x)) && (!log_y || HasLogarithm(y));
     lines += drawable ? fmt::format("{} {}\n", x, y) : "\n";
   }
   return lines;
@@ -80,16 +92,19 @@ std::string LogTics(const Plot& plot) {
   double low = std::numeric_limits<double>::infinity(), high = 0;
   for (const PlotSeries& series : plot.series) {
     for (const double x : series.x) {
-      if (!(x > 0) || !std::isfinite(x)) continue;
+      if (!HasLogarithm(x)) continue;
       low = std::min(low, x);
       high = std::max(high, x);
     }
   }
+  constexpr int kMostDecades = 30;  // more could not be read
+  const int last = int(std::ceil(std::log10(high)));
+  const int first = std::max(int(std::floor(std::log10(low))), last - kMostDecades);
   std::vector<std::string> tics;
-  for (double power = std::pow(10, std::floor(std::log10(low))); power <= high; power *= 10) {
-    for (const double factor : {1, 2, 5}) tics.push_back(fmt::format("{:g}", factor * power));
+  for (int power = first; power < last; ++power) {
+    for (const int factor : {1, 2, 5}) tics.push_back(fmt::format("{}e{}", factor, power));
   }
-  tics.push_back(fmt::format("{:g}", std::pow(10, std::ceil(std::log10(high)))));
+  tics.push_back(fmt::format("1e{}", last));
   return fmt::format("{}", fmt::join(tics, ", "));
 }
 

@@ -19,11 +19,20 @@ namespace fs = std::filesystem;
 constexpr std::array<std::string_view, 9> kExtensions = {".png",  ".jpg", ".jpeg", ".exr", ".tif",
                                                          ".tiff", ".bmp", ".webp", ".heic"};
 
-// True if no two files coincide and none has the name of a folder that another one is in.
+// File systems allow 255 bytes, of which a file that is being written needs some.
+constexpr size_t kLongestName = 240;
+
+bool HasLongName(const fs::path& file) {
+  return std::any_of(file.begin(), file.end(),
+                     [](const fs::path& part) { return part.string().size() > kLongestName; });
+}
+
+// True if all files can be written, no two coincide and none has the name of a folder that another
+// one is in.
 bool AreApart(const std::vector<std::string>& files) {
   std::set<fs::path> known;
   for (const std::string& file : files) {
-    if (!known.insert(fs::path(file).lexically_normal()).second) return false;
+    if (HasLongName(file) || !known.insert(fs::path(file).lexically_normal()).second) return false;
   }
   for (const fs::path& file : known) {
     for (fs::path folder = file.parent_path(); folder.has_relative_path();

@@ -14,7 +14,8 @@ std::string WithoutImageExtension(const std::string& name);
 enum class Folders { kKeep, kFlatten };
 
 // The files for images of these names, in the same order: STEM.png. If two files would coincide,
-// all keep their extension (a.jpg.png); if that does not help either, all are numbered. Different
+// all keep their extension (a.jpg.png); if that does not help either, or a name is too long for a
+// file system, all are numbered. Different
 // names always give different files, and no file is in a folder that has the name of another.
 std::vector<std::string> PngFiles(const std::vector<std::string>& names, Folders folders);
 

@@ -31,6 +31,15 @@ Dataset ReadInFormat(const std::filesystem::path& folder, DatasetFormat format,
 
 }  // namespace
 
+std::vector<DatasetFormat> FormatsOf(const std::filesystem::path& folder) {
+  const auto has = [&](const char* file) { return std::filesystem::exists(folder / file); };
+  std::vector<DatasetFormat> found;
+  if (has("transforms_train.json")) found.push_back(DatasetFormat::kNerfSynthetic);
+  if (has("transforms.json")) found.push_back(DatasetFormat::kTransforms);
+  if (FindColmapModel(folder)) found.push_back(DatasetFormat::kColmap);
+  return found;
+}
+
 DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
   if (std::filesystem::is_regular_file(folder)) {
     throw DataError(
@@ -42,11 +51,7 @@ DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
     throw DataError(
         fmt::format("{}: no such folder; expected a data set with known cameras", folder.string()));
   }
-  const auto has = [&](const char* file) { return std::filesystem::exists(folder / file); };
-  std::vector<DatasetFormat> found;
-  if (has("transforms_train.json")) found.push_back(DatasetFormat::kNerfSynthetic);
-  if (has("transforms.json")) found.push_back(DatasetFormat::kTransforms);
-  if (FindColmapModel(folder)) found.push_back(DatasetFormat::kColmap);
+  const std::vector<DatasetFormat> found = FormatsOf(folder);
   for (size_t i = 1; i < found.size(); ++i) {
     LogInfo("{}: read as {}; it is {} as well (choose another format to read that)",
             folder.string(), Name(found[0]), Name(found[i]));

@@ -49,6 +49,9 @@ inline constexpr auto kWords<DatasetFormat> =
                                         {DatasetFormat::kTransforms, "transforms"},
                                         {DatasetFormat::kColmap, "colmap"}});
 
+// The formats whose files the folder contains, the preferred one first; none for photos alone.
+std::vector<DatasetFormat> FormatsOf(const std::filesystem::path& folder);
+
 // Throws DataError if the folder has none of the known formats, naming the files looked for.
 DatasetFormat RecogniseDataset(const std::filesystem::path& folder);
 

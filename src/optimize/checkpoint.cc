@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -17,6 +18,14 @@ namespace {
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
 constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'A'};
+
+constexpr size_t kChecksumBytes = 64;  // hexadecimal SHA-256 of all before it
+
+void CheckMagic(ByteReader& reader) {
+  if (reader.Read<std::array<char, 8>>("magic") == kMagic) return;
+  throw DataError(fmt::format(
+      "{}: is not a checkpoint of this version of Tetrec; force a fresh run", reader.name()));
+}
 
 // `width`: values per row.
 void CheckFinite(const std::vector<float>& values, int width, FieldStorage storage,
@@ -220,27 +229,27 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   tail.Write(uint64_t(checkpoint.poses.poses.size()));
   tail.WriteArray(std::span<const CorrectedPose>(checkpoint.poses.poses));
 
-  const std::vector<std::span<const uint8_t>> pieces = {head.bytes(),
-                                                        BytesOf(checkpoint.mesh.positions),
-                                                        BytesOf(checkpoint.mesh.tets),
-                                                        BytesOf(checkpoint.mesh.neighbors),
-                                                        BytesOf(checkpoint.state.parameters),
-                                                        BytesOf(checkpoint.state.first_moment),
-                                                        BytesOf(checkpoint.state.second_moment),
-                                                        middle.bytes(),
-                                                        BytesOf(checkpoint.motion.first_moment),
-                                                        BytesOf(checkpoint.motion.second_moment),
-                                                        BytesOf(checkpoint.motion.size),
-                                                        BytesOf(checkpoint.motion.room),
-                                                        tail.bytes()};
+  std::vector<std::span<const uint8_t>> pieces = {head.bytes(),
+                                                  BytesOf(checkpoint.mesh.positions),
+                                                  BytesOf(checkpoint.mesh.tets),
+                                                  BytesOf(checkpoint.mesh.neighbors),
+                                                  BytesOf(checkpoint.state.parameters),
+                                                  BytesOf(checkpoint.state.first_moment),
+                                                  BytesOf(checkpoint.state.second_moment),
+                                                  middle.bytes(),
+                                                  BytesOf(checkpoint.motion.first_moment),
+                                                  BytesOf(checkpoint.motion.second_moment),
+                                                  BytesOf(checkpoint.motion.size),
+                                                  BytesOf(checkpoint.motion.room),
+                                                  tail.bytes()};
+  const std::string checksum = Sha256(pieces);
+  pieces.push_back({reinterpret_cast<const uint8_t*>(checksum.data()), checksum.size()});
   WritePieces(path, pieces);
 }
 
 Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& name) {
   ByteReader reader(bytes, name);
-  if (reader.Read<std::array<char, 8>>("magic") != kMagic) {
-    throw DataError(fmt::format("{}: is not a checkpoint of this version of Tetrec", name));
-  }
+  CheckMagic(reader);
   Checkpoint result;
   result.iteration = reader.Read<uint64_t>("iteration");
   result.seconds = reader.Read<double>("seconds");
@@ -285,7 +294,17 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
 }
 
 Checkpoint ReadCheckpoint(const std::filesystem::path& path) {
-  return ParseCheckpoint(ReadBytes(path), path.string());
+  const std::vector<uint8_t> file = ReadBytes(path);
+  const std::string name = path.string();
+  ByteReader start(file, name);
+  CheckMagic(start);
+  const size_t size = file.size() - std::min(file.size(), kChecksumBytes);
+  const std::span<const uint8_t> body = std::span(file).first(size),
+                                 checksum = std::span(file).subspan(size);
+  if (Sha256(body) != std::string(checksum.begin(), checksum.end())) {
+    throw DataError(fmt::format("{}: is damaged; force a fresh run", name));
+  }
+  return ParseCheckpoint(body, name);
 }
 
 }  // namespace tetrec

@@ -45,10 +45,11 @@ struct Checkpoint {
 // u64 exposures E, for each gains and offsets, f64 x 3 each, and for each the sums of its three
 // channels, f64 x 5 each (GainOffsetSums); then u32 sweeps over the cameras, u64 poses P, and for
 // each cam_from_world, f64 x 9 of the rotation by columns and x 3 of the translation, and the
-// depth, f64. Written by rename.
+// depth, f64; last the SHA-256 of all before it, 64 hexadecimal digits. Written by rename.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
-// Throws DataError if the file is truncated or inconsistent.
+// Throws DataError if the file is damaged, truncated or inconsistent.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);
+// Parses what precedes the checksum.
 Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& name);
 
 }  // namespace tetrec

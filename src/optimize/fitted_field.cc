@@ -1,10 +1,12 @@
 // The field that a run fits; the renderer has it.
 #include "optimize/fitted_field.h"
 
+#include "core/error.h"
 #include "mesh/boundary.h"
 #include "render/seen_colors.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tetrec {
 
@@ -28,6 +30,20 @@ void FittedField::PutState(FieldState state) {
   const uint64_t topology = topology_;
   Put(renderer_.TakeMesh(), std::move(state));
   topology_ = topology;
+}
+
+FieldState FittedField::ReadState() const {
+  FieldState state = renderer_.ReadState();
+  for (const std::vector<float>* values :
+       {&state.parameters, &state.first_moment, &state.second_moment}) {
+    if (std::all_of(values->begin(), values->end(), [](float v) { return std::isfinite(v); })) {
+      continue;
+    }
+    throw DataError(
+        "the optimisation has diverged: values of the field are infinite or not numbers; force a "
+        "fresh run with lower learning rates or a lower upper bound of density (or the defaults)");
+  }
+  return state;
 }
 
 MotionCounts FittedField::MoveVertices(std::span<const glm::vec3> moves) {

@@ -32,7 +32,8 @@ class FittedField {
   std::vector<float> RoomOfVertices() const;
   // Another number after each Put.
   uint64_t topology() const { return topology_; }
-  FieldState ReadState() const { return renderer_.ReadState(); }
+  // Throws DataError, with the remedy, if the fit has diverged: not all values are finite.
+  FieldState ReadState() const;
   // Gives the mesh away, and frees what the field takes until the next Put.
   TetMesh TakeMesh() { return renderer_.TakeMesh(); }
 

@@ -50,7 +50,8 @@ void OptimizeOptions::Check() const {
         "fine_rays is on, but losses with D-SSIM and the renderers ppll and projection train with "
         "one ray per pixel; use fine_rays off");
   }
-  if (!(max_density > 0 && max_density <= 1e30)) fail("max_density", max_density, "above 0");
+  if (!(max_density > 0 && max_density <= 1e30))
+    fail("max_density", max_density, "a number above 0, at most 1e30");
 }
 
 RefineScore ScoreOf(const OptimizeOptions& options) {

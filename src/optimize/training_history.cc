@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace tetrec {
@@ -27,14 +26,19 @@ void TrainingHistory::Record(const RunFigures& now) {
   if (now.progress - last_row_ < 0.02) return;
   last_row_ = now.progress;
   log_.Add(Row(now, WatchIfDue(now.progress), "optimise"));
-  const double rays_per_s = double(now.rays) / std::max(now.seconds, 1e-9);
-  progress_.Update(
-      now.progress,
-      fmt::format("it {}  {:.0f} k rays/s  loss {:.5f}  PSNR {} dB held out  {} tets",
-                  WithThousands(now.iteration), rays_per_s / 1000, averages_.Loss(),
-                  last_watched_psnr_ ? fmt::format("{:.2f}", *last_watched_psnr_) : "-",
-                  WithThousands(now.tets)));
+  progress_.Update(now.progress, DetailOf(now));
   averages_ = {};
+}
+
+std::string TrainingHistory::DetailOf(const RunFigures& now) const {
+  constexpr double kLeastTime_s = 0.1;  // whose speed is that of the run
+  std::string detail = "it " + WithThousands(now.iteration);
+  if (now.seconds >= kLeastTime_s) {
+    detail += fmt::format("  {:.0f} k rays/s", double(now.rays) / now.seconds / 1000);
+  }
+  if (!averages_.IsEmpty()) detail += fmt::format("  loss {:.5f}", averages_.Loss());
+  if (last_watched_psnr_) detail += fmt::format("  PSNR {:.2f} dB held out", *last_watched_psnr_);
+  return detail + fmt::format("  {} tets", WithThousands(now.tets));
 }
 
 std::optional<double> TrainingHistory::WatchIfDue(double progress) {

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace tetrec {
 
@@ -39,7 +40,7 @@ class TrainingHistory {
   // `keep_bytes`: TrainingLogWriter.
   TrainingHistory(const std::filesystem::path& path, uint64_t keep_bytes,
                   const WatchedViews& watched)
-      : watched_(watched), log_(path, keep_bytes), progress_("optimise", 1.0) {}
+      : watched_(watched), log_(path, keep_bytes), progress_("optimise", Progress::kShare) {}
 
   void Add(const StepResult& result) { averages_.Add(result); }
   // A row and a line if 2 % of the run have passed since the last one.
@@ -54,6 +55,9 @@ class TrainingHistory {
   std::optional<double> WatchIfDue(double progress);
   TrainingRow Row(const RunFigures& now, std::optional<double> heldout_psnr,
                   const char* phase) const;
+
+  // For the line of progress: what is known by now.
+  std::string DetailOf(const RunFigures& now) const;
 
   const WatchedViews& watched_;
   TrainingLogWriter log_;

@@ -1,6 +1,7 @@
 // The photos of a folder.
 #include "sfm/photos.h"
 
+#include "core/checked_json.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -32,19 +33,28 @@ std::vector<std::string> PhotoNames(const fs::path& folder) {
     throw DataError(fmt::format("{}: is not a folder; give the folder that contains the photos",
                                 folder.string()));
   }
-  std::vector<std::string> names;
+  std::vector<std::string> names, unusable;
   std::vector<std::string> others, other_images;  // not read
   for (auto it = fs::recursive_directory_iterator(folder); it != fs::recursive_directory_iterator();
        ++it) {
+    std::error_code broken;  // a link that leads nowhere or to itself; reading names the reason
     const bool hidden = it->path().filename().string().starts_with('.');
-    if (hidden && it->is_directory()) it.disable_recursion_pending();
-    if (hidden || !it->is_regular_file()) continue;
+    const bool is_folder = it->is_directory(broken);
+    if (hidden && is_folder) it.disable_recursion_pending();
+    if (hidden || is_folder) continue;
+    const std::string name = it->path().lexically_relative(folder).generic_string();
     if (HasPhotoExtension(it->path())) {
-      names.push_back(it->path().lexically_relative(folder).generic_string());
+      (StaysInside(name) ? names : unusable).push_back(name);
     } else {
-      const std::string name = it->path().lexically_relative(folder).generic_string();
       (IsOtherImage(it->path()) ? other_images : others).push_back(name);
     }
+  }
+  if (!unusable.empty()) {
+    std::sort(unusable.begin(), unusable.end());
+    throw DataError(
+        fmt::format("{}: names of photos that are not UTF-8 or contain control characters: {}: {}; "
+                    "rename them",
+                    folder.string(), unusable.size(), ShortList(unusable)));
   }
   if (!others.empty()) {
     LogInfo("{}: files that are not photos are ignored: {}: {}", folder.string(), others.size(),

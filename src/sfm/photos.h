@@ -14,7 +14,8 @@ struct Photo {
 };
 
 // JPEG and PNG files in the folder and below, sorted by name; hidden files are ignored. Each is
-// decoded once, and one DataError names all that cannot be read. Throws DataError for fewer than 2.
+// decoded once, and one DataError names all that cannot be read. Throws DataError for fewer than 2,
+// and for names that cannot be stored (StaysInside).
 std::vector<Photo> FindPhotos(const std::filesystem::path& folder);
 
 }  // namespace tetrec

@@ -39,7 +39,7 @@ constexpr int kMostFeatures = 100000;  // as SfmOptions::Check allows
 constexpr const char* kLensAdvice = "try camera model SIMPLE_RADIAL or PINHOLE";
 
 // COLMAP's view of the photos: links with plain names, in one folder per camera. The user's names
-// may contain spaces and line breaks, which COLMAP's lists cannot.
+// may contain spaces, which COLMAP's lists cannot.
 struct LinkedPhotos {
   fs::path folder;
   std::vector<std::string> names;  // in the order of the photos

@@ -1,13 +1,18 @@
 // Names of options in messages, and exit codes of programs that are not stages.
 #include "command/run_command.h"
 
+#include "command/help.h"
 #include "core/error.h"
 #include "core/option_range.h"
 #include "expect_error.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <limits>
+#include <sstream>
+#include <system_error>
 
 namespace tetrec {
 namespace {
@@ -59,6 +64,42 @@ TEST_F(CommandTest, ExitCodesFollowTheKindOfError) {
   EXPECT_EQ(Run({}, [] { throw DataError("d"); }), 3);
   EXPECT_EQ(Run({}, [] { throw std::bad_alloc(); }), 4);
   EXPECT_EQ(Run({}, [] { throw std::logic_error("l"); }), 1);
+  EXPECT_EQ(Run({}, [] { throw std::system_error(EAGAIN, std::generic_category()); }), 4);
+  const char* opencv = "OpenCV(4.6.0) alloc.cpp:73: error: (-4:Insufficient memory) Failed";
+  EXPECT_EQ(Run({}, [&] { throw std::runtime_error(opencv); }), 4);
+}
+
+TEST_F(CommandTest, OptionsThatAreNearlyRightGetAHint) {
+  EXPECT_EQ(NearestOption(app_, "--max-siz"), "--max-size");
+  EXPECT_EQ(NearestOption(app_, "--max_size=3"), "--max-size");
+  EXPECT_EQ(NearestOption(app_, "--mxa-size"), "--max-size");
+  EXPECT_EQ(NearestOption(app_, "--m"), "");
+  EXPECT_EQ(NearestOption(app_, "--colour"), "");
+}
+
+TEST_F(CommandTest, HelpIsAtMostOneHundredColumnsWide) {
+  std::string words;
+  for (int i = 0; i < 80; ++i) words += "word ";
+  std::string choices = "a";
+  for (int i = 0; i < 80; ++i) choices += ",b" + std::to_string(i);
+  app_.add_option("--choice", size_, words)->type_name(choices);
+  app_.formatter(std::make_shared<HelpFormatter>());
+  std::istringstream lines(app_.help());
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), kHelpWidth) << line;
+}
+
+// A file that is opened next must not become the standard error.
+TEST_F(CommandTest, AClosedErrorStreamIsNotReplacedByAFile) {
+  const int kept = dup(STDERR_FILENO);
+  close(STDERR_FILENO);
+  int opened = -1;
+  Run({}, [&] {
+    opened = open("/dev/null", O_RDONLY);
+    close(opened);
+  });
+  dup2(kept, STDERR_FILENO);
+  close(kept);
+  EXPECT_GT(opened, STDERR_FILENO);
 }
 
 TEST(OptionRange, RefusesWhatIsOutsideAndNotANumber) {

@@ -13,6 +13,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -154,6 +155,7 @@ TEST_F(StageTest, InvalidAndOutOfRangeNumbersTouchNothing) {
                                                         {"--room", "nan"},
                                                         {"--share", "x"},
                                                         {"--steps", "1e99"},
+                                                        {"--steps", "99999999999999999999"},
                                                         {"--rate", "-inf"}}) {
     const Outcome outcome = run(name, value);
     EXPECT_EQ(outcome.exit_code, 2) << name << " " << value;
@@ -284,6 +286,125 @@ TEST_F(StageTest, FailuresGiveTheirExitCodesAndOneLine) {
   EXPECT_FALSE(fs::exists(fs::path(output_) / "manifest.json"));
   // An output that was announced but not written is a bug too.
   EXPECT_EQ(run([](Stage& stage) { stage.Output("never"); }).exit_code, 1);
+}
+
+// A folder that somebody else prepared may contain anything.
+TEST_F(StageTest, NothingOutsideOfTheFolderIsWrittenOrRemoved) {
+  const nlohmann::json status = {{"schema", 1}, {"stage", "first"}, {"key", "x"}};
+  const fs::path out = output_, victims = folder_ / "victims";
+  const auto lists = [&](const char* role, const char* path) {
+    nlohmann::json with = status;
+    with[role] = {path};
+    return with;
+  };
+  const std::vector<std::function<void()>> traps = {
+      [&] { WriteJson(out / "status.json", lists("scratch", "link/docs")); },
+      [&] { WriteJson(out / "status.json", lists("own", "link/docs")); },
+      [&] { WriteJson(out / "status.json", lists("caches", "link/docs")); },
+      [&] { WriteJson(out / "status.json", lists("scratch", "../../victims")); },
+      [&] { fs::create_directory_symlink(victims, out / "out"); },
+      [&] { fs::create_symlink(victims / "docs/a", out / "log.txt"); },
+      [&] { fs::create_symlink(victims / "docs/a", out / "scratch.txt"); },
+      [&] { fs::create_symlink(victims / "docs/a", out / "status.json.tmp"); },
+      [&] { fs::create_symlink(victims / "docs/a", out / "manifest.json.tmp"); },
+      [&] {
+        fs::remove(out / ".lock");
+        fs::create_symlink(victims / "docs/a", out / ".lock");
+      },
+      [&] {
+        fs::remove(out / ".lock");
+        fs::create_hard_link(victims / "docs/a", out / ".lock");
+      },
+      [&] { mkfifo((out / "log.txt").c_str(), 0600); },
+      [&] { mkfifo((out / "out").c_str(), 0600); }};
+  for (size_t i = 0; i < traps.size(); ++i) {
+    for (const char* force : {"--rate=0.2", "--force"}) {
+      fs::remove_all(out);
+      fs::create_directories(victims / "docs");
+      WriteText(victims / "docs/a", "mine");
+      ASSERT_EQ(First({input_, "-o", output_}).exit_code, 0);
+      fs::remove(out / "log.txt");
+      fs::remove_all(out / "out");
+      if (i < 3) fs::create_directory_symlink(victims, out / "link");
+      traps[i]();
+      const Outcome outcome = First({input_, "-o", output_, force});
+      EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 2) << i << outcome.err;
+      EXPECT_EQ(ReadText(victims / "docs/a"), "mine") << i;
+      EXPECT_EQ(std::distance(fs::directory_iterator(victims), {}), 1) << i;
+      EXPECT_EQ(std::distance(fs::directory_iterator(victims / "docs"), {}), 1) << i;
+    }
+  }
+}
+
+// Those of a stage that was killed.
+TEST_F(StageTest, LinksInScratchAndCachesAreRemoved) {
+  WriteText(folder_ / "photo", "mine");
+  const Body killed = [&](Stage& stage) {
+    for (const fs::path& place : {stage.Scratch("work"), stage.Cache("cache")}) {
+      fs::create_directories(place / "photos");
+      fs::create_symlink(folder_ / "photo", place / "photos/0.jpg");
+    }
+    throw Interrupted("stopped");
+  };
+  EXPECT_EQ(First({input_, "-o", output_}, killed).exit_code, 130);
+  const Outcome again = First({input_, "-o", output_}, [&](Stage& stage) {
+    EXPECT_FALSE(fs::exists(stage.Scratch("work") / "photos/0.jpg"));
+    EXPECT_FALSE(fs::exists(stage.Cache("cache") / "photos/0.jpg"));
+  });
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(ReadText(folder_ / "photo"), "mine");
+}
+
+TEST_F(StageTest, DamageOfEqualSizeIsNoticed) {
+  const fs::path copy = fs::path(output_) / "out/copy.txt";
+  First({input_, "-o", output_});
+  ASSERT_EQ(Second(output_, folder_ / "run/2_second").exit_code, 0);
+  WriteText(copy, "jello");
+  const Outcome outcome = Second(output_, folder_ / "run/2_second");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("out/copy.txt is missing or was changed"));
+  EXPECT_THAT(outcome.err, HasSubstr("run tetrec-first again"));
+  EXPECT_TRUE(First({input_, "-o", output_}).ran);
+  EXPECT_EQ(ReadText(copy), "hello");
+  EXPECT_EQ(Second(output_, folder_ / "run/2_second").exit_code, 0);
+}
+
+TEST_F(StageTest, AFileOfAStageFolderLeadsToTheFolder) {
+  First({input_, "-o", output_});
+  const Outcome inside = Second(output_ + "/manifest.json", folder_ / "run/2_second");
+  EXPECT_EQ(inside.exit_code, 3);
+  EXPECT_THAT(inside.err, HasSubstr("is a file; give the folder that it is in: " + output_));
+  const Outcome other = Second(input_, folder_ / "run/2_second");
+  EXPECT_EQ(other.exit_code, 3);
+  EXPECT_THAT(other.err, HasSubstr("is a file; expected the folder that tetrec-first wrote"));
+}
+
+TEST_F(StageTest, PathsThatCannotBeStoredAreRefusedAndShownEscaped) {
+  for (const char* name : {"Gr\xf6\xdf"
+                           "e",
+                           "a\nb", "\x1b[2J"}) {
+    const std::string input = folder_.Write(name, "hello");
+    for (const Outcome& outcome : {First({input, "-o", output_}),
+                                   First({input_, "-o", folder_ / ("run/" + std::string(name))})}) {
+      EXPECT_EQ(outcome.exit_code, 2);
+      EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1);
+      EXPECT_EQ(outcome.err.find('\x1b'), std::string::npos);
+      EXPECT_THAT(outcome.err, HasSubstr("rename it"));
+    }
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "run"));
+}
+
+TEST_F(StageTest, PathsThatTheSystemRefusesGiveOneLine) {
+  const std::string name(300, 'x');
+  fs::create_symlink("loop", folder_ / "loop");
+  for (const std::string path :
+       {folder_ / name, folder_ / "loop", std::filesystem::path(input_ + "/below")}) {
+    const Outcome outcome = First({path, "-o", output_});
+    EXPECT_TRUE(outcome.exit_code == 2 || outcome.exit_code == 3) << outcome.err;
+    EXPECT_EQ(outcome.err.find("filesystem error"), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
 }
 
 // If both were followed, 40 levels of these links would give 2^40 names.

@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 namespace tetrec {
 namespace {
@@ -47,6 +48,53 @@ TEST(File, MissingFilesFoldersAndTooLargeFilesAreNamed) {
               HasSubstr("large: has 10 bytes; at most 9 are read"));
   EXPECT_THAT(MessageOf<EnvironmentError>([&] { WriteText(folder / "none/x", "12345"); }),
               HasSubstr("5 bytes"));
+}
+
+// Without O_NONBLOCK the opening of a pipe would wait for ever.
+TEST(File, PipesAndDevicesAreRefusedAtOnce) {
+  const ScratchFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/zero", folder / "zero");
+  for (const char* name : {"pipe", "zero"}) {
+    const std::filesystem::path file = folder / name;
+    EXPECT_THAT(MessageOf<DataError>([&] { ReadBytes(file); }), HasSubstr("is not a file"));
+    EXPECT_THAT(MessageOf<DataError>([&] { ReadText(file); }), HasSubstr("is not a file"));
+    EXPECT_THAT(MessageOf<DataError>([&] { ReadFront(file, 9); }), HasSubstr("is not a file"));
+    EXPECT_THAT(MessageOf<DataError>([&] { Sha256OfFile(file); }), HasSubstr("is not a file"));
+  }
+}
+
+TEST(File, LinksAndSecondNamesAreReplacedAndNotWrittenTo) {
+  const ScratchFolder folder;
+  WriteText(folder / "victim", "mine");
+  for (const char* name : {"a", "a.tmp"}) {
+    std::filesystem::create_symlink("victim", folder / name);
+    WriteText(folder / "a", "new");
+    EXPECT_EQ(ReadText(folder / "victim"), "mine") << name;
+    EXPECT_EQ(ReadText(folder / "a"), "new");
+    EXPECT_FALSE(std::filesystem::is_symlink(folder / "a"));
+    std::filesystem::remove(folder / "a");
+    std::filesystem::create_hard_link(folder / "victim", folder / name);
+    WriteText(folder / "a", "new");
+    EXPECT_EQ(ReadText(folder / "victim"), "mine") << name;
+    std::filesystem::remove(folder / "a");
+  }
+}
+
+TEST(File, DeeplyNestedJsonIsRefused) {
+  const auto nested = [](const std::string& open, const std::string& inner, size_t depth) {
+    std::string text;
+    for (size_t i = 0; i < depth; ++i) text += open;
+    return text + inner;
+  };
+  for (const char* open : {"[", "{\"a\":"}) {
+    for (const size_t depth : {101, 5000, 200000}) {
+      EXPECT_THAT(MessageOf<DataError>([&] { ParseJson(nested(open, "", depth), "x.json"); }),
+                  HasSubstr("x.json: is not valid JSON: "));
+    }
+  }
+  EXPECT_NO_THROW(ParseJson(nested("[", "", 100) + std::string(100, ']'), "x.json"));
+  EXPECT_NO_THROW(ParseJson("\"" + nested("[{\\\"", "", 1000) + "\"", "x.json"));
 }
 
 // The kernel reports sizes of some of its own files that exceed their content.

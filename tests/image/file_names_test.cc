@@ -43,6 +43,15 @@ TEST(FileNames, NamesThatWouldCollideKeepTheirExtensionsOrAreNumbered) {
   EXPECT_THAT(Flat({"a_b", "a/b", "c"}), ElementsAre("000000.png", "000001.png", "000002.png"));
 }
 
+TEST(FileNames, NamesThatAFileSystemCannotHaveAreNumbered) {
+  const std::string part(200, 'x');
+  EXPECT_THAT(PngFiles({part + "/" + part, "b"}, Folders::kKeep),
+              ElementsAre(part + "/" + part + ".png", "b.png"));
+  EXPECT_THAT(Flat({part + "/" + part, "b"}), ElementsAre("000000.png", "000001.png"));
+  EXPECT_THAT(PngFiles({std::string(300, 'x'), "b"}, Folders::kKeep),
+              ElementsAre("000000.png", "000001.png"));
+}
+
 // Few different parts, so that many names collide.
 RC_GTEST_PROP(FileNames, EveryNameHasAFileOfItsOwn, ()) {
   const auto part = rc::gen::elementOf(

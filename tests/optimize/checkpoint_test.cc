@@ -74,10 +74,13 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   return checkpoint;
 }
 
+// Without the checksum.
 std::vector<uint8_t> BytesOf(const Checkpoint& checkpoint) {
   const ScratchFolder folder;
   WriteCheckpoint(folder / "checkpoint.bin", checkpoint);
-  return ReadBytes(folder / "checkpoint.bin");
+  std::vector<uint8_t> bytes = ReadBytes(folder / "checkpoint.bin");
+  bytes.resize(bytes.size() - 64);
+  return bytes;
 }
 
 template <class T>
@@ -123,6 +126,22 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
       EXPECT_EQ(pose.cam_from_world.translation, before.cam_from_world.translation);
       EXPECT_EQ(pose.depth, before.depth);
     }
+  }
+}
+
+TEST(Checkpoint, EveryFlippedBitAndEveryLengthOfAFileIsNoticed) {
+  const ScratchFolder folder;
+  WriteCheckpoint(folder / "checkpoint.bin", MakeCheckpoint());
+  const std::vector<uint8_t> good = ReadBytes(folder / "checkpoint.bin");
+  for (size_t bit = 0; bit < 8 * good.size(); bit += 611) {
+    const auto flipped = uint8_t(good[bit / 8] ^ 1 << bit % 8);
+    WriteBytes(folder / "damaged", With(good, bit / 8, flipped));
+    ExpectError<DataError>([&] { ReadCheckpoint(folder / "damaged"); },
+                           {"damaged: is ", "force a fresh run"});
+  }
+  for (size_t size = 8; size < good.size(); size += 197) {
+    WriteBytes(folder / "cut", std::span(good).first(size));
+    ExpectError<DataError>([&] { ReadCheckpoint(folder / "cut"); }, {"cut", "force a fresh run"});
   }
 }
 

@@ -49,6 +49,23 @@ TEST_F(PhotosTest, ImagesOfOtherKindsAreNamed) {
                   ::testing::Not(::testing::HasSubstr("notes")))));
 }
 
+TEST_F(PhotosTest, NamesThatCannotBeStoredAreRefusedBeforeAnythingIsRead) {
+  WritePhotos(3);
+  folder_.Write(
+      "photos/Gr\xf6\xdf"
+      "e.jpg",
+      "not read");
+  folder_.Write("photos/a\nb.png", "not read");
+  ExpectError<DataError>([&] { FindPhotos(photos_); }, {": 2: ", "rename them"});
+}
+
+TEST_F(PhotosTest, LinksThatLeadNowhereOrToThemselvesAreNamed) {
+  WritePhotos(3);
+  fs::create_symlink("nowhere", fs::path(photos_) / "lost.jpg");
+  fs::create_symlink("loop.jpg", fs::path(photos_) / "loop.jpg");
+  ExpectError<DataError>([&] { FindPhotos(photos_); }, {"2 of 5", "lost.jpg", "loop.jpg"});
+}
+
 TEST_F(PhotosTest, AllPhotosThatCannotBeReadAreNamedAtOnce) {
   WritePhotos(3);
   folder_.Write("photos/letter.jpg", "this is a text");
