@@ -13,6 +13,7 @@
 #include "surface/level.h"
 #include "surface/marching_tetrahedra.h"
 #include "surface/occupancy.h"
+#include "surface/simplify.h"
 
 #include <fmt/format.h>
 
