@@ -6,10 +6,11 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "surface", 2,
-      "Extracts the surface of a field: writes surface.ply and surface.obj, with vertex colours, "
-      "in\n"
-      "the input's own coordinates.\n"
+      "surface", 3,
+      "Extracts the surface of a field, with vertex colours, and writes it, and the field if "
+      "asked\n"
+      "for, in formats of other programs. The files have the run's world as coordinates: z is up,\n"
+      "the subject's centre is 0 and its longest side is 2; OBJ and GLB have y up.\n"
       "Example: tetrec-surface RUN/3_field -o RUN/5_surface");
   tetrec::SurfaceOptions options;
   command.InputStage("field", "Folder that tetrec-optimize wrote", {"optimize"});
@@ -29,6 +30,27 @@ int main(int argc, char** argv) {
   app.add_flag("--keep-cavities", options.clean.keep_cavities,
                "Keep closed pieces that face inward, which no view from outside sees");
   app.add_option("--max-faces", options.max_faces, "Simplify to this many triangles; 0: keep all");
+  AddWordsOption(
+      app, "--formats", options.exports.formats,
+      "Files to write, with commas between them. The surface: ply (always written, "
+      "because tetrec-evaluate reads it), obj, glb, stl. The field: vtu (ParaView), mesh "
+      "(MEDIT), msh (Gmsh)");
+  AddWordOption(app, "--coordinates", options.exports.coordinates,
+                "Coordinates of the files: the run's world, or those of the input");
+  CLI::Option* scale = app.add_option("--scale", options.exports.scale,
+                                      "Multiplies the coordinates of all files, 1e-9 to 1e9");
+  app.add_option("--known-distance", options.exports.known_distance,
+                 "x0,y0,z0,x1,y1,z1,d: two points of a PLY file that was written without scaling, "
+                 "and their true distance; scales all files so that the distance is d")
+      ->delimiter(',')
+      ->expected(7)
+      ->excludes(scale);
+  app.add_option(
+         "--crop", options.exports.crop,
+         "x0,y0,z0,x1,y1,z1: export only what is inside this box, in the coordinates of the "
+         "PLY file; --bounds all lets it reach beyond the subject")
+      ->delimiter(',')
+      ->expected(6);
   app.add_option("--rays", options.rays, "Rays that find the isovalue, 100 or more");
   app.add_option("--seed", options.seed, "Random seed of those rays");
   return command.Run(

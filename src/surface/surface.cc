@@ -17,6 +17,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 namespace tetrec {
 namespace {
 
@@ -41,6 +43,24 @@ float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
   stage.Count("isovalue_rays",
               {{"cast", level.rays}, {"opaque", level.opaque_rays}, {"lost", level.lost_rays}});
   return float(isovalue);
+}
+
+LevelSet Cropped(const LevelSet& set, const ExportOptions& options, const FieldWorld& world,
+                 Stage& stage) {
+  const std::optional<Bounds3> crop = options.Crop();
+  if (!crop) return set;
+  LevelSet cropped = CropTo(set, *crop, ExportFromWorld(options, world.input_from_world));
+  const size_t dropped = set.triangles.size() - cropped.triangles.size();
+  LogInfo("crop: {} of {} triangles are left out", WithThousands(dropped),
+          WithThousands(set.triangles.size()));
+  stage.Count("triangles_out_of_crop", dropped);
+  if (cropped.triangles.empty()) {
+    throw DataError(
+        "no part of the surface is inside the crop; it is in the coordinates of the exported "
+        "files, "
+        "after scaling");
+  }
+  return cropped;
 }
 
 TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, Stage& stage) {
@@ -77,13 +97,14 @@ void SurfaceOptions::Check() const {
   CheckRange("smoothing", smoothing, 0, 100);
   CheckRange("margin", margin, 0.0, 10.0);
   CheckRange("min_component_share", clean.min_component_share, 0.0, 1.0);
+  exports.Check();
   CheckRange("rays", rays, 100, 100'000'000);
 }
 
 void RunSurface(const SurfaceOptions& options, Stage& stage) {
   // The level function is linear in each tet: densities of cells become means at their vertices.
-  const RadianceField field =
-      WithStorage(ReadField(stage.Input("field") / "field.tetf"), FieldStorage::kVertex);
+  const RadianceField stored = ReadField(stage.Input("field") / "field.tetf");
+  const RadianceField field = WithStorage(stored, FieldStorage::kVertex);
   const FieldWorld world = ReadFieldWorld(stage.Input("field") / kFieldWorldFile);
   const Timer timer;
   const float isovalue = ChooseIsovalue(field, world, options, stage);
@@ -102,13 +123,12 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
     throw DataError(fmt::format(
         "no surface at isovalue {:.4g}; choose another isovalue, or all as bounds", isovalue));
   }
-  const TriangleMesh mesh =
-      Transformed(Cleaned(ColoredSurface(set, field), options, stage), world.input_from_world);
+  set = Cropped(set, options.exports, world, stage);
+  const TriangleMesh mesh = Transformed(Cleaned(ColoredSurface(set, field), options, stage),
+                                        ExportFromWorld(options.exports, world.input_from_world));
   stage.Seconds("surface", timer.seconds());
   Report(mesh, stage);
-  stage.Note("coordinates", "the input's own");
-  WriteTriangleMeshPly(stage.Output("surface.ply"), mesh);
-  WriteTriangleMeshObj(stage.Output("surface.obj"), mesh);
+  WriteExports(mesh, stored, world.input_from_world, options.exports, stage);
 }
 
 }  // namespace tetrec
