@@ -29,7 +29,13 @@ int main(int argc, char** argv) {
                  "Drop pieces with less than this share of the largest piece's area, 0 to 1");
   app.add_flag("--keep-cavities", options.clean.keep_cavities,
                "Keep closed pieces that face inward, which no view from outside sees");
-  app.add_option("--max-faces", options.max_faces, "Simplify to this many triangles; 0: keep all");
+  app.add_option("--fill-holes", options.fill_holes,
+                 "Close holes of up to this perimeter [% of the subject's diagonal]; 0: none");
+  app.add_option("--max-deviation", options.max_deviation,
+                 "Simplify as long as no vertex ends farther than this from the surface [% of the "
+                 "subject's diagonal]; 0: keep all triangles");
+  app.add_option("--max-faces", options.max_faces,
+                 "Simplify further, to this many triangles, however far they move; 0: do not");
   AddWordsOption(
       app, "--formats", options.exports.formats,
       "Files to write, with commas between them. The surface: ply (always written, "

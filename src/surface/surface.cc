@@ -10,6 +10,7 @@
 #include "field/radiance_field.h"
 #include "mesh/mesh_facts.h"
 #include "run/field_world.h"
+#include "surface/fill_holes.h"
 #include "surface/level.h"
 #include "surface/marching_tetrahedra.h"
 #include "surface/occupancy.h"
@@ -63,7 +64,9 @@ LevelSet Cropped(const LevelSet& set, const ExportOptions& options, const FieldW
   return cropped;
 }
 
-TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, Stage& stage) {
+// `diagonal` is that of the subject's bounds.
+TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, double diagonal,
+                     Stage& stage) {
   CleanResult kept = KeepLargePieces(SeparateFans(raw), options.clean);
   LogInfo("pieces: {} in all, {} dropped as small, {} as cavities ({} triangles)",
           WithThousands(kept.components), WithThousands(kept.dropped_small),
@@ -72,8 +75,16 @@ TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, Sta
                          {"dropped_small", kept.dropped_small},
                          {"dropped_cavities", kept.dropped_cavities},
                          {"dropped_triangles", kept.dropped_triangles}});
-  if (options.max_faces == 0) return std::move(kept.mesh);
-  return Decimate(kept.mesh, options.max_faces);
+  const FilledHoles filled = FillSmallHoles(kept.mesh, options.fill_holes / 100 * diagonal);
+  LogInfo("small holes: {} closed by {} triangles", WithThousands(filled.holes),
+          WithThousands(filled.triangles));
+  stage.Count("filled_holes", filled.holes);
+  TriangleMesh simple = Simplify(filled.mesh, options.max_deviation / 100 * diagonal);
+  LogInfo("simplification: {} of {} triangles are left, within {:.3g} % of the subject's diagonal",
+          WithThousands(simple.triangles.size()), WithThousands(filled.mesh.triangles.size()),
+          options.max_deviation);
+  stage.Count("triangles_before_simplification", filled.mesh.triangles.size());
+  return options.max_faces == 0 ? simple : Decimate(simple, options.max_faces);
 }
 
 void Report(const TriangleMesh& mesh, Stage& stage) {
@@ -96,6 +107,8 @@ void SurfaceOptions::Check() const {
   CheckAtLeast("isovalue", isovalue, 0.0);
   CheckRange("smoothing", smoothing, 0, 100);
   CheckRange("margin", margin, 0.0, 10.0);
+  CheckRange("fill_holes", fill_holes, 0.0, 1000.0);
+  CheckRange("max_deviation", max_deviation, 0.0, 10.0);
   CheckRange("min_component_share", clean.min_component_share, 0.0, 1.0);
   exports.Check();
   CheckRange("rays", rays, 100, 100'000'000);
@@ -124,8 +137,9 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
         "no surface at isovalue {:.4g}; choose another isovalue, or all as bounds", isovalue));
   }
   set = Cropped(set, options.exports, world, stage);
-  const TriangleMesh mesh = Transformed(Cleaned(ColoredSurface(set, field), options, stage),
-                                        ExportFromWorld(options.exports, world.input_from_world));
+  const TriangleMesh mesh = Transformed(
+      Cleaned(ColoredSurface(set, field), options, world.subject_bounds.Diagonal(), stage),
+      ExportFromWorld(options.exports, world.input_from_world));
   stage.Seconds("surface", timer.seconds());
   Report(mesh, stage);
   WriteExports(mesh, stored, world.input_from_world, options.exports, stage);
