@@ -7,9 +7,10 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "surface", 2,
-      "Extracts the surface of a field: writes surface.ply and surface.obj, with vertex colours, "
-      "in the input's own coordinates.\n"
+      "surface", 3,
+      "Extracts the surface of a field, with vertex colours, and writes it, and the field if asked "
+      "for, in formats of other programs. The files have the run's world as coordinates: z is up, "
+      "the subject's centre is 0 and its longest side is 2; OBJ and GLB have y up.\n"
       "Example: tetrec-surface RUN/3_field -o RUN/5_surface");
   tetrec::SurfaceOptions options;
   command.InputStage("field", "Folder that tetrec-optimize wrote", {"optimize"});
@@ -28,13 +29,42 @@ int main(int argc, char** argv) {
                  "Drop pieces with less than this share of the largest piece's area, 0 to 1");
   app.add_flag("--keep-cavities", options.clean.keep_cavities,
                "Keep closed pieces that face inward, which no view from outside sees");
-  app.add_option("--max-faces", options.max_faces, "Simplify to this many triangles; 0: keep all");
+  app.add_option("--fill-holes", options.fill_holes,
+                 "Close holes of up to this perimeter [% of the subject's diagonal]; 0: none");
+  app.add_option("--max-deviation", options.max_deviation,
+                 "Simplify as long as no vertex ends farther than this from the surface [% of the "
+                 "subject's diagonal]; 0: keep all triangles");
+  app.add_option("--max-faces", options.max_faces,
+                 "Simplify further, to this many triangles, however far they move; 0: do not");
+  AddWordsOption(
+      app, "--formats", options.exports.formats,
+      "Files to write, with commas between them. The surface: ply (always written, "
+      "because tetrec-evaluate reads it), obj, glb, stl. The field: vtu (ParaView), mesh "
+      "(MEDIT), msh (Gmsh)");
+  AddWordOption(app, "--coordinates", options.exports.coordinates,
+                "Coordinates of the files: the run's world, or those of the input");
+  CLI::Option* scale = app.add_option("--scale", options.exports.scale,
+                                      "Multiplies the coordinates of all files, 1e-9 to 1e9");
+  app.add_option("--known-distance", options.exports.known_distance,
+                 "x0,y0,z0,x1,y1,z1,d: two points of a PLY file that was written without scaling, "
+                 "and their true distance; scales all files so that the distance is d")
+      ->delimiter(',')
+      ->expected(7)
+      ->excludes(scale);
+  app.add_option(
+         "--crop", options.exports.crop,
+         "x0,y0,z0,x1,y1,z1: export only what is inside this box, in the coordinates of the "
+         "PLY file; --bounds all lets it reach beyond the subject")
+      ->delimiter(',')
+      ->expected(6);
   app.add_option("--rays", options.rays, "Rays that find the isovalue, 100 or more");
   app.add_option("--seed", options.seed, "Random seed of those rays");
   using tetrec::GroupOptions;
   GroupOptions(app, "Level", {"--isovalue", "--smoothing", "--rays", "--seed"});
   GroupOptions(app, "Part of the surface",
-               {"--bounds", "--margin", "--min-component-share", "--keep-cavities", "--max-faces"});
+               {"--bounds", "--margin", "--min-component-share", "--keep-cavities", "--fill-holes"});
+  GroupOptions(app, "Simplification", {"--max-deviation", "--max-faces"});
+  GroupOptions(app, "Files", {"--formats", "--coordinates", "--scale", "--known-distance", "--crop"});
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunSurface(options, stage); },
       [&] { options.Check(); });

@@ -39,6 +39,8 @@ librapidcheck-dev           tests: random cases
 libceres-dev                tests: automatic derivatives
 libeigen3-dev               eval: alignment; required by Ceres and CGAL
 libbenchmark-dev            benchmarks
+assimp-utils                tests: reads exported surfaces
+python3-meshio              tests: reads exported fields
 clang                       tests: fuzz targets
 libclang-rt-14-dev          tests: the fuzzer's runtime library
 clang-format                tests: format check

@@ -30,6 +30,26 @@ CLI::Option* AddWordOption(CLI::App& app, const std::string& option, E& value,
       ->default_str(Name(value));
 }
 
+// A list of words with commas between them; `values` contains the default.
+template <class E>
+CLI::Option* AddWordsOption(CLI::App& app, const std::string& option, std::vector<E>& values,
+                            const std::string& help) {
+  std::string default_text;
+  for (const E value : values)
+    default_text += (default_text.empty() ? "" : ",") + std::string(Name(value));
+  return app
+      .add_option_function<std::vector<std::string>>(
+          option,
+          [&values](const std::vector<std::string>& words) {
+            values.clear();
+            for (const std::string& word : words) values.push_back(*FromName<E>(word));
+          },
+          help)
+      ->delimiter(',')
+      ->check(CLI::IsMember(NamesOf<E>()))
+      ->default_str(default_text);
+}
+
 // Without a default, and without a word for no value.
 template <class E>
 CLI::Option* AddWordOption(CLI::App& app, const std::string& option, std::optional<E>& value,

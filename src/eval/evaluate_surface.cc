@@ -7,6 +7,7 @@
 #include "core/progress.h"
 #include "eval/mesh_preview.h"
 #include "eval/metrics_json.h"
+#include "geometry/checked_geometry.h"
 
 #include <fmt/format.h>
 
@@ -30,6 +31,15 @@ std::string SurfaceFile(const StageFacts& surface) {
   throw DataError(
       fmt::format("{}: has {} PLY files and none is surface.ply; run tetrec-surface again",
                   surface.folder.string(), files.size()));
+}
+
+// The way from the file's coordinates to the input's. Surfaces of versions before 3 were in the
+// input's coordinates.
+Similarity3 InputFromSurface(const StageFacts& surface) {
+  const CheckedJson manifest(surface.manifest, surface.folder / "manifest.json");
+  if (!manifest.Has("notes") || !manifest.Field("notes").Has("input_from_surface")) return {};
+  constexpr double kRotationTolerance = 1e-9;
+  return ReadSimilarity(manifest.Field("notes").Field("input_from_surface"), kRotationTolerance);
 }
 
 // The mean direction from the bottom to the top of the images.
@@ -167,9 +177,10 @@ SurfaceResult EvaluateSurface(const EvaluateOptions& options, const std::optiona
           WithThousands(result.facts.components),
           result.facts.watertight ? "watertight" : "not watertight");
   if (mesh.triangles.empty()) Warn(warnings, "the surface has no triangle");
-  if (scene) DrawPreviews(mesh, *scene, result);
+  const TriangleMesh mesh_in_input = Transformed(mesh, InputFromSurface(surface_stage));
+  if (scene) DrawPreviews(mesh_in_input, *scene, result);
   if (stage.HasInput("ground-truth")) {
-    CompareWithTruth(mesh, scene, options, stage, result, warnings);
+    CompareWithTruth(mesh_in_input, scene, options, stage, result, warnings);
   }
   return result;
 }

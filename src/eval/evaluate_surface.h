@@ -20,14 +20,15 @@ namespace tetrec {
 
 struct SurfaceResult {
   std::string file;                     // as the surface stage names it
-  MeshFacts facts;                      // in the input's units
+  MeshFacts facts;                      // in the units of the file
   std::optional<SurfaceScores> scores;  // with a ground-truth mesh
   std::optional<Alignment> alignment;   // with true cameras
   std::vector<Image> color_pictures, clay_pictures;
 };
 
-// Reads the mesh of the surface stage. Draws previews if the run's scene is known, and compares the
-// mesh with the input "ground-truth" of `stage` if there is one. Throws DataError.
+// Reads the mesh of the surface stage and takes its coordinates from the stage's manifest. Draws
+// previews if the run's scene is known, and compares the mesh with the input "ground-truth" of
+// `stage` if there is one. Throws DataError.
 SurfaceResult EvaluateSurface(const EvaluateOptions& options, const std::optional<Scene>& scene,
                               const StageFacts& surface_stage, const Stage& stage,
                               std::vector<std::string>& warnings);

@@ -480,7 +480,7 @@ std::string TruthRows(const SurfaceResult& surface) {
                             "directions off by {:.2f}° on average",
                             a.matched, a.center_max, a.rotation_mean_deg));
   } else {
-    rows += Row("Alignment", "none", "both meshes are assumed to share the input's coordinates");
+    rows += Row("Alignment", "none", "the truth is assumed to be in the input's coordinates");
   }
   return rows;
 }
@@ -496,9 +496,9 @@ std::string Surface(const ReportContent& content) {
       Row("Watertight", facts.watertight ? "yes" : "no",
           fmt::format("{}, {}", Plural(facts.boundary_edges, "open edge"),
                       Plural(facts.non_manifold_edges, "non-manifold edge"))) +
-      Row("Area", fmt::format("{:.4g}", facts.area), "in square units of the input") +
+      Row("Area", fmt::format("{:.4g}", facts.area), "in square units of the file") +
       (facts.watertight
-           ? Row("Volume", fmt::format("{:.4g}", facts.volume), "in cubic units of the input")
+           ? Row("Volume", fmt::format("{:.4g}", facts.volume), "in cubic units of the file")
            : "");
   if (surface.scores) rows += TruthRows(surface);
   return "<h2>Surface</h2>" + Strip(surface.color_pictures, "in its colours") +

@@ -15,6 +15,19 @@ glm::dmat3 CheckedRotation(const glm::dmat3& matrix, double tolerance, const Che
   return matrix;
 }
 
+Similarity3 ReadSimilarity(const CheckedJson& json, double rotation_tolerance) {
+  const CheckedJson rotation = json.Field("rotation");
+  return {json.Field("scale").NumberIn(1e-12, 1e12),
+          CheckedRotation(rotation.Matrix3(), rotation_tolerance, rotation),
+          json.Field("translation").Vector3()};
+}
+
+nlohmann::json ToJson(const Similarity3& similarity) {
+  return {{"scale", similarity.scale},
+          {"rotation", ToJson(similarity.rotation)},
+          {"translation", ToJson(similarity.translation)}};
+}
+
 Bounds3 ReadBounds(const CheckedJson& json) {
   const Bounds3 bounds{json.Field("min").Vector3(), json.Field("max").Vector3()};
   if (!glm::all(glm::lessThan(bounds.min, bounds.max))) json.Fail("is an empty box");

@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace tetrec {
 namespace {
@@ -122,20 +123,37 @@ Bounds3 SubjectBoundsInInput(const Dataset& set, std::vector<StoredPicture>& sto
   return around;
 }
 
-// To a world in which the bounds have centre 0 and longest side 2.
-Similarity3 InputFromWorld(const Bounds3& bounds_in_input) {
-  const glm::dvec3 size = bounds_in_input.Size();
-  return {0.5 * std::max({size.x, size.y, size.z}), glm::dmat3(1.0), bounds_in_input.Center()};
+// The upright axes: z remains the input's if it is within 45 degrees of the cameras' up; otherwise
+// it is the axis, or its opposite, that is nearest to it (COLMAP models often have y down). Turns
+// by quarters keep a box a box.
+glm::dmat3 InputFromUpright(std::span<const View> views_in_input) {
+  const glm::dvec3 up = FindUp(views_in_input);
+  if (up.z > std::sqrt(0.5)) return glm::dmat3(1.0);
+  int nearest = 0;
+  for (int axis = 1; axis < 3; ++axis) {
+    if (std::abs(up[axis]) > std::abs(up[nearest])) nearest = axis;
+  }
+  glm::dvec3 x(0.0), z(0.0);
+  x[nearest == 0 ? 1 : 0] = 1;
+  z[nearest] = up[nearest] > 0 ? 1 : -1;
+  return {x, glm::cross(z, x), z};
 }
 
-// The axes remain those of the input.
+// To an upright world in which the bounds have centre 0 and longest side 2.
+Similarity3 InputFromWorld(const Bounds3& bounds_in_input, std::span<const View> views_in_input) {
+  const glm::dvec3 size = bounds_in_input.Size();
+  return {0.5 * std::max({size.x, size.y, size.z}), InputFromUpright(views_in_input),
+          bounds_in_input.Center()};
+}
+
 void MoveToBounds(Scene& scene, const Bounds3& bounds_in_input) {
   LogInfo("subject in the input's coordinates: {} to {}", Text(bounds_in_input.min),
           Text(bounds_in_input.max));
-  scene.input_from_world = InputFromWorld(bounds_in_input);
+  scene.input_from_world = InputFromWorld(bounds_in_input, scene.views);
   const Similarity3 world_from_input = scene.input_from_world.Inverse();
-  scene.subject_bounds = {world_from_input * bounds_in_input.min,
-                          world_from_input * bounds_in_input.max};
+  scene.subject_bounds = {};
+  scene.subject_bounds.Add(world_from_input * bounds_in_input.min);
+  scene.subject_bounds.Add(world_from_input * bounds_in_input.max);
   for (View& view : scene.views) {
     view.cam_from_world = CamFromWorld(view.cam_from_world, scene.input_from_world);
   }

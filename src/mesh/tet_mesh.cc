@@ -168,6 +168,21 @@ double TetVolume(const TetMesh& mesh, const glm::uvec4& tet) {
   return glm::dot(p1 - p0, glm::cross(p2 - p0, p3 - p0)) / 6;
 }
 
+double RadiusRatio(const TetMesh& mesh, const glm::uvec4& tet) {
+  const glm::dvec3 origin(mesh.positions[tet[0]]);
+  const glm::dvec3 a = glm::dvec3(mesh.positions[tet[1]]) - origin;
+  const glm::dvec3 b = glm::dvec3(mesh.positions[tet[2]]) - origin;
+  const glm::dvec3 c = glm::dvec3(mesh.positions[tet[3]]) - origin;
+  const glm::dvec3 bc = glm::cross(b, c), ca = glm::cross(c, a), ab = glm::cross(a, b);
+  const double volume = glm::dot(a, bc) / 6;
+  // r_in = 3 V / (sum of areas), r_circ = |a^2 bc + b^2 ca + c^2 ab| / (12 V).
+  const double area =
+      0.5 * (glm::length(bc) + glm::length(ca) + glm::length(ab) + glm::length(bc + ca + ab));
+  const double circum =
+      glm::length(glm::dot(a, a) * bc + glm::dot(b, b) * ca + glm::dot(c, c) * ab);
+  return circum > 0 ? 108 * volume * volume / (area * circum) : 0;
+}
+
 std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count) {
   // Faces are grouped by their smallest vertex: groups are short, so matching within them is cheap.
   std::vector<uint32_t> begin(vertex_count + 1, 0);
@@ -248,19 +263,8 @@ TetMeshQuality MeasureQuality(const TetMesh& mesh) {
   quality.min_radius_ratio = quality.min_volume = std::numeric_limits<double>::infinity();
   double ratio_sum = 0;
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    const glm::uvec4 tet = mesh.tets[t];
-    const glm::dvec3 origin(mesh.positions[tet[0]]);
-    const glm::dvec3 a = glm::dvec3(mesh.positions[tet[1]]) - origin;
-    const glm::dvec3 b = glm::dvec3(mesh.positions[tet[2]]) - origin;
-    const glm::dvec3 c = glm::dvec3(mesh.positions[tet[3]]) - origin;
-    const glm::dvec3 bc = glm::cross(b, c), ca = glm::cross(c, a), ab = glm::cross(a, b);
-    const double volume = glm::dot(a, bc) / 6;
-    // r_in = 3 V / (sum of areas), r_circ = |a^2 bc + b^2 ca + c^2 ab| / (12 V).
-    const double area =
-        0.5 * (glm::length(bc) + glm::length(ca) + glm::length(ab) + glm::length(bc + ca + ab));
-    const double circum =
-        glm::length(glm::dot(a, a) * bc + glm::dot(b, b) * ca + glm::dot(c, c) * ab);
-    const double ratio = circum > 0 ? 108 * volume * volume / (area * circum) : 0;
+    const double ratio = RadiusRatio(mesh, mesh.tets[t]);
+    const double volume = TetVolume(mesh, mesh.tets[t]);
     quality.min_radius_ratio = std::min(quality.min_radius_ratio, ratio);
     quality.min_volume = std::min(quality.min_volume, volume);
     quality.total_volume += volume;

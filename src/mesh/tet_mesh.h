@@ -35,6 +35,8 @@ struct TetMeshQuality {
 
 // Signed volume, positive for a positively oriented tet.
 double TetVolume(const TetMesh& mesh, const glm::uvec4& tet);
+// 3 r_in / r_circ: 1 for a regular tet, 0 for a flat one.
+double RadiusRatio(const TetMesh& mesh, const glm::uvec4& tet);
 
 // Finds neighbours by vertex ids. Throws DataError if more than two tets share a face.
 std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count);

@@ -1,4 +1,4 @@
-// Files of triangle meshes: reads and writes PLY, writes OBJ.
+// Files of triangle meshes: reads and writes PLY, writes OBJ and STL.
 #include "core/error.h"
 #include "core/file.h"
 #include "core/ply.h"
@@ -6,8 +6,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <span>
 
 namespace tetrec {
 namespace {
@@ -142,6 +144,24 @@ void WriteTriangleMeshObj(const std::filesystem::path& path, const TriangleMesh&
     fmt::format_to(out, "f {} {} {}\n", t.x + 1, t.y + 1, t.z + 1);
   }
   WriteText(path, text);
+}
+
+void WriteTriangleMeshStl(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  // Must not begin with "solid", by which readers recognise text.
+  std::array<char, 80> header{"binary STL, written by Tetrec"};
+  ByteWriter writer;
+  writer.Write(header);
+  writer.Write(uint32_t(mesh.triangles.size()));
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::vec3 corners[3] = {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
+    const glm::dvec3 a(corners[0]);
+    const glm::dvec3 normal = glm::cross(glm::dvec3(corners[1]) - a, glm::dvec3(corners[2]) - a);
+    const double length = glm::length(normal);
+    writer.Write(length > 0 ? glm::vec3(normal / length) : glm::vec3(0));
+    writer.WriteArray(std::span<const glm::vec3>(corners));
+    writer.Write(uint16_t{0});
+  }
+  WriteBytes(path, writer.bytes());
 }
 
 }  // namespace tetrec

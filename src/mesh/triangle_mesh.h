@@ -18,11 +18,12 @@ struct TriangleMesh {
   std::vector<glm::uvec3> triangles;                // counter-clockwise seen from outside
 };
 
-// Reads PLY (any scalar types; faces are triangulated as fans), writes binary PLY and OBJ with
-// vertex colours.
+// Reads PLY (any scalar types; faces are triangulated as fans), writes binary PLY, OBJ and binary
+// STL. PLY and OBJ have vertex colours, which OBJ only has by a common extension; STL has none.
 TriangleMesh ReadTriangleMesh(const std::filesystem::path& path);
 void WriteTriangleMeshPly(const std::filesystem::path& path, const TriangleMesh& mesh);
 void WriteTriangleMeshObj(const std::filesystem::path& path, const TriangleMesh& mesh);
+void WriteTriangleMeshStl(const std::filesystem::path& path, const TriangleMesh& mesh);
 
 // The mesh moved from frame a to frame b.
 TriangleMesh Transformed(TriangleMesh mesh, const Similarity3& b_from_a);

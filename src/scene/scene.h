@@ -65,8 +65,8 @@ struct Scene {
   // All images have an alpha channel that marks instead which pixels count: those of at least
   // kSeenAlpha. The others show something that is neither modelled nor judged. Excludes has_alpha.
   bool has_masks = false;
-  // To the input's own coordinates (COLMAP model, transforms.json); exported meshes are transformed
-  // back by it. The world is scaled so that the subject's longest side is 2 and its centre is 0.
+  // To the input's own coordinates (COLMAP model, transforms.json). The world has z up and is
+  // scaled so that the subject's longest side is 2 and its centre is 0.
   Similarity3 input_from_world;
 
   std::vector<int> ViewsOf(Split split) const;

@@ -82,11 +82,6 @@ View ReadView(const CheckedJson& json, size_t camera_count) {
   return view;
 }
 
-Similarity3 ReadSimilarity(const CheckedJson& json) {
-  return {json.Field("scale").NumberIn(1e-12, 1e12), ReadRotation(json.Field("rotation")),
-          json.Field("translation").Vector3()};
-}
-
 // Everything except the points; accesses no other file.
 Scene SceneFromJson(const CheckedJson& json) {
   json.Field("schema").IntegerIn(kSchema, kSchema);
@@ -100,7 +95,7 @@ Scene SceneFromJson(const CheckedJson& json) {
         .Fail("is true although has_alpha is; alpha has only one of the two meanings");
   }
   scene.subject_bounds = ReadBounds(json.Field("subject_bounds"));
-  scene.input_from_world = ReadSimilarity(json.Field("input_from_world"));
+  scene.input_from_world = ReadSimilarity(json.Field("input_from_world"), kRotationTolerance);
   const CheckedJson cameras = json.Field("cameras");
   if (cameras.Size() == 0) cameras.Fail("is empty; expected at least one camera");
   for (size_t i = 0; i < cameras.Size(); ++i) scene.cameras.push_back(ReadCamera(cameras.Item(i)));
@@ -166,10 +161,7 @@ void WriteScene(const std::filesystem::path& folder, const Scene& scene) {
                                {"has_alpha", scene.has_alpha},
                                {"has_masks", scene.has_masks},
                                {"subject_bounds", ToJson(scene.subject_bounds)},
-                               {"input_from_world",
-                                {{"scale", scene.input_from_world.scale},
-                                 {"rotation", ToJson(scene.input_from_world.rotation)},
-                                 {"translation", ToJson(scene.input_from_world.translation)}}},
+                               {"input_from_world", ToJson(scene.input_from_world)},
                                {"cameras", cameras},
                                {"views", views},
                                {"point_count", scene.points.size()}};

@@ -1,18 +1,7 @@
-// Cleaning of a raw surface: small pieces are dropped, the number of triangles is reduced.
+// Cleaning of a raw surface: small pieces are dropped, fans that meet in a point are separated.
 #include "surface/clean.h"
 
-#include <fmt/format.h>
-
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
-#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
-#include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
-#pragma GCC diagnostic pop
-
 #include "core/disjoint_sets.h"
-#include "core/error.h"
 #include "mesh/mesh_facts.h"
 
 #include <algorithm>
@@ -138,46 +127,6 @@ TriangleMesh SeparateFans(const TriangleMesh& mesh) {
       }
     }
     result.triangles[corner / 3][int(corner % 3)] = vertex_of_fan[fan];
-  }
-  return result;
-}
-
-TriangleMesh Decimate(const TriangleMesh& mesh, uint64_t max_triangles) {
-  if (mesh.triangles.size() <= max_triangles) return mesh;
-  using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
-  Mesh half_edges;
-  std::vector<Mesh::VertexHandle> vertices;
-  for (const glm::vec3& p : mesh.positions) {
-    vertices.push_back(half_edges.add_vertex(Mesh::Point(p.x, p.y, p.z)));
-  }
-  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
-    const glm::uvec3& t = mesh.triangles[f];
-    if (!half_edges.add_face(vertices[t.x], vertices[t.y], vertices[t.z]).is_valid()) {
-      throw DataError(fmt::format("the surface is not a manifold at triangle {} ({}, {}, {})", f,
-                                  t.x, t.y, t.z));
-    }
-  }
-  OpenMesh::Decimater::DecimaterT<Mesh> decimater(half_edges);
-  OpenMesh::Decimater::ModQuadricT<Mesh>::Handle quadric;
-  decimater.add(quadric);
-  decimater.module(quadric).unset_max_err();
-  decimater.initialize();
-  decimater.decimate_to_faces(0, max_triangles);
-
-  // A half-edge collapse moves no vertex, so the remaining ones keep position and colour.
-  TriangleMesh result;
-  std::vector<uint32_t> new_vertex(mesh.positions.size());
-  for (size_t v = 0; v < vertices.size(); ++v) {
-    if (half_edges.status(vertices[v]).deleted() || half_edges.is_isolated(vertices[v])) continue;
-    new_vertex[v] = uint32_t(result.positions.size());
-    result.positions.push_back(mesh.positions[v]);
-    if (!mesh.colors_srgb.empty()) result.colors_srgb.push_back(mesh.colors_srgb[v]);
-  }
-  for (const auto face : half_edges.faces()) {
-    glm::uvec3 triangle;
-    int k = 0;
-    for (const auto vertex : face.vertices()) triangle[k++] = new_vertex[size_t(vertex.idx())];
-    result.triangles.push_back(triangle);
   }
   return result;
 }

@@ -1,4 +1,4 @@
-// Cleaning of a raw surface: small pieces are dropped, the number of triangles is reduced.
+// Cleaning of a raw surface: small pieces are dropped, fans that meet in a point are separated.
 #pragma once
 
 #include "geometry/rigid3.h"
@@ -26,10 +26,5 @@ CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& option
 // Where several fans of triangles meet in one vertex, as on the rim of a cropped level set, gives
 // each fan its own copy of the vertex. Edges of more than two triangles are left alone.
 TriangleMesh SeparateFans(const TriangleMesh& mesh);
-
-// Collapses edges by quadric error until max_triangles are left, or more if borders and
-// manifoldness would suffer. Vertices keep their positions and colours. Method: Garland and
-// Heckbert 1997, by OpenMesh. Throws DataError if the mesh is not a manifold.
-TriangleMesh Decimate(const TriangleMesh& mesh, uint64_t max_triangles);
 
 }  // namespace tetrec

@@ -108,10 +108,10 @@ LevelSet MarchTetrahedra(const TetMesh& mesh, std::span<const float> level, floa
   return extraction.Take();
 }
 
-LevelSet CropTo(const LevelSet& set, const Bounds3& bounds) {
+LevelSet CropTo(const LevelSet& set, const Bounds3& bounds, const Similarity3& bounds_from_world) {
   std::vector<uint8_t> is_inside(set.positions.size());
   for (size_t v = 0; v < set.positions.size(); ++v) {
-    is_inside[v] = bounds.Contains(glm::dvec3(set.positions[v]));
+    is_inside[v] = bounds.Contains(bounds_from_world * glm::dvec3(set.positions[v]));
   }
   LevelSet cropped;
   std::vector<uint32_t> new_vertex(set.positions.size(), kNoTet);

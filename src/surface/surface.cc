@@ -10,11 +10,15 @@
 #include "field/radiance_field.h"
 #include "mesh/mesh_facts.h"
 #include "run/field_world.h"
+#include "surface/fill_holes.h"
 #include "surface/level.h"
 #include "surface/marching_tetrahedra.h"
 #include "surface/occupancy.h"
+#include "surface/simplify.h"
 
 #include <fmt/format.h>
+
+#include <optional>
 
 namespace tetrec {
 namespace {
@@ -42,7 +46,27 @@ float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
   return float(isovalue);
 }
 
-TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, Stage& stage) {
+LevelSet Cropped(const LevelSet& set, const ExportOptions& options, const FieldWorld& world,
+                 Stage& stage) {
+  const std::optional<Bounds3> crop = options.Crop();
+  if (!crop) return set;
+  LevelSet cropped = CropTo(set, *crop, ExportFromWorld(options, world.input_from_world));
+  const size_t dropped = set.triangles.size() - cropped.triangles.size();
+  LogInfo("crop: {} of {} triangles are left out", WithThousands(dropped),
+          WithThousands(set.triangles.size()));
+  stage.Count("triangles_out_of_crop", dropped);
+  if (cropped.triangles.empty()) {
+    throw DataError(
+        "no part of the surface is inside the crop; it is in the coordinates of the exported "
+        "files, "
+        "after scaling");
+  }
+  return cropped;
+}
+
+// `diagonal` is that of the subject's bounds.
+TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, double diagonal,
+                     Stage& stage) {
   CleanResult kept = KeepLargePieces(SeparateFans(raw), options.clean);
   LogInfo("pieces: {} in all, {} dropped as small, {} as cavities ({} triangles)",
           WithThousands(kept.components), WithThousands(kept.dropped_small),
@@ -51,8 +75,16 @@ TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, Sta
                          {"dropped_small", kept.dropped_small},
                          {"dropped_cavities", kept.dropped_cavities},
                          {"dropped_triangles", kept.dropped_triangles}});
-  if (options.max_faces == 0) return std::move(kept.mesh);
-  return Decimate(kept.mesh, options.max_faces);
+  const FilledHoles filled = FillSmallHoles(kept.mesh, options.fill_holes / 100 * diagonal);
+  LogInfo("small holes: {} closed by {} triangles", WithThousands(filled.holes),
+          WithThousands(filled.triangles));
+  stage.Count("filled_holes", filled.holes);
+  TriangleMesh simple = Simplify(filled.mesh, options.max_deviation / 100 * diagonal);
+  LogInfo("simplification: {} of {} triangles are left, within {:.3g} % of the subject's diagonal",
+          WithThousands(simple.triangles.size()), WithThousands(filled.mesh.triangles.size()),
+          options.max_deviation);
+  stage.Count("triangles_before_simplification", filled.mesh.triangles.size());
+  return options.max_faces == 0 ? simple : Decimate(simple, options.max_faces);
 }
 
 void Report(const TriangleMesh& mesh, Stage& stage) {
@@ -75,14 +107,17 @@ void SurfaceOptions::Check() const {
   CheckAtLeast("isovalue", isovalue, 0.0);
   CheckRange("smoothing", smoothing, 0, 100);
   CheckRange("margin", margin, 0.0, 10.0);
+  CheckRange("fill_holes", fill_holes, 0.0, 1000.0);
+  CheckRange("max_deviation", max_deviation, 0.0, 10.0);
   CheckRange("min_component_share", clean.min_component_share, 0.0, 1.0);
+  exports.Check();
   CheckRange("rays", rays, 100, 100'000'000);
 }
 
 void RunSurface(const SurfaceOptions& options, Stage& stage) {
   // The level function is linear in each tet: densities of cells become means at their vertices.
-  const RadianceField field =
-      WithStorage(ReadField(stage.Input("field") / "field.tetf"), FieldStorage::kVertex);
+  const RadianceField stored = ReadField(stage.Input("field") / "field.tetf");
+  const RadianceField field = WithStorage(stored, FieldStorage::kVertex);
   const FieldWorld world = ReadFieldWorld(stage.Input("field") / kFieldWorldFile);
   const Timer timer;
   const float isovalue = ChooseIsovalue(field, world, options, stage);
@@ -101,13 +136,13 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
     throw DataError(fmt::format(
         "no surface at isovalue {:.4g}; choose another isovalue, or all as bounds", isovalue));
   }
-  const TriangleMesh mesh =
-      Transformed(Cleaned(ColoredSurface(set, field), options, stage), world.input_from_world);
+  set = Cropped(set, options.exports, world, stage);
+  const TriangleMesh mesh = Transformed(
+      Cleaned(ColoredSurface(set, field), options, world.subject_bounds.Diagonal(), stage),
+      ExportFromWorld(options.exports, world.input_from_world));
   stage.Seconds("surface", timer.seconds());
   Report(mesh, stage);
-  stage.Note("coordinates", "the input's own");
-  WriteTriangleMeshPly(stage.Output("surface.ply"), mesh);
-  WriteTriangleMeshObj(stage.Output("surface.obj"), mesh);
+  WriteExports(mesh, stored, world.input_from_world, options.exports, stage);
 }
 
 }  // namespace tetrec

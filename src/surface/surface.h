@@ -4,6 +4,7 @@
 #include "core/stage.h"
 #include "core/words.h"
 #include "surface/clean.h"
+#include "surface/export.h"
 
 #include <cstdint>
 
@@ -27,15 +28,19 @@ struct SurfaceOptions {
   // the bounds may end before them.
   double margin = 0.15;
   CleanOptions clean;
-  uint64_t max_faces = 0;  // simplify to this many triangles; 0: keep all
+  ExportOptions exports;
+  // Holes with at most this perimeter are closed, and edges are collapsed as long as no vertex ends
+  // farther than this from the surface; both in % of the diagonal of the subject's bounds.
+  double fill_holes = 2, max_deviation = 0.05;
+  uint64_t max_faces = 0;  // simplify to this many triangles, however far they move; 0: keep all
   int rays = 10000;        // that find the isovalue
   uint64_t seed = 1;       // of those rays
 
   void Check() const;  // throws UsageError naming the option and its value
 };
 
-// Reads the field in the stage's input "field"; writes surface.ply and surface.obj in the input's
-// own coordinates.
+// Reads the field in the stage's input "field"; writes the surface, and the field if asked for, by
+// WriteExports.
 void RunSurface(const SurfaceOptions& options, Stage& stage);
 
 }  // namespace tetrec

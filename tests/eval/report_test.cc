@@ -8,6 +8,7 @@
 #include "eval/mesh_preview.h"
 #include "eval/plot.h"
 #include "expect_error.h"
+#include "geometry/checked_geometry.h"
 #include "paths.h"
 #include "run/camera_corrections.h"
 #include "run/photo_exposures.h"
@@ -213,6 +214,28 @@ TEST(Report, ATrueSurfaceIsScoredThroughTheCameras) {
   EXPECT_NEAR(surface["alignment"]["scale"].get<double>(), 2, 1e-9);
   EXPECT_LT(surface["alignment"]["center_rms"].get<double>(), 1e-9);
   EXPECT_EQ(surface["watertight"], true);
+}
+
+TEST(Report, ASurfaceIsJudgedInItsOwnFrame) {
+  const ScratchFolder folder;
+  WriteFakeRun(folder.path(), {});
+  // The surface lies on its side, three times as large; its manifest has the way back.
+  const Similarity3 surface_from_input{3, glm::dmat3({1, 0, 0}, {0, 0, -1}, {0, 1, 0}), {5, 6, 7}};
+  const TriangleMesh truth = Transformed(TestSphere(40, 1), {1, glm::dmat3(1.0), {0, 0, 0.5}});
+  WriteTriangleMeshPly(folder / "truth.ply", truth);
+  WriteTriangleMeshPly(folder / "5_surface/surface.ply", Transformed(truth, surface_from_input));
+  const auto score = [&](const nlohmann::json& notes) {
+    WriteFakeManifest(folder / "5_surface", "surface", "../3_field", {"surface.ply"},
+                      {{"notes", notes}});
+    const ChildResult result = RunEvaluate(
+        {folder / "4_views", folder / "5_surface", "-o", folder / "6_report", "--ground-truth",
+         folder / "truth.ply", "--surface-samples", "5000", "--force"});
+    EXPECT_EQ(result.exit_code, 0) << ::testing::PrintToString(result.last_lines);
+    return ReadJson(folder / "6_report/metrics.json")["surface"]["ground_truth"]["f_score"];
+  };
+  const nlohmann::json input_from_surface = ToJson(surface_from_input.Inverse());
+  EXPECT_EQ(score({{"input_from_surface", input_from_surface}}), 1.0);
+  EXPECT_EQ(score(nlohmann::json::object()), 0.0);
 }
 
 TEST(Report, ViewsEqualToTheTruthAreNullAndCountedInJson) {

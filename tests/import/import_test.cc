@@ -8,6 +8,7 @@
 #include "import/stored_pictures.h"
 #include "paths.h"
 #include "scene/points.h"
+#include "scene/subject_bounds.h"
 #include "scene/synthetic.h"
 #include "scratch_folder.h"
 
@@ -452,6 +453,28 @@ TEST(Import, UsesTheGivenBox) {
   EXPECT_EQ(place().translation, glm::dvec3(0.5, 1.5, 4));
   const Bounds3 bounds = import().subject_bounds;
   EXPECT_LT(glm::length(bounds.max - glm::dvec3(0.25, 0.25, 1)), 1e-12);
+}
+
+// In the coordinates of COLMAP's models y often points down.
+TEST(Import, StandsTheWorldUpright) {
+  const ScratchFolder folder;
+  Json json = WriteTransforms(folder, SomeScene());
+  for (Json& frame : json["frames"]) {
+    Json& rows = frame["transform_matrix"];
+    Json z = rows[2];
+    rows[2] = rows[1];
+    for (Json& number : z) number = -number.get<double>();
+    rows[1] = z;
+  }
+  folder.Write("transforms.json", json.dump());
+  ImportOptions options = AtSize(10);
+  options.bounds_in_input = {{0, -3, -4}, {1, 1, 0}};
+  const Scene scene = ImportDataset(folder.path(), folder / "scene", options).scene;
+  EXPECT_EQ(scene.input_from_world.rotation * glm::dvec3(0, 0, 1), glm::dvec3(0, -1, 0));
+  EXPECT_NEAR(glm::determinant(scene.input_from_world.rotation), 1, 1e-12);
+  EXPECT_GT(FindUp(scene.views).z, 0.9);
+  EXPECT_EQ(scene.input_from_world * glm::dvec3(0.0), glm::dvec3(0.5, -1, -2));
+  EXPECT_EQ(scene.subject_bounds.Size(), glm::dvec3(0.5, 2, 2));
 }
 
 // Turns the cameras, which look at the middle of a room, all in the same direction.

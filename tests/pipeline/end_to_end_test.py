@@ -50,7 +50,8 @@ class EndToEndTest(StageCase):
         self.assert_done(self.run_stage("optimize", tetrahedra, "-o", run / "3_field",
                                         "--time-limit", 0, "--iterations", 400))
         self.assert_done(self.run_stage("render", run / "3_field", "-o", run / "4_views"))
-        self.assert_done(self.run_stage("surface", run / "3_field", "-o", run / "5_surface"))
+        self.assert_done(self.run_stage("surface", run / "3_field", "-o", run / "5_surface",
+                                        "--coordinates", "input"))
         self.assert_done(self.run_stage("evaluate", run / "4_views", run / "5_surface", "-o",
                                         run / "6_report"))
 
@@ -68,7 +69,7 @@ class EndToEndTest(StageCase):
         # An image of the background alone has about 9 dB; 31 dB after a third of the iterations.
         self.assertGreater(metrics["psnr"], 27)
 
-        # In the input's own coordinates: the ball of RADIUS around the origin, half of it to within a
+        # In the input's coordinates: the ball of RADIUS around the origin, half of it to within a
         # pixel and nine tenths to within three.
         positions, triangles = read_ply(run / "5_surface" / "surface.ply")
         errors = sorted(abs(math.dist(p, (0, 0, 0)) - RADIUS) for p in positions)
@@ -175,7 +176,8 @@ class EndToEndTest(StageCase):
                                         "--loss", "l1+dssim:0.2"))
         self.assertEqual((run / "3_field" / "field.tetf").read_bytes()[:8], b"TETRECF2")
         self.assert_done(self.run_stage("render", run / "3_field", "-o", run / "4_views"))
-        self.assert_done(self.run_stage("surface", run / "3_field", "-o", run / "5_surface"))
+        self.assert_done(self.run_stage("surface", run / "3_field", "-o", run / "5_surface",
+                                        "--coordinates", "input"))
         self.assert_done(self.run_stage("evaluate", run / "4_views", run / "5_surface", "-o",
                                         run / "6_report"))
         metrics = json.loads((run / "6_report" / "metrics.json").read_text())

@@ -1,30 +1,15 @@
 #include "surface/clean.h"
 
-#include "core/error.h"
 #include "mesh/mesh_facts.h"
 #include "surface/shapes.h"
+#include "surface/simplify.h"
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <random>
 
 namespace tetrec {
 namespace {
-
-TriangleMesh Sphere(double radius, const glm::dvec3& center, bool inward = false) {
-  static const TetMesh mesh = JitteredBox(14);
-  static const LevelSet set = MarchTetrahedra(mesh, Sampled(mesh, Ball), 0);
-  TriangleMesh sphere = AsTriangles(set);
-  for (glm::vec3& p : sphere.positions) p = glm::vec3(radius * glm::dvec3(p) + center);
-  if (inward) {
-    for (glm::uvec3& t : sphere.triangles) std::swap(t.y, t.z);
-  }
-  for (size_t v = 0; v < sphere.positions.size(); ++v) {
-    sphere.colors_srgb.push_back({uint8_t(v), uint8_t(v >> 8), 7});
-  }
-  return sphere;
-}
 
 TriangleMesh Joined(std::initializer_list<TriangleMesh> parts) {
   TriangleMesh all;
@@ -54,31 +39,6 @@ TEST(KeepLargePieces, DropsSmallPiecesAndCavities) {
   keep.keep_cavities = true;
   keep.min_component_share = 0;
   EXPECT_EQ(KeepLargePieces(all, keep).mesh.triangles, all.triangles);
-}
-
-TEST(Decimate, KeepsShapeTopologyAndColours) {
-  const TriangleMesh sphere = Sphere(1, {0, 0, 0});
-  const TriangleMesh small = Decimate(sphere, sphere.triangles.size() / 4);
-  EXPECT_LE(small.triangles.size(), sphere.triangles.size() / 4);
-  EXPECT_GT(small.triangles.size(), sphere.triangles.size() / 5);
-  const MeshFacts facts = MeasureMesh(small);
-  EXPECT_TRUE(facts.IsClosedManifold());
-  EXPECT_EQ(facts.euler_characteristic, 2);
-  // Edges become twice as long, so the volume lost by flat triangles (1.7 % before) grows about
-  // four times.
-  EXPECT_NEAR(facts.volume, MeasureMesh(sphere).volume, 0.07 * 4 * std::numbers::pi / 3);
-  for (size_t v = 0; v < small.positions.size(); ++v) {
-    const auto& c = small.colors_srgb[v];
-    EXPECT_EQ(sphere.positions[size_t(c[0] | c[1] << 8)], small.positions[v]);
-  }
-  EXPECT_EQ(Decimate(sphere, sphere.triangles.size()).triangles, sphere.triangles);
-}
-
-TEST(Decimate, RefusesASurfaceThatIsNotAManifold) {
-  TriangleMesh book;
-  book.positions = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}};
-  book.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
-  EXPECT_THROW(Decimate(book, 1), DataError);
 }
 
 TEST(SeparateFans, MakesAManifoldOfTrianglesThatMeetInAPoint) {

@@ -31,4 +31,19 @@ inline double Torus(const glm::dvec3& p) {
 
 inline TriangleMesh AsTriangles(const LevelSet& set) { return {set.positions, {}, set.triangles}; }
 
+// A level set with colours by which its vertices can be recognised.
+inline TriangleMesh Sphere(double radius, const glm::dvec3& center, bool inward = false) {
+  static const TetMesh mesh = JitteredBox(14);
+  static const LevelSet set = MarchTetrahedra(mesh, Sampled(mesh, Ball), 0);
+  TriangleMesh sphere = AsTriangles(set);
+  for (glm::vec3& p : sphere.positions) p = glm::vec3(radius * glm::dvec3(p) + center);
+  if (inward) {
+    for (glm::uvec3& t : sphere.triangles) std::swap(t.y, t.z);
+  }
+  for (size_t v = 0; v < sphere.positions.size(); ++v) {
+    sphere.colors_srgb.push_back({uint8_t(v), uint8_t(v >> 8), 7});
+  }
+  return sphere;
+}
+
 }  // namespace tetrec

@@ -1,0 +1,106 @@
+// The files of a surface and its field for other programs.
+#include "surface/export.h"
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/option_range.h"
+#include "core/progress.h"
+#include "field/field_export.h"
+#include "geometry/checked_geometry.h"
+#include "surface/glb.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace tetrec {
+namespace {
+
+bool Contains(const ExportOptions& options, ExportFormat format) {
+  return std::find(options.formats.begin(), options.formats.end(), format) != options.formats.end();
+}
+
+glm::dvec3 Point(const std::vector<double>& numbers, size_t first) {
+  return {numbers[first], numbers[first + 1], numbers[first + 2]};
+}
+
+// (x, y, z) with z up becomes (x, z, -y) with y up.
+Similarity3 WithYUp() { return {1.0, glm::dmat3({1, 0, 0}, {0, 0, -1}, {0, 1, 0}), glm::dvec3(0)}; }
+
+void WriteSurface(const TriangleMesh& surface, const ExportOptions& options, Stage& stage) {
+  WriteTriangleMeshPly(stage.Output("surface.ply"), surface);
+  if (Contains(options, ExportFormat::kStl)) {
+    WriteTriangleMeshStl(stage.Output("surface.stl"), surface);
+  }
+  const bool obj = Contains(options, ExportFormat::kObj),
+             glb = Contains(options, ExportFormat::kGlb);
+  if (!obj && !glb) return;
+  const TriangleMesh turned =
+      options.coordinates == ExportCoordinates::kWorld ? Transformed(surface, WithYUp()) : surface;
+  if (obj) WriteTriangleMeshObj(stage.Output("surface.obj"), turned);
+  if (glb) WriteTriangleMeshGlb(stage.Output("surface.glb"), turned);
+}
+
+void WriteField(const RadianceField& field_in_world, const Similarity3& export_from_world,
+                const ExportOptions& options, Stage& stage) {
+  const bool vtu = Contains(options, ExportFormat::kVtu),
+             medit = Contains(options, ExportFormat::kMedit),
+             gmsh = Contains(options, ExportFormat::kGmsh);
+  if (!vtu && !medit && !gmsh) return;
+  const RadianceField field = MovedForExport(field_in_world, export_from_world, options.Crop());
+  LogInfo("field: {} of {} tets are exported", WithThousands(field.mesh.tets.size()),
+          WithThousands(field_in_world.mesh.tets.size()));
+  stage.Count("exported_tets", field.mesh.tets.size());
+  if (field.mesh.tets.empty()) {
+    throw DataError(fmt::format("no tet of the field is inside the crop {}; choose a larger box",
+                                fmt::join(options.crop, ",")));
+  }
+  if (vtu) WriteVtu(stage.Output("field.vtu"), field);
+  if (medit) WriteMedit(stage.Output("field.mesh"), field.mesh);
+  if (gmsh) WriteGmsh(stage.Output("field.msh"), field);
+}
+
+}  // namespace
+
+void ExportOptions::Check() const {
+  CheckRange("scale", scale, 1e-9, 1e9);
+  if (!known_distance.empty()) {
+    CheckAboveZero("known_distance", known_distance[6]);
+    if (!(Scale() >= 1e-9 && Scale() <= 1e9)) {
+      throw UsageError(fmt::format("known_distance is {}; expected two different points",
+                                   fmt::join(known_distance, ",")));
+    }
+  }
+  if (!crop.empty() && !glm::all(glm::lessThan(Crop()->min, Crop()->max))) {
+    throw UsageError(
+        fmt::format("crop is {}; expected x0,y0,z0,x1,y1,z1 with x0 < x1, y0 < y1 and z0 < z1",
+                    fmt::join(crop, ",")));
+  }
+}
+
+double ExportOptions::Scale() const {
+  if (known_distance.empty()) return scale;
+  return known_distance[6] / glm::distance(Point(known_distance, 0), Point(known_distance, 3));
+}
+
+std::optional<Bounds3> ExportOptions::Crop() const {
+  if (crop.empty()) return std::nullopt;
+  return Bounds3{Point(crop, 0), Point(crop, 3)};
+}
+
+Similarity3 ExportFromWorld(const ExportOptions& options, const Similarity3& input_from_world) {
+  const Similarity3 scaled{options.Scale(), glm::dmat3(1.0), glm::dvec3(0)};
+  return options.coordinates == ExportCoordinates::kInput ? scaled * input_from_world : scaled;
+}
+
+void WriteExports(const TriangleMesh& surface, const RadianceField& field_in_world,
+                  const Similarity3& input_from_world, const ExportOptions& options, Stage& stage) {
+  const Similarity3 export_from_world = ExportFromWorld(options, input_from_world);
+  stage.Note("coordinates", Name(options.coordinates));
+  stage.Note("input_from_surface", ToJson(input_from_world * export_from_world.Inverse()));
+  WriteSurface(surface, options, stage);
+  WriteField(field_in_world, export_from_world, options, stage);
+}
+
+}  // namespace tetrec

@@ -1,0 +1,87 @@
+"""tetrec-surface's files, as programs that are not ours read them."""
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+
+from stage_case import StageCase
+from tiny_dataset import RADIUS
+
+# Debian's Python, for which Debian's meshio is installed; another may come first in PATH.
+PYTHON = pathlib.Path("/usr/bin/python3")
+MESHIO = """
+import json, sys, meshio
+mesh = meshio.read(sys.argv[1])
+print(json.dumps([mesh.points.min(axis=0).tolist(), mesh.points.max(axis=0).tolist()]))
+"""
+
+
+class ExportsTest(StageCase):
+
+    def setUp(self):
+        super().setUp()
+        if not shutil.which("assimp") or subprocess.run([PYTHON, "-c", "import meshio"], check=False,
+                                                        capture_output=True).returncode:
+            self.skipTest("assimp-utils or python3-meshio is not installed (scripts/setup.sh)")
+
+    def extent(self, path):
+        """The smallest and the largest corner of what a file contains."""
+        if path.suffix in (".vtu", ".mesh", ".msh"):
+            command = [PYTHON, "-c", MESHIO, path]
+        else:
+            command = ["assimp", "info", path]
+        result = subprocess.run(command, check=False, capture_output=True, text=True)
+        self.assertEqual(result.returncode, 0, f"{path.name}: {result.stdout}{result.stderr}")
+        if command[0] == PYTHON:
+            return json.loads(result.stdout.splitlines()[-1])
+        corners = [re.search(rf"{name} point\s+\(([^)]*)\)", result.stdout) for name in ("Minimum", "Maximum")]
+        return [[float(number) for number in corner.group(1).split()] for corner in corners]
+
+    def test_every_file_is_upright_in_one_frame_and_others_read_it(self):
+        field = self.folder / "run" / "3_field"
+        self.assert_done(self.run_stage("optimize", self.tiny_tetrahedra(), "-o", field,
+                                        "--time-limit", 0, "--iterations", 150))
+        scene = json.loads((self.folder / "run" / "1_scene" / "scene.json").read_text())
+        radius = RADIUS / scene["input_from_world"]["scale"]
+
+        # Of the ball and of the space around it only what is above its centre.
+        upper = self.folder / "upper"
+        self.assert_done(self.run_stage(
+            "surface", field, "-o", upper, "--formats", "ply,obj,glb,stl,vtu,mesh,msh",
+            "--crop", f"-9,-9,{-0.1 * radius},9,9,9"))
+        for path in sorted(upper.iterdir()):
+            if path.stem not in ("surface", "field"):
+                continue
+            with self.subTest(path.name):
+                low, high = self.extent(path)
+                up = 1 if path.suffix in (".obj", ".glb") else 2
+                self.assertGreaterEqual(low[up], -0.1 * radius - 1e-6)
+                for axis in range(3):
+                    if axis != up:
+                        self.assertLess(low[axis], -0.7 * radius)
+                    self.assertGreater(high[axis], 0.7 * radius)
+        self.assertEqual(len(list(upper.glob("surface.*"))), 4)
+        self.assertEqual(len(list(upper.glob("field.*"))), 3)
+        self.assertGreater(self.manifest(upper)["counts"]["triangles_out_of_crop"], 0)
+
+        # In the input's coordinates, where the ball has RADIUS, and in metres of a known distance.
+        for name, options, expected in (
+                ("input", ("--coordinates", "input"), RADIUS),
+                ("metres", ("--known-distance", "0,0,0,0,0,0.5,2"), 4 * radius),
+                ("tenfold", ("--scale", 10), 10 * radius)):
+            with self.subTest(name):
+                self.assert_done(self.run_stage("surface", field, "-o", self.folder / name,
+                                                "--formats", "glb", *options))
+                for file in ("surface.ply", "surface.glb"):
+                    _, high = self.extent(self.folder / name / file)
+                    for axis in range(3):
+                        self.assertAlmostEqual(high[axis] / expected, 1, delta=0.25)
+                self.assertFalse((self.folder / name / "surface.obj").exists())
+
+        self.assert_fails(self.run_stage("surface", field, "-o", self.folder / "x", "--crop", "8,8,8,9,9,9"),
+                          3, "crop")
+        self.assert_fails(self.run_stage("surface", field, "-o", self.folder / "x", "--formats", "fbx"),
+                          2, "--formats", "fbx")
+        self.assert_fails(self.run_stage("surface", field, "-o", self.folder / "x", "--known-distance",
+                                         "1,1,1,1,1,1,2"), 2, "--known-distance", "two different points")

@@ -1,0 +1,119 @@
+#include "surface/export.h"
+
+#include "core/error.h"
+#include "expect_error.h"
+#include "foreign_readers.h"
+#include "image/srgb.h"
+#include "mesh/mesh_facts.h"
+#include "scratch_folder.h"
+#include "surface/glb.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+TriangleMesh Tetrahedron() {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1.5f, 0}, {0, 0, -0.1f}};
+  mesh.colors_srgb = {{0, 0, 0}, {255, 0, 0}, {0, 128, 255}, {10, 20, 200}};
+  mesh.triangles = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}};
+  return mesh;
+}
+
+// Which of our vertices each of another program's is; programs may merge, split and sort vertices.
+size_t VertexAt(const TriangleMesh& mesh, const glm::vec3& position) {
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (glm::distance(mesh.positions[v], position) < 1e-6f) return v;
+  }
+  ADD_FAILURE() << "no vertex at " << position.x << ", " << position.y << ", " << position.z;
+  return 0;
+}
+
+TEST(SurfaceExport, AssimpReadsShapeAndWindingOfEveryFormat) {
+  if (FindProgram("assimp").empty()) GTEST_SKIP() << "assimp-utils is not installed";
+  const ScratchFolder folder;
+  const TriangleMesh mesh = Tetrahedron();
+  WriteTriangleMeshPly(folder / "surface.ply", mesh);
+  WriteTriangleMeshObj(folder / "surface.obj", mesh);
+  WriteTriangleMeshStl(folder / "surface.stl", mesh);
+  WriteTriangleMeshGlb(folder / "surface.glb", mesh);
+  const double volume = MeasureMesh(mesh).volume;
+  ASSERT_GT(volume, 0);
+  for (const char* name : {"surface.ply", "surface.obj", "surface.stl", "surface.glb"}) {
+    SCOPED_TRACE(name);
+    const TriangleMesh read = ReadByAssimp(folder / name);
+    ASSERT_EQ(read.triangles.size(), mesh.triangles.size());
+    double read_volume = 0;  // signed: negative if the winding is wrong
+    for (const glm::uvec3& t : read.triangles) {
+      const glm::dvec3 a(mesh.positions[VertexAt(mesh, read.positions[t.x])]),
+          b(mesh.positions[VertexAt(mesh, read.positions[t.y])]),
+          c(mesh.positions[VertexAt(mesh, read.positions[t.z])]);
+      read_volume += glm::dot(a, glm::cross(b, c)) / 6;
+    }
+    EXPECT_NEAR(read_volume, volume, 1e-9);
+  }
+}
+
+TEST(SurfaceExport, AssimpReadsTheColoursOfPlyObjAndGlb) {
+  if (FindProgram("assimp").empty()) GTEST_SKIP() << "assimp-utils is not installed";
+  const ScratchFolder folder;
+  const TriangleMesh mesh = Tetrahedron();
+  WriteTriangleMeshPly(folder / "surface.ply", mesh);
+  WriteTriangleMeshObj(folder / "surface.obj", mesh);
+  WriteTriangleMeshGlb(folder / "surface.glb", mesh);
+  for (const char* name : {"surface.ply", "surface.obj", "surface.glb"}) {
+    SCOPED_TRACE(name);
+    const TriangleMesh read = ReadByAssimp(folder / name);
+    ASSERT_EQ(read.colors_srgb.size(), read.positions.size());
+    for (size_t v = 0; v < read.positions.size(); ++v) {
+      const auto& color = mesh.colors_srgb[VertexAt(mesh, read.positions[v])];
+      for (size_t c = 0; c < 3; ++c) {
+        // glTF's vertex colours are linear, and assimp leaves them so.
+        const bool linear = std::string(name) == "surface.glb";
+        const double expected = linear ? 255 * LinearFromSrgb(color[c] / 255.0) : color[c];
+        EXPECT_NEAR(read.colors_srgb[v][c], expected, 1) << "vertex " << v << ", channel " << c;
+      }
+    }
+  }
+}
+
+TEST(ExportOptions, AKnownDistanceBecomesTheDistanceInTheFile) {
+  ExportOptions options;
+  options.known_distance = {0, 0, 1, 0, 3, 5, 0.2};  // 5 apart in the world
+  options.Check();
+  const Similarity3 input_from_world{7, glm::dmat3({0, 1, 0}, {-1, 0, 0}, {0, 0, 1}), {1, 2, 3}};
+  const Similarity3 export_from_world = ExportFromWorld(options, input_from_world);
+  EXPECT_NEAR(glm::distance(export_from_world * glm::dvec3(0, 0, 1),
+                            export_from_world * glm::dvec3(0, 3, 5)),
+              0.2, 1e-12);
+}
+
+TEST(ExportOptions, TheInputsCoordinatesAreThoseOfTheScene) {
+  ExportOptions options;
+  options.coordinates = ExportCoordinates::kInput;
+  const Similarity3 input_from_world{7, glm::dmat3({0, 1, 0}, {-1, 0, 0}, {0, 0, 1}), {1, 2, 3}};
+  const glm::dvec3 p(0.5, -0.25, 1);
+  EXPECT_EQ(ExportFromWorld(options, input_from_world) * p, input_from_world * p);
+  options.scale = 10;
+  EXPECT_LT(
+      glm::distance(ExportFromWorld(options, input_from_world) * p, 10.0 * (input_from_world * p)),
+      1e-12);
+}
+
+TEST(ExportOptions, RefusesWhatMakesNoSense) {
+  const auto refused = [](const ExportOptions& options, const char* name) {
+    ExpectError<UsageError>([&] { options.Check(); }, {name});
+  };
+  refused({.scale = 0}, "scale");
+  refused({.scale = NAN}, "scale");
+  refused({.known_distance = {1, 2, 3, 1, 2, 3, 1}}, "known_distance");
+  refused({.known_distance = {1, 2, 3, 1, 2, 4, 0}}, "known_distance");
+  refused({.crop = {0, 0, 0, 1, 0, 1}}, "crop");
+  ExportOptions{.crop = {0, 0, 0, 1, 1, 1}}.Check();
+}
+
+}  // namespace
+}  // namespace tetrec
