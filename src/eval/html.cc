@@ -3,6 +3,7 @@
 
 #include "core/base64.h"
 #include "core/error.h"
+#include "core/file.h"
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -56,6 +57,16 @@ std::string JpegDataUri(const Image& rgb, int quality) {
 std::string SvgDataUri(const std::string& svg) {
   return "data:image/svg+xml;base64," +
          Base64({reinterpret_cast<const uint8_t*>(svg.data()), svg.size()});
+}
+
+std::string ScriptSource(const std::string& script) {
+  const std::string digits =
+      Sha256({reinterpret_cast<const uint8_t*>(script.data()), script.size()});
+  std::vector<uint8_t> hash;
+  for (size_t i = 0; i + 1 < digits.size(); i += 2) {
+    hash.push_back(uint8_t(std::stoi(digits.substr(i, 2), nullptr, 16)));
+  }
+  return "'sha256-" + Base64(hash) + "'";
 }
 
 Image FitInto(const Image& image, int max_size) {

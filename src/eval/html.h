@@ -15,6 +15,10 @@ std::string EscapeHtml(const std::string& text);
 std::string JpegDataUri(const Image& rgb, int quality);
 std::string SvgDataUri(const std::string& svg);
 
+// The source by which a content security policy allows exactly this inline script:
+// "'sha256-...'" (W3C, Content Security Policy Level 3, section 8.3).
+std::string ScriptSource(const std::string& script);
+
 // Scales down until the longer side is at most `max_size` px; smaller images remain unchanged.
 Image FitInto(const Image& image, int max_size);
 

@@ -13,6 +13,8 @@ namespace {
 // A view is far below the others by both: a difference that is seen, and that the scatter of the
 // other views does not explain.
 constexpr double kFarBelow_db = 3, kFarBelowDeviations = 2.5;
+// Below this mean, renderings of most scenes are visibly blurred, foggy or misplaced.
+constexpr double kLowPsnr_db = 22;
 constexpr size_t kFewestViewsToCompare = 3;
 constexpr size_t kFewTrainingViews = 15;
 
@@ -43,6 +45,18 @@ std::vector<std::string> ViewsFarBelow(const std::vector<ViewScore>& scores) {
                   far.size(), scores.size(), median, fmt::join(far, ", "))};
 }
 
+std::vector<std::string> LowQuality(const std::vector<ViewScore>& scores) {
+  double sum = 0;
+  for (const ViewScore& score : scores) sum += score.psnr;
+  const double mean = sum / double(scores.size());
+  if (scores.empty() || !(mean < kLowPsnr_db)) return {};
+  return {
+      fmt::format("The views that were scored have a mean PSNR of only {:.1f} dB: renderings are "
+                  "blurred, foggy or misplaced. More time for optimisation, or more and sharper "
+                  "photos, may help.",
+                  mean)};
+}
+
 std::vector<std::string> FewTrainingViews(const Scene& scene) {
   const size_t views = scene.ViewsOf(Split::kTrain).size();
   if (views >= kFewTrainingViews) return {};
@@ -60,6 +74,7 @@ std::vector<std::string> QualityWarnings(const std::vector<ViewScore>& scores,
   const auto add = [&](std::vector<std::string> more) {
     warnings.insert(warnings.end(), more.begin(), more.end());
   };
+  add(LowQuality(scores));
   add(ViewsFarBelow(scores));
   if (scene) add(FewTrainingViews(*scene));
   return warnings;

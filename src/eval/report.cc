@@ -18,10 +18,10 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kThumbnailBytes = size_t{4} << 20;  // half of the page's 8 MiB
+constexpr size_t kViewBytes = size_t{9} << 20;  // of the page's 15 MB
 constexpr size_t kMostViewRows = 1000, kMostExposureRows = 100, kMostCameraRows = 100;
 constexpr double kNeutralDeviation = 0.01;  // of log gain and of offset
-constexpr int kLargePicture_px = 512, kThumbnail_px = 160;
+constexpr int kLargePicture_px = 512, kSlider_px = 400, kThumbnail_px = 160;
 constexpr int kLargeQuality = 90, kThumbnailQuality = 80;
 
 std::string E(const std::string& text) { return EscapeHtml(text); }
@@ -54,8 +54,9 @@ std::string Bytes(uint64_t bytes) {
                                      : fmt::format("{:.2f} GiB", double(bytes) / kMiB / 1024);
 }
 
-// "4:58 min", "1:02:03 h"
+// "4.2 s", "4:58 min", "1:02:03 h"
 std::string Duration(double seconds) {
+  if (seconds < 9.5) return fmt::format("{:.1f} s", seconds);
   return AsDuration(seconds) + (seconds + 0.5 >= 3600 ? " h" : " min");
 }
 
@@ -393,10 +394,24 @@ std::string Cameras(const ReportContent& content) {
          rows + "</tbody></table></div>";
 }
 
-std::string Thumbnails(const ReportContent& content) {
+// The true image and the rendering, one over the other, and a slider that moves the line between
+// them.
+std::string Slider(const RenderedView& view) {
+  const auto picture = [&](const std::filesystem::path& file, const char* what) {
+    return Picture(FitInto(ReadImage(file), kSlider_px), kThumbnailQuality,
+                   std::string(what) + " of view " + view.name);
+  };
+  return fmt::format(
+      "<div class=\"compare\">{}<div class=\"over\">{}</div></div>"
+      "<input class=\"slider\" type=\"range\" min=\"0\" max=\"100\" value=\"50\" "
+      "aria-label=\"line between ground truth, on the left, and render of view {}\">",
+      picture(view.truth, "ground truth"), picture(view.render, "render"), E(view.name));
+}
+
+std::string Views(const ReportContent& content) {
   std::string html;
   size_t shown = 0;
-  for (; shown < content.scores.size() && html.size() < kThumbnailBytes; ++shown) {
+  for (; shown < content.scores.size() && html.size() < kViewBytes; ++shown) {
     const RenderedView& view = content.rendered.views[shown];
     const ViewScore& score = content.scores[shown];
     const auto thumbnail = [&](const Image& image, const char* what) {
@@ -404,20 +419,18 @@ std::string Thumbnails(const ReportContent& content) {
                      std::string(what) + " of view " + view.name);
     };
     const DepthPictures pictures = DrawDepth(content, shown);
-    std::string images = thumbnail(ReadImage(view.truth), "ground truth") +
-                         thumbnail(ReadImage(view.render), "render");
+    std::string images;
     if (pictures.depth) images += thumbnail(*pictures.depth, "depth");
     if (pictures.normals) images += thumbnail(*pictures.normals, "normals");
     html += fmt::format(
-        "<figure><div class=\"pair\">{}</div><figcaption>{}<br>{} · SSIM "
+        "<figure class=\"view\">{}<div class=\"pair\">{}</div><figcaption>{}<br>{} · SSIM "
         "{:.3f}{}</figcaption></figure>",
-        images, E(view.name), Decibel(score.psnr), score.ssim,
+        Slider(view), images, E(view.name), Decibel(score.psnr), score.ssim,
         score.foreground_psnr ? " · subject " + Decibel(*score.foreground_psnr) : "");
   }
   std::string heading =
-      "<h2>All views</h2><p class=\"note\">Ground truth on the left, render on the right, below "
-      "them "
-      "depth and normals.";
+      "<h2>All views</h2><p class=\"note\">Ground truth to the left of the line, render to the "
+      "right; the slider (or the arrow keys) moves the line. Below it depth and normals.";
   if (shown < content.scores.size()) {
     heading +=
         fmt::format(" The first {} of {} views are shown; metrics.json has the scores of all.",
@@ -522,7 +535,9 @@ std::string Stages(const RunFacts& run) {
                                  : value.is_number() ? fmt::format("{:.4g}", value.get<double>())
                                  : value.is_string() ? value.get<std::string>()
                                                      : value.dump();
-        counts.push_back(name + " " + text);
+        std::string words = name;
+        std::replace(words.begin(), words.end(), '_', ' ');
+        counts.push_back(words + " " + text);
       }
     }
     rows += fmt::format(
@@ -570,16 +585,17 @@ std::string MakeReport(const ReportContent& content) {
   return fmt::format(
              "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
              "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
-             "img-src data:; style-src 'unsafe-inline'\">"
+             "img-src data:; style-src 'unsafe-inline'; script-src {}\">"
              "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
              "<title>Tetrec report: {}</title><style>{}</style></head><body><main>",
-             E(content.dataset), kReportStyle) +
+             ScriptSource(kReportScript), E(content.dataset), kReportStyle) +
          Header(content) + Cards(content) + Comparison(content) + KeyNumbers(content) +
          ViewScores(content) + Exposures(content) + Cameras(content) + Convergence(content) +
-         Surface(content) + Thumbnails(content) + Stages(content.run) + Warnings(content) +
+         Surface(content) + Views(content) + Stages(content.run) + Warnings(content) +
          Commands(content.run) +
          "<footer>Written by tetrec-evaluate. Colours are display sRGB throughout.</footer>"
-         "</main></body></html>\n";
+         "</main><script>" +
+         kReportScript + "</script></body></html>\n";
 }
 
 }  // namespace tetrec

@@ -1,7 +1,17 @@
-// The style sheet of report.html.
+// The style sheet and the script of report.html.
 #pragma once
 
 namespace tetrec {
+
+// Moves the line between photo and rendering of a view by the slider below them.
+constexpr const char* kReportScript = R"js(
+for (const view of document.querySelectorAll('.view')) {
+  const slider = view.querySelector('.slider'), pictures = view.querySelector('.compare');
+  const show = () => pictures.style.setProperty('--at', slider.value + '%');
+  slider.addEventListener('input', show);
+  show();
+}
+)js";
 
 constexpr const char* kReportStyle = R"css(
 :root{--ink:#1d2329;--soft:#5b6570;--line:#dde1e5;--paper:#fff;--card:#f6f7f8;--accent:#0b5fa5;--warn:#8a4b00;--warnpaper:#fff6e6}
@@ -35,15 +45,21 @@ figcaption{font-size:.82rem;color:var(--soft);margin-top:.25rem;overflow-wrap:an
 img{display:block;width:100%;height:auto;border-radius:4px;background:var(--card)}
 .bar{display:flex;align-items:center;gap:10px;font-size:.82rem;color:var(--soft);margin:.7rem 0;max-width:420px}
 .bar img{height:12px;flex:1;min-width:60px;border-radius:2px}
-.thumbs{display:grid;grid-template-columns:repeat(auto-fill,minmax(230px,1fr));gap:16px 12px}
+.thumbs{display:grid;grid-template-columns:repeat(auto-fill,minmax(300px,1fr));gap:20px 14px}
+.compare{--at:50%;position:relative;overflow:hidden;border-radius:4px}
+.compare .over{position:absolute;inset:0;clip-path:inset(0 0 0 var(--at))}
+.compare::after{content:"";position:absolute;top:0;bottom:0;left:calc(var(--at) - 1px);width:2px;background:#fff;box-shadow:0 0 2px #000}
+.slider{display:block;width:100%;margin:.35rem 0;accent-color:var(--accent)}
+.slider:focus-visible{outline:2px solid var(--accent);outline-offset:2px}
 .pair{display:grid;grid-template-columns:1fr 1fr;gap:3px}
 .strip{display:grid;grid-template-columns:repeat(6,1fr);gap:8px;margin-bottom:8px}
 .plot{background:#fff;border:1px solid var(--line);border-radius:8px;padding:8px;margin-bottom:12px}
 .plot img{background:#fff}
+@media (prefers-color-scheme:dark){.plot{background:#171717}.plot img{background:#fff;filter:invert(.91) hue-rotate(180deg)}}
 pre{background:var(--card);border:1px solid var(--line);border-radius:8px;padding:12px 14px;font-size:.82rem;line-height:1.55;white-space:pre-wrap;overflow-wrap:anywhere}
 .warnings{background:var(--warnpaper);color:var(--warn);border-radius:8px;padding:10px 14px 10px 32px;margin:0;font-size:.9rem;overflow-wrap:anywhere}
 footer{margin-top:3rem;color:var(--soft);font-size:.82rem}
-@media (max-width:640px){main{padding:18px 14px 40px}h1{font-size:1.4rem}.trio{grid-template-columns:1fr}.strip{grid-template-columns:repeat(3,1fr)}.thumbs{grid-template-columns:1fr}}
+@media (max-width:640px){main{padding:18px 14px 40px}h1{font-size:1.4rem}.trio{grid-template-columns:1fr}.strip{grid-template-columns:repeat(3,1fr)}.thumbs{grid-template-columns:1fr}th,td{padding-right:.5rem;overflow-wrap:anywhere}td.n,th.n{white-space:normal}table{font-size:.82rem}}
 @media print{:root{--ink:#000;--soft:#444;--line:#bbb;--paper:#fff;--card:#fff;--accent:#000;--warn:#000;--warnpaper:#fff}main{max-width:none;padding:0}body{font-size:11pt}figure,.card,tr{break-inside:avoid}h2,h3{break-after:avoid}.trio{grid-template-columns:repeat(3,1fr)}}
 )css";
 
