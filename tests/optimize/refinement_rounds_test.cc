@@ -94,7 +94,7 @@ TEST(RefinementRounds, OfSchemesThatSplitLeaveThePictureAsItIs) {
     const ScratchFolder folder;
     SmallRun run(options);
     RefinementRounds rounds(
-        run.options, {4, 2000},
+        run.options, {{0.1, 2000}},
         {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
         folder / "best.bin");
     run.PutField(0.2);
