@@ -7,6 +7,7 @@
 #include "core/log.h"
 #include "core/lower_case.h"
 #include "core/parallel.h"
+#include "core/printable.h"
 #include "core/short_list.h"
 #include "image/image.h"
 
@@ -44,7 +45,7 @@ std::vector<std::string> PhotoNames(const fs::path& folder) {
     if (hidden || is_folder) continue;
     const std::string name = it->path().lexically_relative(folder).generic_string();
     if (HasPhotoExtension(it->path())) {
-      (StaysInside(name) ? names : unusable).push_back(name);
+      StaysInside(name) ? names.push_back(name) : unusable.push_back(Printable(name));
     } else {
       (IsOtherImage(it->path()) ? other_images : others).push_back(name);
     }

@@ -318,6 +318,8 @@ TEST(Report, BadViewsFilesAndOptionsEndInTheRightExitCode) {
   nlohmann::json bad = ReadJson(folder / "4_views/views.json");
   bad["views"][0]["render"] = "../secret.png";
   WriteJson(folder / "4_views/views.json", bad);
+  // Somebody who prepares a folder writes hashes that fit.
+  WriteFakeManifest(folder / "4_views", "render", "../3_field", {kRenderedViewsFile});
   const ChildResult result = RunEvaluate({views, "-o", out});
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_THAT(result.last_lines.back(), HasSubstr("views[0].render is \"../secret.png\""));
