@@ -61,10 +61,12 @@ int main(int argc, char** argv) {
   app.add_option("--seed", options.seed, "Random seed of those rays");
   using tetrec::GroupOptions;
   GroupOptions(app, "Level", {"--isovalue", "--smoothing", "--rays", "--seed"});
-  GroupOptions(app, "Part of the surface",
-               {"--bounds", "--margin", "--min-component-share", "--keep-cavities", "--fill-holes"});
+  GroupOptions(
+      app, "Part of the surface",
+      {"--bounds", "--margin", "--min-component-share", "--keep-cavities", "--fill-holes"});
   GroupOptions(app, "Simplification", {"--max-deviation", "--max-faces"});
-  GroupOptions(app, "Files", {"--formats", "--coordinates", "--scale", "--known-distance", "--crop"});
+  GroupOptions(app, "Files",
+               {"--formats", "--coordinates", "--scale", "--known-distance", "--crop"});
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunSurface(options, stage); },
       [&] { options.Check(); });

@@ -185,7 +185,8 @@ TEST(File, FileNamesThatAreNotUtf8CanBeWrittenAsJson) {
 TEST(File, Sha256GivesThePublishedDigests) {
   EXPECT_EQ(Sha256(BytesOf("abc")),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(Sha256({}), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(Sha256(BytesOf("")),
+            "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   const ScratchFolder folder;
   WriteText(folder / "million", std::string(1000000, 'a'));
   EXPECT_EQ(Sha256OfFile(folder / "million"),
