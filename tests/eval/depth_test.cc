@@ -155,7 +155,15 @@ TEST(QualityWarnings, ViewsThatScatterWidelyOrDifferLittleAreNotNamed) {
   EXPECT_TRUE(
       QualityWarnings(ScoresOf({20, 24, 28, 32, 36}), {}).empty());  // 8 dB, but 2 deviations
   EXPECT_TRUE(QualityWarnings(ScoresOf({28, 28, 28, 28, 25.5}), {}).empty());
-  EXPECT_TRUE(QualityWarnings(ScoresOf({28, 10}), {}).empty());  // which of two is the bad one?
+  EXPECT_TRUE(QualityWarnings(ScoresOf({36, 10}), {}).empty());  // which of two is the bad one?
+}
+
+TEST(QualityWarnings, ALowMeanIsStated) {
+  const auto warnings = QualityWarnings(ScoresOf({20, 22, 21}), {});
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0], HasSubstr("mean PSNR of only 21.0 dB"));
+  EXPECT_TRUE(QualityWarnings(ScoresOf({22, 23}), {}).empty());
+  EXPECT_TRUE(QualityWarnings({}, {}).empty());
 }
 
 TEST(QualityWarnings, FewTrainingViewsAreStated) {
