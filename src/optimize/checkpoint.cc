@@ -65,6 +65,7 @@ static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
 static_assert(sizeof(CorrectedPose) == 13 * sizeof(double));
 static_assert(sizeof(MotionCounts) == 3 * sizeof(uint64_t));
 static_assert(sizeof(ErrorSum) == 2 * sizeof(double));
+static_assert(sizeof(ConvergenceState) == 4 * sizeof(uint64_t));
 
 TrialState ReadTrial(ByteReader& reader, const std::string& name, const char* what) {
   const uint32_t state = reader.Read<uint32_t>(what);
@@ -209,9 +210,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   head.Write(checkpoint.seconds);
   head.Write(checkpoint.rays);
   WriteRounds(head, checkpoint.rounds);
-  head.Write(checkpoint.convergence.last_look);
-  head.Write(checkpoint.convergence.converged);
-  WriteViews(head, checkpoint.convergence.last_views);
+  head.Write(checkpoint.convergence);
   head.Write(checkpoint.metrics_bytes);
   head.Write(checkpoint.harmonics);
   head.Write(checkpoint.fine_rays);
@@ -255,9 +254,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.seconds = reader.Read<double>("seconds");
   result.rays = reader.Read<uint64_t>("rays");
   result.rounds = ReadRounds(reader, name);
-  result.convergence.last_look = reader.Read<uint64_t>("last look");
-  result.convergence.converged = reader.Read<uint64_t>("convergence");
-  result.convergence.last_views = ReadViews(reader, name);
+  result.convergence = reader.Read<ConvergenceState>("convergence");
   result.metrics_bytes = reader.Read<uint64_t>("metrics bytes");
   result.harmonics = reader.Read<HarmonicsState>("harmonics");
   result.fine_rays = ReadTrial(reader, name, "fine rays");
@@ -282,6 +279,10 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   reader.ExpectEnd();
   if (!std::isfinite(result.seconds) || result.seconds < 0) {
     throw DataError(fmt::format("{}: seconds {} is not a time", name, result.seconds));
+  }
+  if (!std::isfinite(result.convergence.best_psnr)) {
+    throw DataError(fmt::format("{}: the PSNR {} of the convergence is not finite", name,
+                                result.convergence.best_psnr));
   }
   CheckHarmonics(result.harmonics, name);
   CheckValues(state, name);

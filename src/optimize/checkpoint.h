@@ -35,7 +35,7 @@ struct Checkpoint {
 
 // Own format, little endian: "TETRECKA", u64 iteration, f64 seconds, u64 rays, u32 rounds
 // and u32 ended (0 or 1), f64 best PSNR, u64 judging views and for each f64 squares and rays,
-// u64 steps at the last look and at convergence, and judging views likewise,
+// of the convergence u64 x 3 and f64 (ConvergenceState),
 // u64 metrics bytes, harmonics unlocked, judged and closed u32 x 3, u32 fine rays
 // and u32 moving vertices (each 0 not tried, 1 not used, 2 used), u64 V, u64 T,
 // the layout (AppendLayout), positions f32 x 3 V, tets and neighbours u32 x 4 T each, then

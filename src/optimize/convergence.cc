@@ -4,16 +4,15 @@
 #include "optimize/schedule.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace tetrec {
 namespace {
 
 constexpr double kGrowthSteps = kGrowthSeconds * kStepsPerSecond;
-// The first look, long before which a field is still far from its end.
-constexpr uint64_t kFirstLook = uint64_t(kGrowthSteps / 2);
-constexpr double kLookFactor = 1.25;
-constexpr double kLeastGain = 0.05;  // from one look to the next [dB]
+// The first look follows the trials, which leave a field with little noise for a while.
+constexpr double kFirstLook = kGrowthSteps, kLookFactor = 1.25;
+constexpr double kLeastGain = 0.05;  // [dB]
+constexpr uint64_t kMostIdleLooks = 2;
 // The progress that a run tends to while it has not converged: the trials that belong to the end of
 // a run follow it.
 constexpr double kOpenProgress = 0.65;
@@ -23,16 +22,15 @@ static_assert(kOpenProgress < ScheduleOptions().last_judging);
 
 bool Convergence::IsDue(uint64_t steps) const {
   if (state_.converged > 0) return false;
-  return double(steps) >= std::max(double(kFirstLook), kLookFactor * double(state_.last_look));
+  return double(steps) >= std::max(kFirstLook, kLookFactor * double(state_.last_look));
 }
 
-std::optional<double> Convergence::Look(uint64_t steps, std::vector<ErrorSum> views, bool may_end) {
-  std::optional<double> gain;
-  if (!state_.last_views.empty()) gain = GainBetween(state_.last_views, views).gain;
-  if (may_end && gain && *gain < kLeastGain) state_.converged = steps;
+void Convergence::Look(uint64_t steps, double psnr, bool may_end) {
+  const bool gained = state_.last_look == 0 || psnr >= state_.best_psnr + kLeastGain;
+  state_.idle_looks = gained ? 0 : state_.idle_looks + 1;
+  state_.best_psnr = gained ? psnr : state_.best_psnr;
   state_.last_look = steps;
-  state_.last_views = std::move(views);
-  return gain;
+  if (may_end && state_.idle_looks >= kMostIdleLooks) state_.converged = steps;
 }
 
 double Convergence::Progress(uint64_t steps) const {

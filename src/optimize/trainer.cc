@@ -164,7 +164,7 @@ class Trainer {
     metrics_bytes_ = checkpoint.metrics_bytes;
     steps_.Resume(checkpoint.iteration, checkpoint.rays);
     rounds_.Resume(std::move(checkpoint.rounds));
-    convergence_.Resume(std::move(checkpoint.convergence));
+    convergence_.Resume(checkpoint.convergence);
     harmonics_.Resume(checkpoint.harmonics);
     fine_rays_.Resume(checkpoint.fine_rays);
     exposure_ = ResumedExposure(std::move(checkpoint.exposure));
@@ -251,11 +251,12 @@ class Trainer {
   }
 
   void LookForConvergence() {
-    const std::optional<double> gain =
-        convergence_.Look(steps_.iteration(), pictures_.JudgeField().views, rounds_.IsOver());
-    if (!gain) return;
-    LogInfo("judging pictures gained {:.2f} dB since the run was shorter by a fifth{}", *gain,
-            convergence_.state().converged > 0 ? ": it ends after a last part" : "");
+    const double psnr = pictures_.JudgeField().psnr;
+    convergence_.Look(steps_.iteration(), psnr, rounds_.IsOver());
+    const ConvergenceState& state = convergence_.state();
+    LogInfo("judging pictures after {} steps: {:.2f} dB, at their best {:.2f}{}",
+            WithThousands(steps_.iteration()), psnr, state.best_psnr,
+            state.converged > 0 ? ": the run ends after a last part" : "");
   }
 
   void CorrectPoses(double done) {

@@ -16,12 +16,12 @@ namespace tetrec {
 namespace {
 
 // Where the fields start: "TETRECKA", u64 iteration, f64 seconds, u64 rays, u32 x 2 and f64 of the
-// rounds, u64 and f64 x 2 x 2 of the judging views, u64 x 3 and f64 x 2 of the convergence, u64
+// rounds, u64 and f64 x 2 x 2 of the judging views, u64 x 3 and f64 of the convergence, u64
 // metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64 T, then
 // the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the name, the
 // name, and 3 u32 each. Positions follow.
-constexpr size_t kSecondsAt = 16, kFineRaysAt = 148, kMotionAt = 152, kVertexCountAt = 156,
-                 kTetCountAt = 164, kStorageAt = 172,
+constexpr size_t kSecondsAt = 16, kFineRaysAt = 140, kMotionAt = 144, kVertexCountAt = 148,
+                 kTetCountAt = 156, kStorageAt = 164,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
@@ -40,7 +40,7 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   checkpoint.seconds = 12.375;
   checkpoint.rays = 987654321012345;
   checkpoint.rounds = {4, 1, 23.5, {{1.5, 16.0}, {0.25, 32.0}}};
-  checkpoint.convergence = {500, 700, {{0.5, 8.0}}};
+  checkpoint.convergence = {500, 1, 700, 25.5};
   checkpoint.metrics_bytes = 777;
   checkpoint.fine_rays = TrialState::kNotUsed;
   checkpoint.mesh = BuildDelaunay(points).mesh;
