@@ -10,13 +10,41 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
+#include <stdlib.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 
 namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
+
+// A folder that nobody else has, until the end of its life.
+class NewFolder {
+ public:
+  // `pattern` ends in XXXXXX, which are replaced.
+  explicit NewFolder(const fs::path& pattern) {
+    std::string name = pattern.string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw EnvironmentError(
+          fmt::format("{}: cannot be created ({})", pattern.string(), std::strerror(errno)));
+    }
+    path_ = name;
+  }
+  ~NewFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
 
 // What the numbers were measured on, as far as the folder records it; a run that has not finished
 // has no manifest yet.
@@ -150,11 +178,9 @@ void WriteChart(const std::vector<RunCurve>& runs, const ChartOptions& options,
     throw EnvironmentError(
         fmt::format("{}: cannot be created ({})", out.string(), error.message()));
   }
-  const fs::path scratch = out / ".gnuplot";
-  fs::remove_all(scratch);  // of a killed run, or a link that somebody left
-  DrawPlot(plot, out / "chart.svg", scratch);
-  DrawPlot(plot, out / "chart.png", scratch);
-  fs::remove_all(scratch);
+  const NewFolder scratch(out / ".tetrec-chart-XXXXXX");
+  DrawPlot(plot, out / "chart.svg", scratch.path());
+  DrawPlot(plot, out / "chart.png", scratch.path());
   WriteText(out / "chart.csv", csv);
   WriteJson(out / "chart.json", record);
 }

@@ -18,6 +18,7 @@
 #include "eval/report.h"
 #include "image/psnr.h"
 #include "run/camera_corrections.h"
+#include "run/mesh_growth.h"
 #include "run/photo_exposures.h"
 #include "run/rendered_views.h"
 #include "run/training_log.h"
@@ -257,6 +258,9 @@ std::vector<Plot> ConvergencePlots(const std::vector<TrainingRow>& rows) {
 void ReadEstimates(const RunFacts& run, ReportContent& content) {
   const StageFacts* optimize = run.Find("optimize");
   if (!optimize) return;
+  if (const fs::path file = optimize->folder / kMeshGrowthFile; fs::exists(file)) {
+    content.growth = ReadMeshGrowth(file);
+  }
   if (const fs::path file = optimize->folder / kPhotoExposuresFile; fs::exists(file)) {
     content.exposures = ReadPhotoExposures(file);
   }

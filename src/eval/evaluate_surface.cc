@@ -38,7 +38,7 @@ std::string SurfaceFile(const StageFacts& surface) {
 Similarity3 InputFromSurface(const StageFacts& surface) {
   const CheckedJson manifest(surface.manifest, surface.folder / "manifest.json");
   if (!manifest.Has("notes") || !manifest.Field("notes").Has("input_from_surface")) return {};
-  constexpr double kRotationTolerance = 1e-9;
+  constexpr double kRotationTolerance = 1e-5;  // as of the scene and the world that it comes from
   return ReadSimilarity(manifest.Field("notes").Field("input_from_surface"), kRotationTolerance);
 }
 
@@ -53,8 +53,10 @@ glm::dvec3 UpInWorld(const Scene& scene) {
   return length > 0.05 * double(scene.views.size()) ? up / length : glm::dvec3(0, 0, 1);
 }
 
-void DrawPreviews(const TriangleMesh& mesh_in_input, const Scene& scene, SurfaceResult& result) {
-  const TriangleMesh mesh = Transformed(mesh_in_input, scene.input_from_world.Inverse());
+void DrawPreviews(const TriangleMesh& surface, const Similarity3& input_from_surface,
+                  const Scene& scene, SurfaceResult& result) {
+  const TriangleMesh mesh =
+      Transformed(surface, scene.input_from_world.Inverse() * input_from_surface);
   PreviewOptions options;
   options.up = UpInWorld(scene);
   for (const glm::vec3& position : mesh.positions) options.bounds.Add(glm::dvec3(position));
@@ -71,10 +73,11 @@ void DrawPreviews(const TriangleMesh& mesh_in_input, const Scene& scene, Surface
   result.clay_pictures = RenderTurntable(mesh, options);
 }
 
-void CompareWithTruth(const TriangleMesh& mesh_in_input, const std::optional<Scene>& scene,
-                      const EvaluateOptions& options, const Stage& stage, SurfaceResult& result,
+void CompareWithTruth(const TriangleMesh& surface, const Similarity3& input_from_surface,
+                      const std::optional<Scene>& scene, const EvaluateOptions& options,
+                      const Stage& stage, SurfaceResult& result,
                       std::vector<std::string>& warnings) {
-  TriangleMesh mesh_in_truth = mesh_in_input;
+  Similarity3 truth_from_surface = input_from_surface;
   if (stage.HasInput("cameras")) {
     if (!scene)
       throw DataError("the true cameras require the scene folder of the run, which is missing");
@@ -98,7 +101,7 @@ void CompareWithTruth(const TriangleMesh& mesh_in_input, const std::optional<Sce
                        "{:.1f} degrees on average: do not trust the surface's scores",
                        alignment.rotation_mean_deg));
     }
-    mesh_in_truth = Transformed(mesh_in_input, alignment.truth_from_input);
+    truth_from_surface = alignment.truth_from_input * input_from_surface;
   }
   SurfaceScoreOptions score_options;
   score_options.threshold = options.threshold_percent / 100;
@@ -108,7 +111,7 @@ void CompareWithTruth(const TriangleMesh& mesh_in_input, const std::optional<Sce
     score_options.bounds = Bounds3{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
   }
   const TriangleMesh truth = ReadTriangleMesh(stage.Input("ground-truth"));
-  result.scores = CompareSurfaces(mesh_in_truth, truth, score_options);
+  result.scores = CompareSurfaces(Transformed(surface, truth_from_surface), truth, score_options);
   LogInfo("surface: F-score {:.4f} (precision {:.4f}, recall {:.4f}) at {:.4g}, diagonal {:.4g}",
           result.scores->f_score, result.scores->precision, result.scores->recall,
           result.scores->threshold, result.scores->diagonal);
@@ -177,10 +180,11 @@ SurfaceResult EvaluateSurface(const EvaluateOptions& options, const std::optiona
           WithThousands(result.facts.components),
           result.facts.watertight ? "watertight" : "not watertight");
   if (mesh.triangles.empty()) Warn(warnings, "the surface has no triangle");
-  const TriangleMesh mesh_in_input = Transformed(mesh, InputFromSurface(surface_stage));
-  if (scene) DrawPreviews(mesh_in_input, *scene, result);
+  // Ways are composed in double: the input's coordinates may be too large for float.
+  const Similarity3 input_from_surface = InputFromSurface(surface_stage);
+  if (scene) DrawPreviews(mesh, input_from_surface, *scene, result);
   if (stage.HasInput("ground-truth")) {
-    CompareWithTruth(mesh_in_input, scene, options, stage, result, warnings);
+    CompareWithTruth(mesh, input_from_surface, scene, options, stage, result, warnings);
   }
   return result;
 }

@@ -159,7 +159,8 @@ void DrawPlot(const Plot& plot, const std::filesystem::path& out,
   ChildOptions options;
   options.working_folder = scratch;
   options.time_limit_s = 60;
-  const ChildResult result = RunChild(gnuplot, {"chart.gp"}, options);
+  const ChildResult result =
+      RunChild(gnuplot, {"-d", "chart.gp"}, options);  // without the user's own settings
   if (result.exit_code != 0) {
     throw EnvironmentError(fmt::format("gnuplot ended with exit code {}: {}", result.exit_code,
                                        fmt::join(result.last_lines, " | ")));

@@ -47,11 +47,15 @@ std::vector<std::string> ViewsFarBelow(const std::vector<ViewScore>& scores) {
 
 std::vector<std::string> LowQuality(const std::vector<ViewScore>& scores) {
   double sum = 0;
-  for (const ViewScore& score : scores) sum += score.psnr;
+  // With the colours corrected, since photos of uneven exposure differ from good renderings, too.
+  for (const ViewScore& score : scores) {
+    sum += std::max(score.psnr, score.corrected_psnr.value_or(score.psnr));
+  }
   const double mean = sum / double(scores.size());
   if (scores.empty() || !(mean < kLowPsnr_db)) return {};
   return {
-      fmt::format("The views that were scored have a mean PSNR of only {:.1f} dB: renderings are "
+      fmt::format("The views that were scored have a mean PSNR of only {:.1f} dB, even with "
+                  "corrected colours: renderings are "
                   "blurred, foggy or misplaced. More time for optimisation, or more and sharper "
                   "photos, may help.",
                   mean)};

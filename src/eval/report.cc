@@ -453,6 +453,34 @@ std::string Convergence(const ReportContent& content) {
   return html;
 }
 
+std::string GrowthRow(const GrowthStep& step) {
+  const auto cell = [&](const std::string& text) {
+    return "<td class=\"n\">" + (step.psnr > 0 ? text : std::string("–")) + "</td>";
+  };
+  return fmt::format("<tr><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
+                     Duration(step.seconds), WithThousands(step.vertices),
+                     WithThousands(step.tets)) +
+         fmt::format("<td class=\"n\">{:.0f}</td>", double(step.peak_rss_bytes) / (1 << 20)) +
+         cell(fmt::format("{:.2f}", step.psnr)) + cell(fmt::format("{:+.2f}", step.gain)) +
+         cell(fmt::format("{:.2f}", step.gain_standard_error)) + "<td>" + E(ReasonOf(step)) +
+         "</td></tr>";
+}
+
+std::string Growth(const ReportContent& content) {
+  if (content.growth.empty()) return "";
+  std::string rows;
+  for (const GrowthStep& step : content.growth) rows += GrowthRow(step);
+  return "<h2>Growth of the mesh</h2><p class=\"note\">Each time that was decided about the mesh: "
+         "how large it was, what the judging pictures (training pixels that are not learned) said "
+         "of it and had gained since the time before, with the standard error of that gain over "
+         "the views, and what was done. The last row is the result.</p>"
+         "<div class=\"scroll\"><table><thead><tr><th class=\"n\">time</th><th class=\"n\">vertices"
+         "</th><th class=\"n\">tets</th><th class=\"n\">peak MiB</th><th class=\"n\">judged dB</th>"
+         "<th class=\"n\">gain dB</th><th class=\"n\">± dB</th><th>decision</th></tr></thead>"
+         "<tbody>" +
+         rows + "</tbody></table></div>";
+}
+
 std::string Strip(const std::vector<Image>& pictures, const std::string& what) {
   std::string html;
   for (size_t i = 0; i < pictures.size(); ++i) {
@@ -591,8 +619,8 @@ std::string MakeReport(const ReportContent& content) {
              ScriptSource(kReportScript), E(content.dataset), kReportStyle) +
          Header(content) + Cards(content) + Comparison(content) + KeyNumbers(content) +
          ViewScores(content) + Exposures(content) + Cameras(content) + Convergence(content) +
-         Surface(content) + Views(content) + Stages(content.run) + Warnings(content) +
-         Commands(content.run) +
+         Growth(content) + Surface(content) + Views(content) + Stages(content.run) +
+         Warnings(content) + Commands(content.run) +
          "<footer>Written by tetrec-evaluate. Colours are display sRGB throughout.</footer>"
          "</main><script>" +
          kReportScript + "</script></body></html>\n";

@@ -5,6 +5,7 @@
 #include "eval/evaluate_surface.h"
 #include "eval/run_facts.h"
 #include "run/camera_corrections.h"
+#include "run/mesh_growth.h"
 #include "run/photo_exposures.h"
 #include "run/rendered_views.h"
 #include "scene/scene.h"
@@ -38,6 +39,7 @@ struct ReportContent {
   std::optional<Scene> scene;             // nothing if the chain of manifests is broken
   std::optional<SurfaceResult> surface;
   std::optional<DepthScores> depth;
+  std::vector<GrowthStep> growth;       // of the mesh; empty if unknown
   std::vector<std::string> curves_svg;  // convergence; if empty, no_curves_reason is shown
   std::string no_curves_reason;
   nlohmann::json metrics;  // as in metrics.json: the numbers of the page

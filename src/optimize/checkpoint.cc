@@ -65,6 +65,7 @@ static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
 static_assert(sizeof(CorrectedPose) == 13 * sizeof(double));
 static_assert(sizeof(MotionCounts) == 3 * sizeof(uint64_t));
 static_assert(sizeof(ErrorSum) == 2 * sizeof(double));
+static_assert(sizeof(GrowthStep) == 9 * sizeof(uint64_t));
 static_assert(sizeof(ConvergenceState) == 4 * sizeof(uint64_t));
 
 TrialState ReadTrial(ByteReader& reader, const std::string& name, const char* what) {
@@ -128,6 +129,8 @@ void WriteRounds(ByteWriter& writer, const RoundsState& state) {
   writer.Write(state.ended);
   writer.Write(state.best_psnr);
   WriteViews(writer, state.last_views);
+  writer.Write(uint64_t(state.steps.size()));
+  writer.WriteArray(std::span<const GrowthStep>(state.steps));
 }
 
 RoundsState ReadRounds(ByteReader& reader, const std::string& name) {
@@ -136,6 +139,14 @@ RoundsState ReadRounds(ByteReader& reader, const std::string& name) {
   state.ended = reader.Read<uint32_t>("end of rounds");
   state.best_psnr = reader.Read<double>("best PSNR");
   state.last_views = ReadViews(reader, name);
+  state.steps = reader.ReadArray<GrowthStep>(reader.Read<uint64_t>("growth step count"), "growth");
+  for (const GrowthStep& step : state.steps) {
+    const double sum = step.seconds + step.psnr + step.gain + step.gain_standard_error;
+    if (!std::isfinite(sum) || step.decision > GrowthDecision::kEnd) {
+      throw DataError(
+          fmt::format("{}: the growth after {} steps is not possible", name, step.iteration));
+    }
+  }
   if (!std::isfinite(state.best_psnr)) {
     throw DataError(fmt::format("{}: best PSNR {} is not finite", name, state.best_psnr));
   }

@@ -35,6 +35,7 @@ struct Checkpoint {
 
 // Own format, little endian: "TETRECKA", u64 iteration, f64 seconds, u64 rays, u32 rounds
 // and u32 ended (0 or 1), f64 best PSNR, u64 judging views and for each f64 squares and rays,
+// u64 growth steps and their fields, 8 bytes each (GrowthStep),
 // of the convergence u64 x 3 and f64 (ConvergenceState),
 // u64 metrics bytes, harmonics unlocked, judged and closed u32 x 3, u32 fine rays
 // and u32 moving vertices (each 0 not tried, 1 not used, 2 used), u64 V, u64 T,

@@ -2,6 +2,7 @@
 #include "optimize/refinement_rounds.h"
 
 #include "core/log.h"
+#include "core/process_memory.h"
 #include "core/progress.h"
 #include "core/timer.h"
 #include "optimize/checkpoint.h"
@@ -14,6 +15,14 @@
 #include <utility>
 
 namespace tetrec {
+
+GrowthStep StepOf(double seconds, uint64_t iteration, const TetMesh& mesh) {
+  return {.iteration = iteration,
+          .seconds = seconds,
+          .vertices = mesh.positions.size(),
+          .tets = mesh.tets.size(),
+          .peak_rss_bytes = PeakRssBytes()};
+}
 
 RefinementRounds::RefinementRounds(const OptimizeOptions& options, std::vector<PlannedRound> plan,
                                    const RefinedParts& parts, std::filesystem::path best_file)
@@ -33,34 +42,45 @@ bool RefinementRounds::IsTaught() const {
          parts_.steps.iteration() - last_iteration_ >= options_.schedule.min_round_steps;
 }
 
-void RefinementRounds::Advance() {
-  if (parts_.pictures.learns_all() || IsWorthRefining()) RefineOnce();
+void RefinementRounds::Advance(double seconds) {
+  GrowthStep step = StepOf(seconds, parts_.steps.iteration(), parts_.field.mesh());
+  const bool refines = parts_.pictures.learns_all() || IsWorthRefining(step);
+  state_.steps.push_back(step);
+  if (refines) RefineOnce();
 }
 
 // Judges the field that the last round led to.
-bool RefinementRounds::IsWorthRefining() {
+bool RefinementRounds::IsWorthRefining(GrowthStep& step) {
   const Judgement now = parts_.pictures.JudgeField();
+  const JudgedGain gain = GainBetween(state_.last_views, now.views);
+  step.psnr = now.psnr;
+  step.gain = gain.gain;
+  step.gain_standard_error = gain.standard_error;
+  step.decision = Decide(now, gain);
   LogInfo(
       "judging pictures before round {}: {:.2f} dB, standard error {:.2f} (views {:.2f}, tiles "
-      "{:.2f})",
-      state_.rounds + 1, now.psnr, now.standard_error, now.views_psnr, now.tiles_psnr);
-  const bool is_first = state_.rounds == 0;
-  if (!is_first && !(now.psnr > state_.best_psnr - options_.schedule.judged_loss)) {
-    ReturnToBest(now.psnr);
-    return false;
+      "{:.2f}); gain {:+.2f} dB, standard error {:.2f}",
+      state_.rounds + 1, now.psnr, now.standard_error, now.views_psnr, now.tiles_psnr, gain.gain,
+      gain.standard_error);
+  if (step.decision == GrowthDecision::kReturn) ReturnToBest(now.psnr);
+  if (step.decision == GrowthDecision::kFineEnough) {
+    LogInfo("the mesh is fine enough: that is no more than the standard error");
   }
-  const JudgedGain gain = GainBetween(state_.last_views, now.views);
-  if (!is_first && plan_[state_.rounds].is_late && !(gain.gain > gain.standard_error)) {
-    LogInfo(
-        "since round {} the judging pictures gained {:.2f} dB, standard error {:.2f}: the mesh is "
-        "fine enough",
-        state_.rounds, gain.gain, gain.standard_error);
-    state_.ended = 1;
-    return false;
-  }
-  if (is_first || now.psnr > state_.best_psnr) SaveBest(now.psnr);
+  state_.ended = step.decision != GrowthDecision::kRefine;
+  if (state_.ended != 0) return false;
+  if (state_.rounds == 0 || now.psnr > state_.best_psnr) SaveBest(now.psnr);
   state_.last_views = now.views;
   return true;
+}
+
+GrowthDecision RefinementRounds::Decide(const Judgement& now, const JudgedGain& gain) const {
+  if (state_.rounds == 0) return GrowthDecision::kRefine;
+  if (!(now.psnr > state_.best_psnr - options_.schedule.judged_loss)) {
+    return GrowthDecision::kReturn;
+  }
+  const bool is_late = plan_[state_.rounds].is_late;
+  return is_late && !(gain.gain > gain.standard_error) ? GrowthDecision::kFineEnough
+                                                       : GrowthDecision::kRefine;
 }
 
 void RefinementRounds::SaveBest(double psnr) {
@@ -79,7 +99,6 @@ void RefinementRounds::ReturnToBest(double psnr) {
       state_.rounds, state_.best_psnr - psnr, WithThousands(best.mesh.positions.size()));
   parts_.field.Put(std::move(best.mesh),
                    WithHarmonics(best.state, parts_.field.harmonics_degree()));
-  state_.ended = 1;
 }
 
 void RefinementRounds::RefineOnce() {

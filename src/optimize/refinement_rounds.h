@@ -9,6 +9,7 @@
 #include "optimize/training_steps.h"
 #include "optimize/vertex_motion.h"
 #include "render/training_renderer.h"
+#include "run/mesh_growth.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -16,12 +17,16 @@
 
 namespace tetrec {
 
+// The record of a mesh that nothing has judged yet.
+GrowthStep StepOf(double seconds, uint64_t iteration, const TetMesh& mesh);
+
 // What a resumed run needs.
 struct RoundsState {
   uint32_t rounds = 0;               // done
   uint32_t ended = 0;                // 1: the mesh is refined no more
   double best_psnr = 0;              // of the judging pictures, before a round [dB]
   std::vector<ErrorSum> last_views;  // what they said before the last round
+  std::vector<GrowthStep> steps;     // one for each time that was decided about the mesh
   bool operator==(const RoundsState&) const = default;
 };
 
@@ -52,13 +57,15 @@ class RefinementRounds {
   // Refines the mesh. If the judging pictures lost since the round before, the run returns to the
   // field before that one and refines no more; nor does it if a late round would follow one that
   // gained no more than the standard error.
-  void Advance();
+  // `seconds`: of the run so far, for the record.
+  void Advance(double seconds);
   // The judging pictures gained by something else than the field [dB].
   void RaiseBest(double gain) { state_.best_psnr += gain; }
 
  private:
   bool IsTaught() const;
-  bool IsWorthRefining();
+  GrowthDecision Decide(const Judgement& now, const JudgedGain& gain) const;
+  bool IsWorthRefining(GrowthStep& step);
   void SaveBest(double psnr);
   void ReturnToBest(double psnr);
   void RefineOnce();

@@ -110,11 +110,16 @@ class Trainer {
           steps_.iteration(), seconds_));
     }
     Report(history.End(Figures(Done())));
+    end_of_growth_ = StepOf(seconds_, steps_.iteration(), field_.mesh());
+    end_of_growth_.decision = GrowthDecision::kEnd;
     const FieldState state = field_.ReadState();
     return FieldOf(field_.TakeMesh(), state);
   }
 
   void WriteEstimates() {
+    std::vector<GrowthStep> growth = rounds_.state().steps;
+    growth.push_back(end_of_growth_);
+    WriteMeshGrowth(stage_.Output(kMeshGrowthFile), growth);
     WriteExposures(scene_, exposure_.State(*renderer_).exposures, stage_);
     WriteCorrections(scene_, pictures_.given_views(), poses_.state().poses, stage_);
   }
@@ -197,7 +202,7 @@ class Trainer {
       }
       const double growth = Growth();
       if (rounds_.IsDue(growth)) {
-        rounds_.Advance();
+        rounds_.Advance(seconds_);
         continue;
       }
       if (motion_trial_.Advance(growth, done) || harmonics_.Advance(growth) ||
@@ -370,6 +375,7 @@ class Trainer {
   FineRays fine_rays_;
   MotionTrial motion_trial_;
   RefinementRounds rounds_;
+  GrowthStep end_of_growth_;
   Convergence convergence_;
   fs::path checkpoint_path_;
   double seconds_ = 0;          // of optimisation

@@ -25,9 +25,6 @@ glm::dvec3 Point(const std::vector<double>& numbers, size_t first) {
   return {numbers[first], numbers[first + 1], numbers[first + 2]};
 }
 
-// (x, y, z) with z up becomes (x, z, -y) with y up.
-Similarity3 WithYUp() { return {1.0, glm::dmat3({1, 0, 0}, {0, 0, -1}, {0, 1, 0}), glm::dvec3(0)}; }
-
 void WriteSurface(const TriangleMesh& surface, const ExportOptions& options, Stage& stage) {
   WriteTriangleMeshPly(stage.Output("surface.ply"), surface);
   if (Contains(options, ExportFormat::kStl)) {
@@ -36,8 +33,7 @@ void WriteSurface(const TriangleMesh& surface, const ExportOptions& options, Sta
   const bool obj = Contains(options, ExportFormat::kObj),
              glb = Contains(options, ExportFormat::kGlb);
   if (!obj && !glb) return;
-  const TriangleMesh turned =
-      options.coordinates == ExportCoordinates::kWorld ? Transformed(surface, WithYUp()) : surface;
+  const TriangleMesh turned = Transformed(surface, YUpFromExport(options));
   if (obj) WriteTriangleMeshObj(stage.Output("surface.obj"), turned);
   if (glb) WriteTriangleMeshGlb(stage.Output("surface.glb"), turned);
 }
@@ -94,13 +90,22 @@ Similarity3 ExportFromWorld(const ExportOptions& options, const Similarity3& inp
   return options.coordinates == ExportCoordinates::kInput ? scaled * input_from_world : scaled;
 }
 
+Similarity3 InputFromExport(const ExportOptions& options, const Similarity3& input_from_world) {
+  return input_from_world * ExportFromWorld(options, input_from_world).Inverse();
+}
+
+Similarity3 YUpFromExport(const ExportOptions& options) {
+  if (options.coordinates == ExportCoordinates::kInput) return {};
+  return {1.0, glm::dmat3({1, 0, 0}, {0, 0, -1}, {0, 1, 0}), glm::dvec3(0)};
+}
+
 void WriteExports(const TriangleMesh& surface, const RadianceField& field_in_world,
                   const Similarity3& input_from_world, const ExportOptions& options, Stage& stage) {
   const Similarity3 export_from_world = ExportFromWorld(options, input_from_world);
   stage.Note("coordinates", Name(options.coordinates));
-  stage.Note("input_from_surface", ToJson(input_from_world * export_from_world.Inverse()));
-  WriteSurface(surface, options, stage);
+  stage.Note("input_from_surface", ToJson(InputFromExport(options, input_from_world)));
   WriteField(field_in_world, export_from_world, options, stage);
+  WriteSurface(surface, options, stage);
 }
 
 }  // namespace tetrec

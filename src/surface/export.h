@@ -50,6 +50,12 @@ struct ExportOptions {
 // From the world to the frame of the files, but for the turn of those with y up.
 Similarity3 ExportFromWorld(const ExportOptions& options, const Similarity3& input_from_world);
 
+// The way back, from the frame of the files to the input's coordinates.
+Similarity3 InputFromExport(const ExportOptions& options, const Similarity3& input_from_world);
+// The turn of files with y up: (x, y, z) becomes (x, z, -y). In the input's coordinates nothing is
+// turned.
+Similarity3 YUpFromExport(const ExportOptions& options);
+
 // Writes the surface, which is in the frame of ExportFromWorld, and the field, which is still in
 // the world, in the formats of the options, as outputs of the stage. Notes in the manifest
 // "coordinates", and "input_from_surface", the way from surface.ply to the input's coordinates.

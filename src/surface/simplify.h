@@ -7,11 +7,12 @@
 
 namespace tetrec {
 
-// Collapses edges by quadric error as long as every vertex of the mesh stays within `max_deviation`
-// of the simplified one, no triangle turns over and none becomes a worse sliver than those that it
-// replaces. Vertices keep their positions and colours. Methods: Garland and Heckbert, Surface
-// Simplification Using Quadric Error Metrics, 1997; Klein, Liebich and Strasser, Mesh Reduction
-// with Error Control, 1996; both by OpenMesh. Throws DataError if the mesh is not a manifold.
+// Collapses edges by quadric error as long as, by what is known at each collapse, every vertex of
+// the mesh stays within `max_deviation` of the simplified one, no triangle turns over and none
+// becomes a sliver (4 : 1) that is worse than those that it replaces. Vertices keep their positions
+// and colours. Methods: Garland and Heckbert, Surface Simplification Using Quadric Error Metrics,
+// 1997; Klein, Liebich and Strasser, Mesh Reduction with Error Control, 1996; both by OpenMesh.
+// Throws DataError if the mesh is not a manifold.
 TriangleMesh Simplify(const TriangleMesh& mesh, double max_deviation);
 
 // Collapses edges by quadric error until max_triangles are left, or more if borders and

@@ -57,8 +57,7 @@ LevelSet Cropped(const LevelSet& set, const ExportOptions& options, const FieldW
   stage.Count("triangles_out_of_crop", dropped);
   if (cropped.triangles.empty()) {
     throw DataError(
-        "no part of the surface is inside the crop; it is in the coordinates of the exported "
-        "files, "
+        "no part of the surface is inside the crop, which is in the coordinates of surface.ply, "
         "after scaling");
   }
   return cropped;

@@ -16,12 +16,13 @@ namespace tetrec {
 namespace {
 
 // Where the fields start: "TETRECKA", u64 iteration, f64 seconds, u64 rays, u32 x 2 and f64 of the
-// rounds, u64 and f64 x 2 x 2 of the judging views, u64 x 3 and f64 of the convergence, u64
+// rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x 9 of
+// their growth, u64 x 3 and f64 of the convergence, u64
 // metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64 T, then
 // the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the name, the
 // name, and 3 u32 each. Positions follow.
-constexpr size_t kSecondsAt = 16, kFineRaysAt = 140, kMotionAt = 144, kVertexCountAt = 148,
-                 kTetCountAt = 156, kStorageAt = 164,
+constexpr size_t kSecondsAt = 16, kFineRaysAt = 220, kMotionAt = 224, kVertexCountAt = 228,
+                 kTetCountAt = 236, kStorageAt = 244,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
@@ -39,7 +40,8 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   checkpoint.iteration = (uint64_t{1} << 40) + 3;
   checkpoint.seconds = 12.375;
   checkpoint.rays = 987654321012345;
-  checkpoint.rounds = {4, 1, 23.5, {{1.5, 16.0}, {0.25, 32.0}}};
+  checkpoint.rounds = {4, 1, 23.5, {{1.5, 16.0}, {0.25, 32.0}}, {}};
+  checkpoint.rounds.steps.push_back({.iteration = 12, .seconds = 2.5, .psnr = 21.0});
   checkpoint.convergence = {500, 1, 700, 25.5};
   checkpoint.metrics_bytes = 777;
   checkpoint.fine_rays = TrialState::kNotUsed;

@@ -34,12 +34,12 @@ TEST_F(RefinementRoundsTest, AreDueOneAfterAnother) {
 
 TEST_F(RefinementRoundsTest, GoOnWithAFieldThatGained) {
   run_.PutField(0.2);
-  rounds_.Advance();
+  rounds_.Advance(0.0);
   const double first = rounds_.state().best_psnr;
   const size_t refined = vertices();
   EXPECT_GT(refined, WavyBox(0.2).mesh.positions.size());
   run_.PutField(0.4);
-  rounds_.Advance();
+  rounds_.Advance(0.0);
   EXPECT_EQ(rounds_.state().rounds, 2u);
   EXPECT_GT(rounds_.state().best_psnr, first);
 }
@@ -47,29 +47,35 @@ TEST_F(RefinementRoundsTest, GoOnWithAFieldThatGained) {
 TEST_F(RefinementRoundsTest, EndLateWhereTheJudgingPicturesGainNothing) {
   for (uint32_t round = 1; round <= 3; ++round) {
     run_.PutField(0.3);
-    rounds_.Advance();
+    rounds_.Advance(0.0);
     ASSERT_EQ(rounds_.state().rounds, round);
   }
   run_.PutField(0.3);
   const size_t before = vertices();
   ASSERT_TRUE(rounds_.IsDue(1.2));
-  rounds_.Advance();
+  rounds_.Advance(0.0);
   EXPECT_EQ(vertices(), before);
   EXPECT_EQ(rounds_.state().rounds, 3u);
   EXPECT_FALSE(rounds_.IsDue(2.0));
   EXPECT_TRUE(rounds_.IsOver());
+  const std::vector<GrowthStep>& steps = rounds_.state().steps;
+  ASSERT_EQ(steps.size(), 4u);
+  EXPECT_EQ(steps[2].decision, GrowthDecision::kRefine);
+  EXPECT_EQ(steps[3].decision, GrowthDecision::kFineEnough);
+  EXPECT_EQ(steps[3].vertices, before);
+  EXPECT_GT(steps[3].psnr, 0.0);
 }
 
 TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {
   run_.steps.Take(0.0, false);  // so that there are moments
   const std::vector<glm::vec3> positions = run_.field.mesh().positions;
   const FieldState best = run_.field.ReadState();
-  rounds_.Advance();
+  rounds_.Advance(0.0);
   ASSERT_GT(vertices(), positions.size());
   FieldState worse = run_.field.ReadState();
   for (float& parameter : worse.parameters) parameter = 0.0f;
   run_.field.PutState(worse);
-  rounds_.Advance();
+  rounds_.Advance(0.0);
   const FieldState now = run_.field.ReadState();
   EXPECT_TRUE(run_.field.mesh().positions == positions);
   EXPECT_TRUE(now.parameters == best.parameters);
@@ -79,9 +85,9 @@ TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {
 
 TEST_F(RefinementRoundsTest, TakeNothingBackWhereNothingJudges) {
   run_.pictures.EndJudgingIfDue(1.0);
-  rounds_.Advance();
+  rounds_.Advance(0.0);
   run_.PutField(0.0);
-  rounds_.Advance();
+  rounds_.Advance(0.0);
   EXPECT_EQ(rounds_.state().rounds, 2u);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "best.bin"));
 }
@@ -99,7 +105,7 @@ TEST(RefinementRounds, OfSchemesThatSplitLeaveThePictureAsItIs) {
         folder / "best.bin");
     run.PutField(0.2);
     const size_t before = run.field.mesh().positions.size();
-    rounds.Advance();
+    rounds.Advance(0.0);
     EXPECT_GT(run.field.mesh().positions.size(), 1.1 * double(before));
     EXPECT_NEAR(run.pictures.JudgeField().psnr, rounds.state().best_psnr, 1e-3);
     CheckTetMesh(run.field.mesh());

@@ -78,6 +78,8 @@ class ExportsTest(StageCase):
                     for axis in range(3):
                         self.assertAlmostEqual(high[axis] / expected, 1, delta=0.25)
                 self.assertFalse((self.folder / name / "surface.obj").exists())
+                way_back = self.manifest(self.folder / name)["notes"]["input_from_surface"]
+                self.assertAlmostEqual(way_back["scale"] * expected / RADIUS, 1, places=6)
 
         self.assert_fails(self.run_stage("surface", field, "-o", self.folder / "x", "--crop", "8,8,8,9,9,9"),
                           3, "crop")

@@ -103,6 +103,29 @@ TEST(ExportOptions, TheInputsCoordinatesAreThoseOfTheScene) {
       1e-12);
 }
 
+TEST(ExportOptions, ThereIsAWayBackFromEveryFrameToTheInput) {
+  const Similarity3 input_from_world{7, glm::dmat3({0, 1, 0}, {-1, 0, 0}, {0, 0, 1}), {1, 2, 3}};
+  const glm::dvec3 p(0.5, -0.25, 1);
+  for (const ExportCoordinates coordinates :
+       {ExportCoordinates::kWorld, ExportCoordinates::kInput}) {
+    for (const double scale : {1.0, 10.0}) {
+      const ExportOptions options{.coordinates = coordinates, .scale = scale};
+      const glm::dvec3 in_file = ExportFromWorld(options, input_from_world) * p;
+      EXPECT_LT(
+          glm::distance(InputFromExport(options, input_from_world) * in_file, input_from_world * p),
+          1e-12);
+    }
+  }
+}
+
+TEST(ExportOptions, FilesWithYUpAreTurnedAndNotMirrored) {
+  const Similarity3 turn = YUpFromExport({});
+  EXPECT_EQ(turn * glm::dvec3(1, 2, 3), glm::dvec3(1, 3, -2));
+  EXPECT_DOUBLE_EQ(glm::determinant(turn.rotation), 1.0);
+  EXPECT_EQ(YUpFromExport({.coordinates = ExportCoordinates::kInput}) * glm::dvec3(1, 2, 3),
+            glm::dvec3(1, 2, 3));
+}
+
 TEST(ExportOptions, RefusesWhatMakesNoSense) {
   const auto refused = [](const ExportOptions& options, const char* name) {
     ExpectError<UsageError>([&] { options.Check(); }, {name});

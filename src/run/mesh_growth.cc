@@ -1,0 +1,89 @@
+// Writes and reads growth.json (schema 1).
+#include "run/mesh_growth.h"
+
+#include "core/checked_json.h"
+#include "core/file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace tetrec {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::array<const char*, 4> kDecisions = {"refine", "return", "fine-enough", "end"};
+constexpr double kLargest = 1e18;
+
+GrowthDecision ReadDecision(const CheckedJson& field) {
+  const auto found = std::find(kDecisions.begin(), kDecisions.end(), field.Text());
+  if (found == kDecisions.end()) field.Fail("is none of refine, return, fine-enough, end");
+  return GrowthDecision(found - kDecisions.begin());
+}
+
+uint64_t ReadCount(const CheckedJson& field) {
+  return uint64_t(field.IntegerIn(0, int64_t(kLargest)));
+}
+
+double NumberOrZero(const CheckedJson& field) { return field.IsNull() ? 0.0 : field.Number(); }
+
+json ToJson(const GrowthStep& step) {
+  const auto judged = [&](double value) { return step.psnr > 0 ? json(value) : json(); };
+  return {{"iteration", step.iteration},
+          {"seconds", step.seconds},
+          {"vertices", step.vertices},
+          {"tets", step.tets},
+          {"peak_rss_bytes", step.peak_rss_bytes},
+          {"psnr", judged(step.psnr)},
+          {"gain", judged(step.gain)},
+          {"gain_standard_error", judged(step.gain_standard_error)},
+          {"decision", kDecisions[size_t(step.decision)]},
+          {"reason", ReasonOf(step)}};
+}
+
+}  // namespace
+
+std::string ReasonOf(const GrowthStep& step) {
+  switch (step.decision) {
+    case GrowthDecision::kRefine:
+      return step.psnr > 0 ? "refined" : "refined: no pictures were kept that could judge";
+    case GrowthDecision::kReturn:
+      return "returned to the mesh before, because the judging pictures lost";
+    case GrowthDecision::kFineEnough:
+      return "fine enough: the judging pictures gained no more than the standard error";
+    case GrowthDecision::kEnd:
+      return "the mesh of the result";
+  }
+  return "";
+}
+
+void WriteMeshGrowth(const std::filesystem::path& path, const std::vector<GrowthStep>& steps) {
+  json rows = json::array();
+  for (const GrowthStep& step : steps) rows.push_back(ToJson(step));
+  WriteJson(path, {{"schema", 1}, {"steps", std::move(rows)}});
+}
+
+std::vector<GrowthStep> ParseMeshGrowth(const json& value, const std::string& name) {
+  const CheckedJson file(value, name);
+  file.Field("schema").IntegerIn(1, 1);
+  const CheckedJson rows = file.Field("steps");
+  std::vector<GrowthStep> steps;
+  for (size_t i = 0; i < rows.Size(); ++i) {
+    const CheckedJson row = rows.Item(i);
+    steps.push_back({ReadCount(row.Field("iteration")), row.Field("seconds").NumberIn(0, kLargest),
+                     ReadCount(row.Field("vertices")), ReadCount(row.Field("tets")),
+                     ReadCount(row.Field("peak_rss_bytes")), NumberOrZero(row.Field("psnr")),
+                     NumberOrZero(row.Field("gain")),
+                     NumberOrZero(row.Field("gain_standard_error")),
+                     ReadDecision(row.Field("decision"))});
+  }
+  return steps;
+}
+
+std::vector<GrowthStep> ReadMeshGrowth(const std::filesystem::path& path) {
+  return ParseMeshGrowth(ReadJson(path), path.string());
+}
+
+}  // namespace tetrec

@@ -1,0 +1,46 @@
+// growth.json: how the mesh of a run grew, and why no further. Written beside the field, read by
+// the report.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tetrec {
+
+inline constexpr const char* kMeshGrowthFile = "growth.json";
+
+enum class GrowthDecision : uint64_t {
+  kRefine,      // the mesh got more vertices
+  kReturn,      // the run went back to the mesh before the last refinement
+  kFineEnough,  // the mesh stays as it is
+  kEnd,         // the run ended
+};
+
+// What was known of a mesh when it was decided about.
+struct GrowthStep {
+  uint64_t iteration = 0;
+  double seconds = 0;               // of optimisation
+  uint64_t vertices = 0, tets = 0;  // of the mesh that was decided about
+  uint64_t peak_rss_bytes = 0;      // until then
+  double psnr = 0;                  // of the judging pictures [dB]; 0 if nothing judged
+  double gain = 0;                  // since the step before [dB]
+  double gain_standard_error = 0;   // over the views [dB]
+  GrowthDecision decision = GrowthDecision::kRefine;
+  bool operator==(const GrowthStep&) const = default;
+};
+
+// For people: "refined", "returned to the mesh before: ...".
+std::string ReasonOf(const GrowthStep& step);
+
+// {"schema": 1, "steps": [{"iteration", "seconds", "vertices", "tets", "peak_rss_bytes", "psnr",
+// "gain", "gain_standard_error", "decision", "reason"}]}; psnr and what follows from it is null
+// where nothing judged. Throws DataError naming file and field.
+void WriteMeshGrowth(const std::filesystem::path& path, const std::vector<GrowthStep>& steps);
+std::vector<GrowthStep> ReadMeshGrowth(const std::filesystem::path& path);
+std::vector<GrowthStep> ParseMeshGrowth(const nlohmann::json& value, const std::string& name);
+
+}  // namespace tetrec

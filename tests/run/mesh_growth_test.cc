@@ -1,0 +1,46 @@
+#include "run/mesh_growth.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "expect_error.h"
+#include "scratch_folder.h"
+
+#include <gtest/gtest.h>
+
+namespace tetrec {
+namespace {
+
+std::vector<GrowthStep> Example() {
+  return {{150, 3.5, 1000, 6000, 300000000, 24.5, 0.0, 0.0, GrowthDecision::kRefine},
+          {900, 20.25, 1500, 9100, 310000000, 26.0, 1.5, 0.125, GrowthDecision::kRefine},
+          {2000, 50.0, 2200, 13000, 320000000, 26.0, 0.0, 0.25, GrowthDecision::kFineEnough},
+          {3000, 80.0, 2200, 13000, 320000000, 0.0, 0.0, 0.0, GrowthDecision::kEnd}};
+}
+
+TEST(MeshGrowth, WhatWasWrittenIsReadBack) {
+  const ScratchFolder folder;
+  WriteMeshGrowth(folder / kMeshGrowthFile, Example());
+  EXPECT_TRUE(ReadMeshGrowth(folder / kMeshGrowthFile) == Example());
+  const nlohmann::json value = ReadJson(folder / kMeshGrowthFile);
+  EXPECT_EQ(value["steps"][1]["reason"], "refined");
+  EXPECT_TRUE(value["steps"][3]["psnr"].is_null());
+}
+
+TEST(MeshGrowth, WhatIsWrongIsNamed) {
+  const ScratchFolder folder;
+  WriteMeshGrowth(folder / kMeshGrowthFile, Example());
+  const nlohmann::json good = ReadJson(folder / kMeshGrowthFile);
+  const auto refused = [&](const char* pointer, const nlohmann::json& value, const char* what) {
+    nlohmann::json bad = good;
+    bad[nlohmann::json::json_pointer(pointer)] = value;
+    ExpectError<DataError>([&] { ParseMeshGrowth(bad, "growth.json"); }, {"growth.json", what});
+  };
+  refused("/schema", 2, "schema");
+  refused("/steps", 7, "steps");
+  refused("/steps/2/decision", "grow", "steps[2].decision");
+  refused("/steps/0/vertices", -1, "steps[0].vertices");
+  refused("/steps/0/seconds", "soon", "steps[0].seconds");
+}
+
+}  // namespace
+}  // namespace tetrec
