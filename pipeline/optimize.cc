@@ -133,7 +133,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
       ->check(CLI::Range(0, 1000));
   app.add_flag("--deterministic", options.renderer.deterministic,
                "Give the same bytes for any number of threads and after a resume, a little slower; "
-               "requires --iterations and --time-limit 0");
+               "requires --time-limit 0");
   command.DoesNotChangeResults(app.add_option("--checkpoint-interval",
                                               options.checkpoint_interval_s,
                                               "Seconds between checkpoints")
@@ -153,7 +153,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
       {"--color-rate", "--sh-rate", "--density-rate", "--position-rate", "--final-rate-share"});
   GroupOptions(app, "Photos and cameras", {"--exposure", "--poses"});
   GroupOptions(app, "Mesh",
-               {"--positions", "--rounds", "--last-round", "--max-vertices", "--score-rays"});
+               {"--positions", "--quality-weight", "--quality-sharpness", "--rounds",
+                "--last-round", "--max-vertices", "--refine", "--score", "--prism-diagonals",
+                "--split-share", "--score-rays"});
   AddRendererOptions(command, options.renderer);
 }
 

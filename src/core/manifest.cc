@@ -161,7 +161,8 @@ json ReadManifestOrStatus(const fs::path& path) {
 std::optional<fs::path> PreviousFolder(const fs::path& folder, const json& manifest) {
   const std::string previous = TextOrEmpty(manifest, "previous");
   if (previous.empty()) return std::nullopt;
-  return (folder / previous).lexically_normal();
+  // Recorded between the folders themselves; `folder` may be a link to one.
+  return (fs::weakly_canonical(fs::absolute(folder)) / previous).lexically_normal();
 }
 
 fs::path PreviousStage(const fs::path& folder, const std::set<std::string>& stages) {

@@ -27,10 +27,10 @@ bool Convergence::IsDue(uint64_t steps) const {
 
 void Convergence::Look(uint64_t steps, double psnr, bool may_end) {
   const bool gained = state_.last_look == 0 || psnr >= state_.best_psnr + kLeastGain;
-  state_.idle_looks = gained ? 0 : state_.idle_looks + 1;
+  state_.idle_looks = gained || !may_end ? 0 : state_.idle_looks + 1;
   state_.best_psnr = gained ? psnr : state_.best_psnr;
   state_.last_look = steps;
-  if (may_end && state_.idle_looks >= kMostIdleLooks) state_.converged = steps;
+  if (state_.idle_looks >= kMostIdleLooks) state_.converged = steps;
 }
 
 double Convergence::Progress(uint64_t steps) const {

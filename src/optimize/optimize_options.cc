@@ -23,12 +23,20 @@ void OptimizeOptions::Check() const {
         "time_limit and 'iterations' are both 0 and judging_pictures is learned, so nothing ends "
         "the run: set a limit, or judging_pictures kept");
   }
-  if (renderer.deterministic && (time_limit_s > 0 || iterations == 0)) {
+  if (renderer.deterministic && time_limit_s > 0) {
     throw UsageError(
-        "deterministic: a run by time ends where the machine's speed takes it; set 'iterations' "
-        "and "
-        "'time_limit' 0");
+        "deterministic: a run by time ends where the machine's speed takes it; set 'time_limit' 0");
   }
+  const OptimizeOptions defaults;
+  if (refine != RefineScheme::kPrism) {
+    if (split_share != defaults.split_share) {
+      throw UsageError("split_share has no effect without refine prism; leave it out");
+    }
+    if (prism_diagonals != defaults.prism_diagonals) {
+      throw UsageError("prism_diagonals has no effect without refine prism; leave it out");
+    }
+  }
+  if (!(split_share > 0)) fail("split_share", split_share, "above 0");
   if (rays_per_step < kRaysPerBlock || rays_per_step > 1 << 22) {
     fail("rays", rays_per_step, "8 to 4194304");
   }

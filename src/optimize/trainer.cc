@@ -59,7 +59,9 @@ uint64_t MaxVertices(const OptimizeOptions& options, uint64_t pixels) {
 
 std::vector<PlannedRound> PlanRounds(const OptimizeOptions& options, uint64_t start_vertices,
                                      uint64_t max_vertices, uint64_t pixels) {
-  const double seconds = ExpectedSeconds(options, pixels);
+  // In a run without limits, a given number of rounds is done while it is young.
+  const bool is_brief = !options.HasLimit() && options.schedule.rounds;
+  const double seconds = is_brief ? kGrowthSeconds : ExpectedSeconds(options, pixels);
   const uint64_t growth_vertices = AffordableVertices(std::min(seconds, kGrowthSeconds), pixels);
   return PlanGrowth(
       options.schedule, start_vertices,
@@ -68,7 +70,7 @@ std::vector<PlannedRound> PlanRounds(const OptimizeOptions& options, uint64_t st
 }
 
 bool CamerasWereEstimated(const fs::path& scene_folder) {
-  return ReadManifest(scene_folder, {"sfm", "import"})["stage"] == "sfm";
+  return ReadManifestOrStatus(scene_folder / kManifestFile)["stage"] == "sfm";
 }
 
 class Trainer {
@@ -101,7 +103,8 @@ class Trainer {
   RadianceField Run(const RadianceField& start) {
     Introduce(start);
     Begin(start);
-    TrainingHistory history(stage_.Output(kTrainingLogFile), metrics_bytes_, watched_);
+    TrainingHistory history(stage_.Output(kTrainingLogFile), metrics_bytes_, watched_,
+                            options_.HasLimit());
     Train(history);
     if (StopRequested()) {
       SaveCheckpoint(history.bytes());

@@ -22,11 +22,17 @@ double StepAverages::Psnr() const {
   return IsEmpty() ? 0 : -10 * std::log10(squared_error_ / double(count_));
 }
 
+bool TrainingHistory::IsDue(const RunFigures& now) const {
+  if (now.progress - last_row_ >= 0.02) return true;
+  return !has_limit_ && double(now.iteration) >= 1.05 * double(last_row_steps_) + 100;
+}
+
 void TrainingHistory::Record(const RunFigures& now) {
-  if (now.progress - last_row_ < 0.02) return;
+  if (!IsDue(now)) return;
   last_row_ = now.progress;
+  last_row_steps_ = now.iteration;
   log_.Add(Row(now, WatchIfDue(now.progress), "optimise"));
-  progress_.Update(now.progress, DetailOf(now));
+  progress_.Update(has_limit_ ? now.progress : double(now.iteration), DetailOf(now));
   averages_ = {};
 }
 

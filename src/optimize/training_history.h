@@ -37,13 +37,17 @@ class StepAverages {
 
 class TrainingHistory {
  public:
-  // `keep_bytes`: TrainingLogWriter.
+  // `keep_bytes`: TrainingLogWriter. `has_limit`: the length of the run is known.
   TrainingHistory(const std::filesystem::path& path, uint64_t keep_bytes,
-                  const WatchedViews& watched)
-      : watched_(watched), log_(path, keep_bytes), progress_("optimise", Progress::kShare) {}
+                  const WatchedViews& watched, bool has_limit)
+      : watched_(watched),
+        has_limit_(has_limit),
+        log_(path, keep_bytes),
+        progress_("optimise", has_limit ? Progress::kShare : 0) {}
 
   void Add(const StepResult& result) { averages_.Add(result); }
-  // A row and a line if 2 % of the run have passed since the last one.
+  // A row and a line if 2 % of the run have passed since the last one or, if its length is not
+  // known, whenever it has become longer by 5 %.
   void Record(const RunFigures& now);
   // The last row. Returns the PSNR of the watched views [dB], if there are any.
   std::optional<double> End(const RunFigures& now);
@@ -59,11 +63,15 @@ class TrainingHistory {
   // For the line of progress: what is known by now.
   std::string DetailOf(const RunFigures& now) const;
 
+  bool IsDue(const RunFigures& now) const;
+
   const WatchedViews& watched_;
+  bool has_limit_;
   TrainingLogWriter log_;
   Progress progress_;
   StepAverages averages_;
   double last_row_ = -1, last_watch_ = 0;  // their progress
+  uint64_t last_row_steps_ = 0;
   std::optional<double> last_watched_psnr_;
 };
 

@@ -47,6 +47,17 @@ TEST(Convergence, BearsALookThatIsWorse) {
   EXPECT_EQ(run.state().converged, 12400u);
 }
 
+TEST(Convergence, CountsNoLookAtAMeshThatGrows) {
+  Convergence run;
+  run.Look(5000, 30.0, false);
+  run.Look(6250, 30.0, false);
+  run.Look(7900, 30.0, false);
+  run.Look(9900, 30.0, true);
+  EXPECT_EQ(run.state().converged, 0u);
+  run.Look(12400, 30.0, true);
+  EXPECT_EQ(run.state().converged, 12400u);
+}
+
 TEST(Convergence, WaitsForTheMesh) {
   Convergence run;
   EXPECT_EQ(StepsOfRun(run, 1000, true), 0u);

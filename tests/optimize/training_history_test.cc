@@ -24,7 +24,7 @@ TEST(TrainingHistory, HasARowForEachTwoPercentAndOneForTheEnd) {
   const auto renderer = CreateRenderer({.kind = RendererKind::kReference});
   const Scene scene;
   const WatchedViews nothing{*renderer, folder.path(), scene, {}};
-  TrainingHistory history(folder / kTrainingLogFile, 0, nothing);
+  TrainingHistory history(folder / kTrainingLogFile, 0, nothing, true);
   RunFigures now;
   for (; now.iteration < 1000; ++now.iteration) {
     now.progress = double(now.iteration) / 1000;
