@@ -38,7 +38,7 @@ bool RefinementRounds::IsDue(double growth) const {
 }
 
 bool RefinementRounds::IsTaught() const {
-  return options_.time_limit_s <= 0 ||
+  return options_.iterations > 0 || options_.time_limit_s <= 0 ||
          parts_.steps.iteration() - last_iteration_ >= options_.schedule.min_round_steps;
 }
 

@@ -81,8 +81,7 @@ std::vector<uint8_t> BytesOf(const Checkpoint& checkpoint) {
   const ScratchFolder folder;
   WriteCheckpoint(folder / "checkpoint.bin", checkpoint);
   std::vector<uint8_t> bytes = ReadBytes(folder / "checkpoint.bin");
-  bytes.resize(bytes.size() - 64);
-  return bytes;
+  return {bytes.begin(), bytes.end() - 64};
 }
 
 template <class T>
