@@ -130,6 +130,14 @@ class StagesTest(StageCase):
         self.assertNotIn("up to date", result.stdout)
         self.assertNotEqual(self.manifest(scene)["key"], key)
 
+    def test_a_stage_folder_may_be_a_link(self):
+        elsewhere = self.folder / "disk" / "a" / "tetrahedra"
+        elsewhere.mkdir(parents=True)
+        (self.folder / "run").mkdir()
+        (self.folder / "run" / "2_tetrahedra").symlink_to(elsewhere)
+        self.assert_done(self.run_stage("optimize", self.tiny_tetrahedra(), "-o", self.folder / "run" / "3_field",
+                                        "--time-limit", 0, "--iterations", 2))
+
     def test_a_lost_output_is_made_again(self):
         scene = self.tiny_scene()
         before = hashes(scene)
