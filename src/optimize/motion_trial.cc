@@ -12,8 +12,9 @@ namespace {
 // (schedule.h) at which vertices begin to move where nothing is tried, and at which the trial is
 // held.
 constexpr double kFirstMotion = 0.05, kTrial = 0.1;
-// Only a clear loss keeps vertices where they are: a trial shows only the beginning of the gain.
-constexpr double kLeastGain = -0.02;  // [dB]
+// Only a clear loss keeps vertices where they are: a trial shows only the beginning of the gain. On
+// datasets_spec/demo/nerf they lose 0.07 dB in the trial and gain 1.1 dB within 1,000 steps.
+constexpr double kLeastGain = -0.1;  // [dB]
 
 }  // namespace
 
