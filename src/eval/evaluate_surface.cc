@@ -60,7 +60,9 @@ void DrawPreviews(const TriangleMesh& surface, const Similarity3& input_from_sur
   PreviewOptions options;
   options.up = UpInWorld(scene);
   for (const glm::vec3& position : mesh.positions) options.bounds.Add(glm::dvec3(position));
-  const Bounds3 subject = scene.subject_bounds.Scaled(1.1);
+  // More than the margin that tetrec-surface leaves around the subject; without its bounds a
+  // surface reaches out to the scene's end.
+  const Bounds3 subject = scene.subject_bounds.Scaled(1.6);
   const Bounds3 common{glm::max(options.bounds.min, subject.min),
                        glm::min(options.bounds.max, subject.max)};
   if (!common.IsEmpty()) options.bounds = common;
