@@ -8,8 +8,9 @@
 namespace tetrec {
 namespace {
 
-// Of bottom 0, 1, 2 and top 3, 4, 5, by pattern; volumes of prisms from halved edges are 1/2, 1/8
-// and 1/4 of the tet's. (Table of the DiffTetVR article, with orientations.)
+// The three tets of a prism with bottom 0, 1, 2 and top 3, 4, 5, by its pattern (table of the
+// DiffTetVR article, with orientations). If the prism comes from halved edges, their volumes are
+// 1/2, 1/8 and 1/4 of the tet's.
 constexpr uint8_t kCuts[8][3][4] = {
     {},
     {{0, 1, 4, 2}, {0, 3, 5, 4}, {0, 2, 4, 5}},  // rises, falls, falls
@@ -21,7 +22,7 @@ constexpr uint8_t kCuts[8][3][4] = {
     {},
 };
 
-// Of all searches for prisms that absorb a change, per prism.
+// Limits the steps of all searches for prisms that absorb a change, per prism.
 constexpr size_t kMostSearchSteps = 32;
 
 constexpr PrismPattern Bit(int k) { return PrismPattern(1u << k); }

@@ -42,7 +42,7 @@ class SplitMesh {
   std::vector<uint32_t> old_tets_;
 };
 
-// Whether four points are positively oriented, by the exact predicate.
+// Returns true if four points are positively oriented, by the exact predicate.
 bool IsPositive(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d);
 
 }  // namespace tetrec

@@ -106,8 +106,8 @@ bool KeepsBoundary(const SplitMesh& mesh, const Star& star) {
 
 using Parts = std::array<glm::uvec4, 4>;
 
-// Of each tet of the star: the small tet, then those of the prism. The middles are vertices from
-// `first_middle` on, in the order of the link.
+// Returns the parts of each tet of the star: the small tet, then those of the prism. The middles
+// are the vertices from `first_middle` on, in the order of the link.
 std::vector<Parts> PartsOf(const Star& star, const std::vector<PrismPattern>& patterns,
                            uint32_t first_middle) {
   std::vector<Parts> parts;
