@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "eval/csv.h"
 #include "eval/plot.h"
 #include "eval/run_facts.h"
 #include "scene/scene.h"
@@ -89,16 +90,6 @@ std::vector<std::string> LegendsOf(const std::vector<RunCurve>& runs, bool with_
     legends.push_back(std::move(legend));
   }
   return legends;
-}
-
-// Spreadsheets take a text that starts with one of these for a formula, unless an apostrophe
-// precedes it.
-std::string CsvCell(std::string text) {
-  if (text.find_first_of("=+-@") == 0) text.insert(0, 1, '\'');
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 }  // namespace

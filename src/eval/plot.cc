@@ -79,6 +79,10 @@ bool HasPoints(const std::string& data) {
 }
 
 std::string Curve(const PlotSeries& series, size_t index) {
+  if (series.crosses) {
+    return fmt::format("'{}' using 1:2 with points lc rgb '#C00000' lw 2 pt 2 ps 1.3 title {}",
+                       DataName(index), Quoted(series.legend));
+  }
   const int color = series.color % 8;
   return fmt::format("'{}' using 1:2 {} with {} lc rgb '{}' lw 2 dt {} pt {} ps {} title {}",
                      DataName(index), series.on_second_axis ? "axes x1y2" : "axes x1y1",

@@ -15,6 +15,7 @@ struct PlotSeries {
   bool on_second_axis = false;  // y axis on the right
   bool marks = true;            // a mark at each point
   bool dashed = false;          // always so on the second axis
+  bool crosses = false;         // red crosses without a line, for what failed
 };
 
 struct Plot {
