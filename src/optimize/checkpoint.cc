@@ -229,6 +229,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   head.Write(uint64_t(checkpoint.mesh.positions.size()));
   head.Write(uint64_t(checkpoint.mesh.tets.size()));
   AppendLayout(head, checkpoint.state.layout);
+  middle.Write(checkpoint.share_of_rates);
   middle.Write(checkpoint.motion.motions);
   middle.Write(checkpoint.motion.counts);
   middle.Write(uint64_t(checkpoint.motion.size.size()));
@@ -284,12 +285,16 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
       reader.ReadArray<float>(rows * uint64_t(FieldLayout::FirstMoments()), "first moments");
   state.second_moment =
       reader.ReadArray<float>(rows * uint64_t(layout.SecondMoments()), "second moments");
+  result.share_of_rates = reader.Read<double>("share of rates");
   result.motion = ReadMotion(reader, vertices, name);
   result.exposure = ReadExposure(reader);
   result.poses = ReadPoses(reader);
   reader.ExpectEnd();
   if (!std::isfinite(result.seconds) || result.seconds < 0) {
     throw DataError(fmt::format("{}: seconds {} is not a time", name, result.seconds));
+  }
+  if (!(result.share_of_rates > 0 && result.share_of_rates <= 1)) {
+    throw DataError(fmt::format("{}: {} is not a share of the rates", name, result.share_of_rates));
   }
   if (!std::isfinite(result.convergence.best_psnr)) {
     throw DataError(fmt::format("{}: the PSNR {} of the convergence is not finite", name,

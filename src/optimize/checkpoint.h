@@ -20,6 +20,7 @@ struct Checkpoint {
   uint64_t iteration = 0;  // steps done
   double seconds = 0;      // of optimisation
   uint64_t rays = 0;
+  double share_of_rates = 1;  // TrainingSteps
   RoundsState rounds;
   ConvergenceState convergence;
   uint64_t metrics_bytes = 0;  // length of metrics.csv at that time
@@ -41,6 +42,7 @@ struct Checkpoint {
 // and u32 moving vertices (each 0 not tried, 1 not used, 2 used), u64 V, u64 T,
 // the layout (AppendLayout), positions f32 x 3 V, tets and neighbours u32 x 4 T each, then
 // parameters, first moments and second moments, each f32 x rows x their number (FieldState); then
+// f64 share of the rates;
 // of the vertices' motion u64 motions, u64 x 3 counts (MotionCounts) and u64 M, 0 or V, first
 // moments f32 x 3 M, second moments, sizes and room f32 x M each; then
 // u64 exposures E, for each gains and offsets, f64 x 3 each, and for each the sums of its three

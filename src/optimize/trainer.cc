@@ -17,6 +17,7 @@
 #include "optimize/harmonics_trials.h"
 #include "optimize/motion_trial.h"
 #include "optimize/pose_sweeps.h"
+#include "optimize/rate_trial.h"
 #include "optimize/refinement_rounds.h"
 #include "optimize/run_outputs.h"
 #include "optimize/training_history.h"
@@ -91,6 +92,7 @@ class Trainer {
         field_(options, scene, *renderer_, batches_),
         motion_(options, field_, *renderer_),
         steps_(options, batches_, *renderer_, motion_),
+        rate_trial_(options, field_, pictures_, steps_),
         poses_(options, pictures_, *renderer_),
         harmonics_(options, field_, pictures_, steps_),
         fine_rays_(options, field_, pictures_, steps_),
@@ -171,6 +173,7 @@ class Trainer {
     seconds_ = checkpoint.seconds;
     metrics_bytes_ = checkpoint.metrics_bytes;
     steps_.Resume(checkpoint.iteration, checkpoint.rays);
+    steps_.UseShareOfRates(checkpoint.share_of_rates);
     rounds_.Resume(std::move(checkpoint.rounds));
     convergence_.Resume(checkpoint.convergence);
     harmonics_.Resume(checkpoint.harmonics);
@@ -199,6 +202,7 @@ class Trainer {
           SaveCheckpoint(history.bytes());
         }
       }
+      if (rate_trial_.Advance()) continue;
       if (!options_.HasLimit() && convergence_.IsDue(steps_.iteration())) {
         LookForConvergence();
         continue;
@@ -289,6 +293,7 @@ class Trainer {
     checkpoint.iteration = steps_.iteration();
     checkpoint.seconds = seconds_;
     checkpoint.rays = steps_.rays();
+    checkpoint.share_of_rates = steps_.share_of_rates();
     checkpoint.rounds = rounds_.state();
     checkpoint.convergence = convergence_.state();
     checkpoint.metrics_bytes = metrics_bytes;
@@ -308,6 +313,7 @@ class Trainer {
     const TetMesh& mesh = field_.mesh();
     stage_.Count("iterations", steps_.iteration());
     stage_.Count("training_rays", steps_.rays());
+    stage_.Count("share_of_rates", steps_.share_of_rates());
     stage_.Count("tets", mesh.tets.size());
     stage_.Count("vertices", mesh.positions.size());
     stage_.Count("rounds", rounds_.state().rounds);
@@ -372,6 +378,7 @@ class Trainer {
   FittedField field_;
   VertexMotion motion_;
   TrainingSteps steps_;
+  RateTrial rate_trial_;
   ExposureEstimate exposure_;
   PoseSweeps poses_;
   HarmonicsTrials harmonics_;

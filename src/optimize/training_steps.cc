@@ -38,7 +38,7 @@ TrainingBatch TrainingSteps::Draw(uint64_t iteration, double progress) {
 }
 
 AdamUpdate TrainingSteps::UpdateOf(uint64_t step, double progress) const {
-  const double share = RateShare(options_.schedule, progress, step);
+  const double share = share_of_rates_ * RateShare(options_.schedule, progress, step);
   return {.step = uint32_t(std::min<uint64_t>(step, 1u << 30)),
           .color_rate = options_.color_rate * share,
           .density_rate = options_.density_rate * share,

@@ -43,6 +43,10 @@ class TrainingSteps {
   void Try(uint64_t count, double as_at) { Try(count, as_at, as_at); }
   void CountTried(uint64_t count) { iteration_ += count; }
 
+  // Of the rates of colour, density and harmonics, from the next step on (rate_trial.h).
+  void UseShareOfRates(double share) { share_of_rates_ = share; }
+  double share_of_rates() const { return share_of_rates_; }
+
  private:
   // Step `iteration`, from 0.
   StepResult TakeStep(uint64_t iteration, double progress, double motion_as_at,
@@ -57,6 +61,7 @@ class TrainingSteps {
   VertexMotion& motion_;
   uint64_t iteration_ = 0, rays_ = 0;
   bool uses_fine_rays_ = false;
+  double share_of_rates_ = 1;
 };
 
 }  // namespace tetrec

@@ -40,6 +40,7 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   checkpoint.iteration = (uint64_t{1} << 40) + 3;
   checkpoint.seconds = 12.375;
   checkpoint.rays = 987654321012345;
+  checkpoint.share_of_rates = 0.01;
   checkpoint.rounds = {4, 1, 23.5, {{1.5, 16.0}, {0.25, 32.0}}, {}};
   checkpoint.rounds.steps.push_back({.iteration = 12, .seconds = 2.5, .psnr = 21.0});
   checkpoint.convergence = {500, 1, 700, 25.5};
@@ -99,6 +100,7 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.iteration, written.iteration);
     EXPECT_EQ(read.seconds, written.seconds);
     EXPECT_EQ(read.rays, written.rays);
+    EXPECT_EQ(read.share_of_rates, written.share_of_rates);
     EXPECT_EQ(read.fine_rays, written.fine_rays);
     EXPECT_TRUE(read.rounds == written.rounds);
     EXPECT_TRUE(read.convergence == written.convergence);
