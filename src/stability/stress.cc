@@ -103,7 +103,12 @@ std::vector<StressResult> RunStress(const StressOptions& options, const fs::path
   std::map<std::string, ChainResult> done;
   std::vector<StressResult> results;
   for (const StressCase& stress : ChosenCases(options)) {
-    StressResult result{stress.name, stress.what, stress.twin, stress.gone, {}, {}, {}};
+    StressResult result{.name = stress.name,
+                        .what = stress.what,
+                        .twin = stress.twin,
+                        .gone = stress.gone,
+                        .run = {},
+                        .lost_db = {}};
     const ChainResult* twin = stress.twin.empty() ? nullptr : &done[stress.twin];
     const bool has_start = !stress.damage_start || (twin != nullptr && twin->psnr);
     if ((stress.needs_points && clean.scene.points.empty()) || !has_start) {

@@ -114,9 +114,8 @@ void AddMeshes(CaseList& list, uint64_t iterations) {
     AddSlivers(field, scene.subject_bounds, 2000);
   };
   slivers.is_short = true;
-  StressCase& rounds = list.Add("fifty-rounds", "50 rounds of refinement");
-  rounds.optimize = Joined(Steps(iterations), {"--rounds", "50"});
-  rounds.is_short = true;
+  StressCase& rounds = list.Add("fifty-rounds", "50 rounds of refinement to 20,000 vertices");
+  rounds.optimize = Joined(Steps(iterations), {"--rounds", "50", "--max-vertices", "20000"});
 }
 
 void AddLengths(CaseList& list, uint64_t iterations) {
