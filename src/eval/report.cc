@@ -526,6 +526,21 @@ std::string TruthRows(const SurfaceResult& surface) {
   return rows;
 }
 
+std::string SurfacePictureRows(const SurfacePictures& pictures) {
+  if (pictures.views.empty()) return "";
+  const nlohmann::json means = SurfacePicturesJson(pictures);
+  const auto number = [&](const char* name) { return means[name].get<double>(); };
+  return Row("PSNR of its pictures", fmt::format("{:.2f} dB", number("psnr")),
+             fmt::format("{}, over the pixels that it fills: {:.0f} % of {}; the field's "
+                         "renderings have {:.2f} dB there{}",
+                         pictures.textured ? "with its texture" : "in the colours of its vertices",
+                         100 * number("covered"), Plural(pictures.views.size(), "view"),
+                         number("field_psnr"),
+                         pictures.textured ? fmt::format(", the colours of vertices {:.2f} dB",
+                                                         number("vertex_color_psnr"))
+                                           : ""));
+}
+
 std::string Surface(const ReportContent& content) {
   if (!content.surface) return "<h2>Surface</h2><p class=\"note\">No surface was given.</p>";
   const SurfaceResult& surface = *content.surface;
@@ -541,6 +556,7 @@ std::string Surface(const ReportContent& content) {
       (facts.watertight
            ? Row("Volume", fmt::format("{:.4g}", facts.volume), "in cubic units of the file")
            : "");
+  if (surface.pictures) rows += SurfacePictureRows(*surface.pictures);
   if (surface.scores) rows += TruthRows(surface);
   return "<h2>Surface</h2>" + Strip(surface.color_pictures, "in its colours") +
          Strip(surface.clay_pictures, "as grey clay") +
