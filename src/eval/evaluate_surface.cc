@@ -139,9 +139,13 @@ void CompareWithTruth(const TriangleMesh& surface, const Similarity3& input_from
   }
   const TriangleMesh truth = ReadTriangleMesh(stage.Input("ground-truth"));
   result.scores = CompareSurfaces(Transformed(surface, truth_from_surface), truth, score_options);
-  LogInfo("surface: F-score {:.4f} (precision {:.4f}, recall {:.4f}) at {:.4g}, diagonal {:.4g}",
-          result.scores->f_score, result.scores->precision, result.scores->recall,
-          result.scores->threshold, result.scores->diagonal);
+  const SurfaceScores& scores = *result.scores;
+  LogInfo(
+      "surface: F-score {:.4f} (precision {:.4f}, recall {:.4f}) at {:.4g}, diagonal {:.4g}; "
+      "normals "
+      "off by {} degrees on average",
+      scores.f_score, scores.precision, scores.recall, scores.threshold, scores.diagonal,
+      scores.normal_angle_deg ? fmt::format("{:.1f}", *scores.normal_angle_deg) : "?");
 }
 
 json AlignmentJson(const Alignment& a) {
@@ -157,6 +161,18 @@ json AlignmentJson(const Alignment& a) {
           {"rotation_max_deg", a.rotation_max_deg}};
 }
 
+json AtDistancesJson(const SurfaceScores& s) {
+  json rows = json::array();
+  for (const ScoresAtDistance& at : s.at_distances) {
+    rows.push_back({{"threshold", at.threshold},
+                    {"threshold_percent_of_diagonal", 100 * at.threshold / s.diagonal},
+                    {"f_score", at.f_score},
+                    {"precision", at.precision},
+                    {"recall", at.recall}});
+  }
+  return rows;
+}
+
 json ScoresJson(const SurfaceScores& s, const EvaluateOptions& options) {
   return {
       {"f_score", s.f_score},
@@ -167,6 +183,8 @@ json ScoresJson(const SurfaceScores& s, const EvaluateOptions& options) {
       {"chamfer", Finite(s.chamfer)},
       {"threshold", s.threshold},
       {"threshold_percent_of_diagonal", options.threshold_percent},
+      {"at_thresholds", AtDistancesJson(s)},
+      {"normal_angle_deg", Finite(s.normal_angle_deg)},
       {"diagonal", s.diagonal},
       {"bounds_min", ToJson(s.crop.min)},
       {"bounds_max", ToJson(s.crop.max)},

@@ -495,6 +495,16 @@ std::string Relative(double value, double diagonal) {
   return fmt::format("{:.4g} ({:.2f} %)", value, 100 * value / diagonal);
 }
 
+std::string OtherDistances(const SurfaceScores& s) {
+  std::string text;
+  for (const ScoresAtDistance& at : s.at_distances) {
+    if (at.threshold == s.threshold) continue;
+    text += fmt::format("{}{:.3f} ({:.3g} %)", text.empty() ? "" : ", ", at.f_score,
+                        100 * at.threshold / s.diagonal);
+  }
+  return text;
+}
+
 std::string TruthRows(const SurfaceResult& surface) {
   const SurfaceScores& s = *surface.scores;
   const auto length = [&](const std::optional<double>& value) {
@@ -507,6 +517,11 @@ std::string TruthRows(const SurfaceResult& surface) {
       Row("Precision / recall", fmt::format("{:.4f} / {:.4f}", s.precision, s.recall),
           fmt::format("shares of {} and {} surface samples",
                       WithThousands(s.reconstruction_samples), WithThousands(s.truth_samples))) +
+      Row("F-score at other distances", OtherDistances(s), "shares of the subject's diagonal") +
+      Row("Angle of normals",
+          s.normal_angle_deg ? fmt::format("{:.1f}°", *s.normal_angle_deg) : std::string("–"),
+          "between triangles and the nearest true ones, mean where they are nearer than the "
+          "threshold") +
       Row("Accuracy", length(s.accuracy), "mean distance from reconstruction to truth") +
       Row("Completeness", length(s.completeness), "mean distance from truth to reconstruction") +
       Row("Chamfer distance", length(s.chamfer), "mean of accuracy and completeness") +
