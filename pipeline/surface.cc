@@ -7,8 +7,9 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "surface", 3,
-      "Extracts the surface of a field, with vertex colours, and writes it, and the field if asked "
+      "surface", 4,
+      "Extracts the surface of a field, with vertex colours and a texture, and writes it, and the "
+      "field if asked "
       "for, in formats of other programs. The files have the run's world as coordinates: z is up, "
       "the subject's centre is 0 and its longest side is 2; OBJ and GLB have y up.\n"
       "Example: tetrec-surface RUN/3_field -o RUN/5_surface");
@@ -36,6 +37,11 @@ int main(int argc, char** argv) {
                  "subject's diagonal]; 0: keep all triangles");
   app.add_option("--max-faces", options.max_faces,
                  "Simplify further, to this many triangles, however far they move; 0: do not");
+  AddParsedOption(
+      app, "--texture", options.texture, &tetrec::ParseTextureChoice, "auto",
+      "Texture from the training photos: auto (as fine as the photos show the surface, up "
+      "to 4096 x 4096), off (vertex colours only), or the side of a square image, 64 to "
+      "8192 [texels]");
   AddWordsOption(
       app, "--formats", options.exports.formats,
       "Files to write, with commas between them. The surface: ply (always written, "
@@ -65,8 +71,9 @@ int main(int argc, char** argv) {
       app, "Part of the surface",
       {"--bounds", "--margin", "--min-component-share", "--keep-cavities", "--fill-holes"});
   GroupOptions(app, "Simplification", {"--max-deviation", "--max-faces"});
-  GroupOptions(app, "Files",
-               {"--formats", "--coordinates", "--scale", "--known-distance", "--crop"});
+  GroupOptions(
+      app, "Files",
+      {"--texture", "--formats", "--coordinates", "--scale", "--known-distance", "--crop"});
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunSurface(options, stage); },
       [&] { options.Check(); });

@@ -368,8 +368,8 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
   if (stage.HasInput("SURFACE")) {
     const Timer timer;
     AddStage(stage.Input("SURFACE"), content.run);
-    content.surface =
-        EvaluateSurface(options, scene, content.run.stages.back(), stage, content.warnings);
+    content.surface = EvaluateSurface(options, scene, content.rendered, content.run.stages.back(),
+                                      stage, content.warnings);
     stage.Seconds("surface", timer.seconds());
   }
   content.depth = EvaluateDepth(content.rendered, scene, content.surface, stage, content.warnings);

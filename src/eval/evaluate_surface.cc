@@ -19,6 +19,21 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
 
+bool HasOutput(const StageFacts& surface, const std::string& file) {
+  for (const json& output : surface.manifest.value("outputs", json::array())) {
+    if (output.is_object() && output.value("path", "") == file) return true;
+  }
+  return false;
+}
+
+// The texture that tetrec-surface baked; empty if there is none.
+Image TextureOf(const StageFacts& surface, const TriangleMesh& mesh) {
+  const std::string file = "surface.png";
+  if (mesh.corner_coordinates.empty() || !HasOutput(surface, file)) return {};
+  const Image texture = ReadImage(surface.folder / file);
+  return texture.channels == 3 ? texture : CompositeOver(texture, 0, 0, 0);
+}
+
 // The only PLY file among the stage's outputs, or surface.ply.
 std::string SurfaceFile(const StageFacts& surface) {
   std::vector<std::string> files;
@@ -53,10 +68,7 @@ glm::dvec3 UpInWorld(const Scene& scene) {
   return length > 0.05 * double(scene.views.size()) ? up / length : glm::dvec3(0, 0, 1);
 }
 
-void DrawPreviews(const TriangleMesh& surface, const Similarity3& input_from_surface,
-                  const Scene& scene, SurfaceResult& result) {
-  const TriangleMesh mesh =
-      Transformed(surface, scene.input_from_world.Inverse() * input_from_surface);
+void DrawPreviews(const TriangleMesh& mesh, const Scene& scene, SurfaceResult& result) {
   PreviewOptions options;
   options.up = UpInWorld(scene);
   for (const glm::vec3& position : mesh.positions) options.bounds.Add(glm::dvec3(position));
@@ -73,6 +85,19 @@ void DrawPreviews(const TriangleMesh& surface, const Similarity3& input_from_sur
   }
   options.use_colors = false;
   result.clay_pictures = RenderTurntable(mesh, options);
+}
+
+void ScorePictures(const TriangleMesh& mesh_in_world, const Image& texture, const Scene& scene,
+                   const RenderedViews& rendered, SurfaceResult& result) {
+  result.pictures = ScoreSurfacePictures(mesh_in_world, texture, scene, rendered);
+  if (!result.pictures || result.pictures->views.empty()) return;
+  const json means = SurfacePicturesJson(*result.pictures);
+  LogInfo(
+      "pictures of the {} surface: PSNR {:.2f} dB; {:.2f} dB in vertex colours, {:.2f} dB of the "
+      "field over the same pixels, {:.0f} % of all",
+      result.pictures->textured ? "textured" : "coloured", means["psnr"].get<double>(),
+      means["vertex_color_psnr"].get<double>(), means["field_psnr"].get<double>(),
+      100 * means["covered"].get<double>());
 }
 
 void CompareWithTruth(const TriangleMesh& surface, const Similarity3& input_from_surface,
@@ -114,9 +139,13 @@ void CompareWithTruth(const TriangleMesh& surface, const Similarity3& input_from
   }
   const TriangleMesh truth = ReadTriangleMesh(stage.Input("ground-truth"));
   result.scores = CompareSurfaces(Transformed(surface, truth_from_surface), truth, score_options);
-  LogInfo("surface: F-score {:.4f} (precision {:.4f}, recall {:.4f}) at {:.4g}, diagonal {:.4g}",
-          result.scores->f_score, result.scores->precision, result.scores->recall,
-          result.scores->threshold, result.scores->diagonal);
+  const SurfaceScores& scores = *result.scores;
+  LogInfo(
+      "surface: F-score {:.4f} (precision {:.4f}, recall {:.4f}) at {:.4g}, diagonal {:.4g}; "
+      "normals "
+      "off by {} degrees on average",
+      scores.f_score, scores.precision, scores.recall, scores.threshold, scores.diagonal,
+      scores.normal_angle_deg ? fmt::format("{:.1f}", *scores.normal_angle_deg) : "?");
 }
 
 json AlignmentJson(const Alignment& a) {
@@ -132,6 +161,18 @@ json AlignmentJson(const Alignment& a) {
           {"rotation_max_deg", a.rotation_max_deg}};
 }
 
+json AtDistancesJson(const SurfaceScores& s) {
+  json rows = json::array();
+  for (const ScoresAtDistance& at : s.at_distances) {
+    rows.push_back({{"threshold", at.threshold},
+                    {"threshold_percent_of_diagonal", 100 * at.threshold / s.diagonal},
+                    {"f_score", at.f_score},
+                    {"precision", at.precision},
+                    {"recall", at.recall}});
+  }
+  return rows;
+}
+
 json ScoresJson(const SurfaceScores& s, const EvaluateOptions& options) {
   return {
       {"f_score", s.f_score},
@@ -142,6 +183,8 @@ json ScoresJson(const SurfaceScores& s, const EvaluateOptions& options) {
       {"chamfer", Finite(s.chamfer)},
       {"threshold", s.threshold},
       {"threshold_percent_of_diagonal", options.threshold_percent},
+      {"at_thresholds", AtDistancesJson(s)},
+      {"normal_angle_deg", Finite(s.normal_angle_deg)},
       {"diagonal", s.diagonal},
       {"bounds_min", ToJson(s.crop.min)},
       {"bounds_max", ToJson(s.crop.max)},
@@ -164,16 +207,18 @@ json SurfaceJson(const SurfaceResult& surface, const EvaluateOptions& options) {
                  {"non_manifold_edges", facts.non_manifold_edges},
                  {"area", facts.area},
                  {"volume", facts.watertight ? json(facts.volume) : json()},
+                 {"pictures", nullptr},
                  {"ground_truth", nullptr},
                  {"alignment", nullptr}};
   if (surface.scores) result["ground_truth"] = ScoresJson(*surface.scores, options);
+  if (surface.pictures) result["pictures"] = SurfacePicturesJson(*surface.pictures);
   if (surface.alignment) result["alignment"] = AlignmentJson(*surface.alignment);
   return result;
 }
 
 SurfaceResult EvaluateSurface(const EvaluateOptions& options, const std::optional<Scene>& scene,
-                              const StageFacts& surface_stage, const Stage& stage,
-                              std::vector<std::string>& warnings) {
+                              const RenderedViews& rendered, const StageFacts& surface_stage,
+                              const Stage& stage, std::vector<std::string>& warnings) {
   SurfaceResult result;
   result.file = SurfaceFile(surface_stage);
   const TriangleMesh mesh = ReadTriangleMesh(surface_stage.folder / result.file);
@@ -184,7 +229,12 @@ SurfaceResult EvaluateSurface(const EvaluateOptions& options, const std::optiona
   if (mesh.triangles.empty()) Warn(warnings, "the surface has no triangle");
   // Ways are composed in double: the input's coordinates may be too large for float.
   const Similarity3 input_from_surface = InputFromSurface(surface_stage);
-  if (scene) DrawPreviews(mesh, input_from_surface, *scene, result);
+  if (scene) {
+    const TriangleMesh in_world =
+        Transformed(mesh, scene->input_from_world.Inverse() * input_from_surface);
+    DrawPreviews(in_world, *scene, result);
+    ScorePictures(in_world, TextureOf(surface_stage, mesh), *scene, rendered, result);
+  }
   if (stage.HasInput("ground-truth")) {
     CompareWithTruth(mesh, input_from_surface, scene, options, stage, result, warnings);
   }

@@ -6,6 +6,7 @@
 #include "eval/evaluate.h"
 #include "eval/mesh_metrics.h"
 #include "eval/run_facts.h"
+#include "eval/surface_pictures.h"
 #include "image/image.h"
 #include "mesh/mesh_facts.h"
 #include "scene/scene.h"
@@ -19,19 +20,20 @@
 namespace tetrec {
 
 struct SurfaceResult {
-  std::string file;                     // as the surface stage names it
-  MeshFacts facts;                      // in the units of the file
-  std::optional<SurfaceScores> scores;  // with a ground-truth mesh
-  std::optional<Alignment> alignment;   // with true cameras
+  std::string file;                         // as the surface stage names it
+  MeshFacts facts;                          // in the units of the file
+  std::optional<SurfaceScores> scores;      // with a ground-truth mesh
+  std::optional<Alignment> alignment;       // with true cameras
+  std::optional<SurfacePictures> pictures;  // with the run's scene
   std::vector<Image> color_pictures, clay_pictures;
 };
 
 // Reads the mesh of the surface stage and takes its coordinates from the stage's manifest. Draws
-// previews if the run's scene is known, and compares the mesh with the input "ground-truth" of
-// `stage` if there is one. Throws DataError.
+// previews and scores its pictures against the rendered views if the run's scene is known, and
+// compares the mesh with the input "ground-truth" of `stage` if there is one. Throws DataError.
 SurfaceResult EvaluateSurface(const EvaluateOptions& options, const std::optional<Scene>& scene,
-                              const StageFacts& surface_stage, const Stage& stage,
-                              std::vector<std::string>& warnings);
+                              const RenderedViews& rendered, const StageFacts& surface_stage,
+                              const Stage& stage, std::vector<std::string>& warnings);
 
 // The object "surface" of metrics.json.
 nlohmann::json SurfaceJson(const SurfaceResult& surface, const EvaluateOptions& options);

@@ -5,9 +5,6 @@
 #include "core/error.h"
 #include "core/file.h"
 
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -44,14 +41,7 @@ std::string EscapeHtml(const std::string& text) {
 }
 
 std::string JpegDataUri(const Image& rgb, int quality) {
-  TETREC_CHECK(rgb.channels == 3 && !rgb.pixels.empty(), "JPEG images are RGB");
-  const cv::Mat view(rgb.height, rgb.width, CV_8UC3, const_cast<uint8_t*>(rgb.pixels.data()));
-  cv::Mat bgr;
-  cv::cvtColor(view, bgr, cv::COLOR_RGB2BGR);
-  std::vector<uint8_t> bytes;
-  TETREC_CHECK(cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality}),
-               "JPEG encoder");
-  return "data:image/jpeg;base64," + Base64(bytes);
+  return "data:image/jpeg;base64," + Base64(EncodeJpeg(rgb, quality));
 }
 
 std::string SvgDataUri(const std::string& svg) {

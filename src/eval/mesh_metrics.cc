@@ -82,13 +82,49 @@ double Area(const TriangleMesh& mesh) {
   return area;
 }
 
-std::vector<glm::dvec3> SamplesInside(const TriangleMesh& mesh, const Bounds3& box,
-                                      const SurfaceScoreOptions& options, uint64_t seed) {
+// 0 for a triangle without area.
+glm::dvec3 NormalOf(const TriangleMesh& mesh, size_t index) {
+  const Triangle t = TriangleOf(mesh, index);
+  const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
+  const double length = glm::length(normal);
+  return length > 0 ? normal / length : normal;
+}
+
+struct OrientedSamples {
+  std::vector<glm::dvec3> positions, normals;
+};
+
+OrientedSamples SamplesInside(const TriangleMesh& mesh, const Bounds3& box,
+                              const SurfaceScoreOptions& options, uint64_t seed) {
   const TriangleMesh near = TrianglesNear(mesh, box);
   if (!(Area(near) > 0)) return {};
-  std::vector<glm::dvec3> points = SampleSurface(near, options.samples, seed).positions;
-  std::erase_if(points, [&](const glm::dvec3& p) { return !box.Contains(p); });
-  return points;
+  const SurfaceSamples all = SampleSurface(near, options.samples, seed);
+  OrientedSamples inside;
+  for (size_t i = 0; i < all.positions.size(); ++i) {
+    if (!box.Contains(all.positions[i])) continue;
+    inside.positions.push_back(all.positions[i]);
+    inside.normals.push_back(NormalOf(near, all.triangles[i]));
+  }
+  return inside;
+}
+
+// How samples of one surface lie to the other surface.
+struct Comparison {
+  std::vector<double> distances;
+  std::vector<double> angles_deg;  // between normals
+};
+
+Comparison Compare(const OrientedSamples& samples, const TriangleMesh& surface,
+                   const SurfaceScoreOptions& options, uint64_t seed) {
+  Comparison result;
+  const std::vector<NearestTriangle> nearest =
+      NearestTriangles(samples.positions, surface, options.samples, seed);
+  for (size_t i = 0; i < nearest.size(); ++i) {
+    const double cosine = glm::dot(samples.normals[i], NormalOf(surface, nearest[i].triangle));
+    result.distances.push_back(nearest[i].distance);
+    result.angles_deg.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI);
+  }
+  return result;
 }
 
 double Mean(std::span<const double> values) {
@@ -101,6 +137,25 @@ double ShareBelow(std::span<const double> values, double limit) {
   const auto below =
       std::count_if(values.begin(), values.end(), [&](double v) { return v < limit; });
   return double(below) / double(values.size());
+}
+
+std::optional<double> MeanAngle(const Comparison& comparison, double threshold) {
+  double sum = 0, count = 0;
+  for (size_t i = 0; i < comparison.distances.size(); ++i) {
+    if (comparison.distances[i] >= threshold) continue;
+    sum += comparison.angles_deg[i];
+    ++count;
+  }
+  return count > 0 ? std::optional(sum / count) : std::nullopt;
+}
+
+ScoresAtDistance ScoreAt(double threshold, const Comparison& to_truth,
+                         const Comparison& to_reconstruction) {
+  ScoresAtDistance scores{threshold, ShareBelow(to_truth.distances, threshold),
+                          ShareBelow(to_reconstruction.distances, threshold), 0};
+  const double sum = scores.precision + scores.recall;
+  scores.f_score = sum > 0 ? 2 * scores.precision * scores.recall / sum : 0;
+  return scores;
 }
 
 }  // namespace
@@ -135,6 +190,16 @@ SurfaceSamples SampleSurface(const TriangleMesh& mesh, size_t count, uint64_t se
 
 std::vector<double> DistancesToSurface(std::span<const glm::dvec3> points, const TriangleMesh& mesh,
                                        size_t samples, uint64_t seed) {
+  std::vector<double> distances;
+  for (const NearestTriangle& nearest : NearestTriangles(points, mesh, samples, seed)) {
+    distances.push_back(nearest.distance);
+  }
+  return distances;
+}
+
+std::vector<NearestTriangle> NearestTriangles(std::span<const glm::dvec3> points,
+                                              const TriangleMesh& mesh, size_t samples,
+                                              uint64_t seed) {
   SurfaceSamples on_surface = SampleSurface(mesh, samples, seed);
   PointCloud cloud{std::move(on_surface.positions)};
   std::vector<uint32_t> triangle_of = std::move(on_surface.triangles);
@@ -145,21 +210,22 @@ std::vector<double> DistancesToSurface(std::span<const glm::dvec3> points, const
   }
   const KdTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
 
-  std::vector<double> distances(points.size());
+  std::vector<NearestTriangle> result(points.size());
   ParallelFor(points.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       uint32_t nearest[kNearestSamples];
       double squared[kNearestSamples];
       const size_t found = tree.knnSearch(&points[i].x, kNearestSamples, nearest, squared);
-      double best = std::numeric_limits<double>::infinity();
+      NearestTriangle best{std::numeric_limits<double>::infinity(), 0};
       for (size_t k = 0; k < found; ++k) {
-        best =
-            std::min(best, TriangleDistance(points[i], TriangleOf(mesh, triangle_of[nearest[k]])));
+        const uint32_t triangle = triangle_of[nearest[k]];
+        const double distance = TriangleDistance(points[i], TriangleOf(mesh, triangle));
+        if (distance < best.distance) best = {distance, triangle};
       }
-      distances[i] = best;
+      result[i] = best;
     }
   });
-  return distances;
+  return result;
 }
 
 SurfaceScores CompareSurfaces(const TriangleMesh& reconstruction, const TriangleMesh& truth,
@@ -172,37 +238,47 @@ SurfaceScores CompareSurfaces(const TriangleMesh& reconstruction, const Triangle
   scores.crop = options.bounds ? *options.bounds : truth_bounds.Scaled(kCropGrowth);
   const Bounds3 judged{glm::max(truth_bounds.min, scores.crop.min),
                        glm::min(truth_bounds.max, scores.crop.max)};
-  const std::vector<glm::dvec3> truth_points =
-      SamplesInside(truth, scores.crop, options, options.seed);
-  if (judged.IsEmpty() || truth_points.empty()) {
+  const OrientedSamples truth_samples = SamplesInside(truth, scores.crop, options, options.seed);
+  if (judged.IsEmpty() || truth_samples.positions.empty()) {
     throw DataError(
         fmt::format("the ground-truth mesh ({} triangles) has no surface inside the bounds",
                     truth.triangles.size()));
   }
   scores.diagonal = judged.Diagonal();
   scores.threshold = options.threshold * scores.diagonal;
-  scores.truth_samples = truth_points.size();
+  scores.truth_samples = truth_samples.positions.size();
 
-  const std::vector<glm::dvec3> points =
+  const OrientedSamples samples =
       SamplesInside(reconstruction, scores.crop, options, options.seed + 1);
-  scores.reconstruction_samples = points.size();
-  if (points.empty()) return scores;
+  scores.reconstruction_samples = samples.positions.size();
+  if (samples.positions.empty()) {
+    for (const double share : kThresholdShares) {
+      scores.at_distances.push_back({share * scores.threshold, 0, 0, 0});
+    }
+    return scores;
+  }
 
   // The surfaces that distances are measured to extend beyond the box, so that its walls do not cut
   // off the nearest point.
   const glm::dvec3 margin(0.1 * scores.diagonal);
   const Bounds3 wide{scores.crop.min - margin, scores.crop.max + margin};
-  const std::vector<double> to_truth =
-      DistancesToSurface(points, TrianglesNear(truth, wide), options.samples, options.seed + 2);
-  const std::vector<double> to_reconstruction = DistancesToSurface(
-      truth_points, TrianglesNear(reconstruction, wide), options.samples, options.seed + 3);
-  scores.accuracy = Mean(to_truth);
-  scores.completeness = Mean(to_reconstruction);
+  const Comparison to_truth =
+      Compare(samples, TrianglesNear(truth, wide), options, options.seed + 2);
+  const Comparison to_reconstruction =
+      Compare(truth_samples, TrianglesNear(reconstruction, wide), options, options.seed + 3);
+  scores.accuracy = Mean(to_truth.distances);
+  scores.completeness = Mean(to_reconstruction.distances);
   scores.chamfer = 0.5 * (*scores.accuracy + *scores.completeness);
-  scores.precision = ShareBelow(to_truth, scores.threshold);
-  scores.recall = ShareBelow(to_reconstruction, scores.threshold);
-  const double sum = scores.precision + scores.recall;
-  scores.f_score = sum > 0 ? 2 * scores.precision * scores.recall / sum : 0;
+  for (const double share : kThresholdShares) {
+    scores.at_distances.push_back(ScoreAt(share * scores.threshold, to_truth, to_reconstruction));
+  }
+  const ScoresAtDistance at = ScoreAt(scores.threshold, to_truth, to_reconstruction);
+  scores.precision = at.precision;
+  scores.recall = at.recall;
+  scores.f_score = at.f_score;
+  const auto forth = MeanAngle(to_truth, scores.threshold),
+             back = MeanAngle(to_reconstruction, scores.threshold);
+  if (forth && back) scores.normal_angle_deg = 0.5 * (*forth + *back);
   return scores;
 }
 

@@ -27,6 +27,14 @@ SurfaceSamples SampleSurface(const TriangleMesh& mesh, size_t count, uint64_t se
 // Deterministic. Throws DataError for a mesh without area.
 std::vector<double> DistancesToSurface(std::span<const glm::dvec3> points, const TriangleMesh& mesh,
                                        size_t samples, uint64_t seed);
+// The same, with the triangle that is nearest.
+struct NearestTriangle {
+  double distance = 0;
+  uint32_t triangle = 0;
+};
+std::vector<NearestTriangle> NearestTriangles(std::span<const glm::dvec3> points,
+                                              const TriangleMesh& mesh, size_t samples,
+                                              uint64_t seed);
 
 struct SurfaceScoreOptions {
   double threshold = 0.01;  // distance that counts as found [share of the subject's diagonal]
@@ -36,6 +44,16 @@ struct SurfaceScoreOptions {
   // bounding box, grown by 5 % of its size, so that a table far below does not count.
   std::optional<Bounds3> bounds;
 };
+
+// Precision, recall and F-score at one distance.
+struct ScoresAtDistance {
+  double threshold = 0;              // [units of the truth]
+  double precision = 0, recall = 0;  // shares of the samples nearer than the threshold
+  double f_score = 0;                // harmonic mean of precision and recall
+};
+
+// At which distances surfaces are scored, in shares of the threshold.
+inline constexpr double kThresholdShares[] = {0.25, 0.5, 1, 2};
 
 // Distances in the truth's units. If nothing of the reconstruction is inside the box, precision,
 // recall and F-score are 0 and there are no distances.
@@ -47,8 +65,13 @@ struct SurfaceScores {
   std::optional<double> accuracy;                        // mean distance reconstruction -> truth
   std::optional<double> completeness;                    // mean distance truth -> reconstruction
   std::optional<double> chamfer;                         // mean of the two
-  double precision = 0, recall = 0;  // shares of the samples nearer than the threshold
-  double f_score = 0;                // harmonic mean of precision and recall
+  double precision = 0, recall = 0;            // shares of the samples nearer than the threshold
+  double f_score = 0;                          // harmonic mean of precision and recall
+  std::vector<ScoresAtDistance> at_distances;  // one per share of the threshold
+  // Mean angle between the normals of a sample's triangle and of the nearest triangle of the other
+  // surface [degrees], 180 where one of them is inside out; mean over both directions, over samples
+  // nearer than the threshold. Nothing if there are none.
+  std::optional<double> normal_angle_deg;
 };
 
 // Both meshes are in the truth's frame. Only samples are cropped, never the surface that distances

@@ -495,6 +495,16 @@ std::string Relative(double value, double diagonal) {
   return fmt::format("{:.4g} ({:.2f} %)", value, 100 * value / diagonal);
 }
 
+std::string OtherDistances(const SurfaceScores& s) {
+  std::string text;
+  for (const ScoresAtDistance& at : s.at_distances) {
+    if (at.threshold == s.threshold) continue;
+    text += fmt::format("{}{:.3f} ({:.3g} %)", text.empty() ? "" : ", ", at.f_score,
+                        100 * at.threshold / s.diagonal);
+  }
+  return text;
+}
+
 std::string TruthRows(const SurfaceResult& surface) {
   const SurfaceScores& s = *surface.scores;
   const auto length = [&](const std::optional<double>& value) {
@@ -507,6 +517,11 @@ std::string TruthRows(const SurfaceResult& surface) {
       Row("Precision / recall", fmt::format("{:.4f} / {:.4f}", s.precision, s.recall),
           fmt::format("shares of {} and {} surface samples",
                       WithThousands(s.reconstruction_samples), WithThousands(s.truth_samples))) +
+      Row("F-score at other distances", OtherDistances(s), "shares of the subject's diagonal") +
+      Row("Angle of normals",
+          s.normal_angle_deg ? fmt::format("{:.1f}°", *s.normal_angle_deg) : std::string("–"),
+          "between triangles and the nearest true ones, mean where they are nearer than the "
+          "threshold") +
       Row("Accuracy", length(s.accuracy), "mean distance from reconstruction to truth") +
       Row("Completeness", length(s.completeness), "mean distance from truth to reconstruction") +
       Row("Chamfer distance", length(s.chamfer), "mean of accuracy and completeness") +
@@ -526,6 +541,21 @@ std::string TruthRows(const SurfaceResult& surface) {
   return rows;
 }
 
+std::string SurfacePictureRows(const SurfacePictures& pictures) {
+  if (pictures.views.empty()) return "";
+  const nlohmann::json means = SurfacePicturesJson(pictures);
+  const auto number = [&](const char* name) { return means[name].get<double>(); };
+  return Row("PSNR of its pictures", fmt::format("{:.2f} dB", number("psnr")),
+             fmt::format("{}, over the pixels that it fills: {:.0f} % of {}; the field's "
+                         "renderings have {:.2f} dB there{}",
+                         pictures.textured ? "with its texture" : "in the colours of its vertices",
+                         100 * number("covered"), Plural(pictures.views.size(), "view"),
+                         number("field_psnr"),
+                         pictures.textured ? fmt::format(", the colours of vertices {:.2f} dB",
+                                                         number("vertex_color_psnr"))
+                                           : ""));
+}
+
 std::string Surface(const ReportContent& content) {
   if (!content.surface) return "<h2>Surface</h2><p class=\"note\">No surface was given.</p>";
   const SurfaceResult& surface = *content.surface;
@@ -541,6 +571,7 @@ std::string Surface(const ReportContent& content) {
       (facts.watertight
            ? Row("Volume", fmt::format("{:.4g}", facts.volume), "in cubic units of the file")
            : "");
+  if (surface.pictures) rows += SurfacePictureRows(*surface.pictures);
   if (surface.scores) rows += TruthRows(surface);
   return "<h2>Surface</h2>" + Strip(surface.color_pictures, "in its colours") +
          Strip(surface.clay_pictures, "as grey clay") +

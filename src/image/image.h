@@ -40,6 +40,9 @@ Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name,
 // The extension (png, jpg) selects the format. The file appears by rename.
 void WriteImage(const std::filesystem::path& path, const Image& image);
 
+// An RGB image as the bytes of a JPEG file, with a quality from 0 to 100.
+std::vector<uint8_t> EncodeJpeg(const Image& rgb, int quality);
+
 // Area mean: each target pixel is the mean over the part of the source that it covers; pixels at
 // the border of that part are weighted by the fraction covered. Alpha is premultiplied while
 // filtering; if it is 0, all channels become 0.

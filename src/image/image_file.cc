@@ -313,6 +313,17 @@ void WriteImage(const std::filesystem::path& path, const Image& image) {
   WriteEncoded(path, extension, bgr);
 }
 
+std::vector<uint8_t> EncodeJpeg(const Image& rgb, int quality) {
+  TETREC_CHECK(rgb.channels == 3 && !rgb.pixels.empty(), "JPEG images are RGB");
+  const cv::Mat view(rgb.height, rgb.width, CV_8UC3, const_cast<uint8_t*>(rgb.pixels.data()));
+  cv::Mat bgr;
+  cv::cvtColor(view, bgr, cv::COLOR_RGB2BGR);
+  std::vector<uint8_t> bytes;
+  TETREC_CHECK(cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality}),
+               "JPEG encoder");
+  return bytes;
+}
+
 void WriteDepthMap(const std::filesystem::path& path, const DepthMap& map) {
   TETREC_CHECK(map.depth.size() == size_t(map.width) * size_t(map.height), path.string());
   WriteEncoded(path, ".exr",

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
@@ -13,6 +14,8 @@
 
 namespace tetrec {
 namespace {
+
+constexpr const char* kMaterialName = "surface";
 
 const std::vector<double>& Scalars(const PlyElement& element, const char* property,
                                    const std::string& name) {
@@ -57,12 +60,27 @@ void ReadColors(const PlyElement& vertices, TriangleMesh& mesh) {
   }
 }
 
+// Two finite numbers per corner.
+bool HasCornerCoordinates(const PlyElement& faces, const PlyProperty& lists) {
+  const PlyProperty* coordinates = faces.Find("texcoord");
+  if (coordinates == nullptr || !coordinates->is_list || coordinates->type != PlyType::kFloat) {
+    return false;
+  }
+  for (size_t f = 0; f < lists.list_sizes.size(); ++f) {
+    if (uint64_t{coordinates->list_sizes[f]} != 2 * uint64_t{lists.list_sizes[f]}) return false;
+  }
+  return std::all_of(coordinates->values.begin(), coordinates->values.end(),
+                     [](double value) { return std::isfinite(value); });
+}
+
 void ReadTriangles(const PlyElement& faces, const std::string& name, TriangleMesh& mesh) {
   const PlyProperty* lists = faces.Find("vertex_indices");
   if (lists == nullptr) lists = faces.Find("vertex_index");
   if (lists == nullptr || !lists->is_list) {
     throw DataError(fmt::format("{}: element 'face' has no list 'vertex_indices'", name));
   }
+  const std::vector<double>* coordinates =
+      HasCornerCoordinates(faces, *lists) ? &faces.Find("texcoord")->values : nullptr;
   size_t begin = 0;
   for (size_t f = 0; f < lists->list_sizes.size(); ++f) {
     const uint32_t size = lists->list_sizes[f];
@@ -75,7 +93,14 @@ void ReadTriangles(const PlyElement& faces, const std::string& name, TriangleMes
       }
       return uint32_t(value);
     };
-    for (size_t k = 2; k < size; ++k) mesh.triangles.emplace_back(id(0), id(k - 1), id(k));
+    const auto place = [&](size_t k) {
+      const size_t at = 2 * (begin + k);
+      return glm::vec2((*coordinates)[at], (*coordinates)[at + 1]);
+    };
+    for (size_t k = 2; k < size; ++k) {
+      mesh.triangles.emplace_back(id(0), id(k - 1), id(k));
+      if (coordinates) mesh.corner_coordinates.push_back({place(0), place(k - 1), place(k)});
+    }
     begin += size;
   }
 }
@@ -103,7 +128,8 @@ TriangleMesh ReadTriangleMesh(const std::filesystem::path& path) {
   return mesh;
 }
 
-void WriteTriangleMeshPly(const std::filesystem::path& path, const TriangleMesh& mesh) {
+void WriteTriangleMeshPly(const std::filesystem::path& path, const TriangleMesh& mesh,
+                          const std::string& texture_file) {
   PlyElement vertices{"vertex", mesh.positions.size(), {}};
   const char* const axes[3] = {"x", "y", "z"};
   for (int axis = 0; axis < 3; ++axis) {
@@ -125,25 +151,56 @@ void WriteTriangleMeshPly(const std::filesystem::path& path, const TriangleMesh&
   for (const glm::uvec3& t : mesh.triangles) {
     for (int k = 0; k < 3; ++k) lists.values.push_back(t[k]);
   }
-  WritePly(path, {{}, {std::move(vertices), std::move(faces)}});
+  if (!mesh.corner_coordinates.empty()) {
+    PlyProperty& coordinates = faces.properties.emplace_back(Scalar("texcoord", PlyType::kFloat));
+    coordinates.is_list = true;
+    coordinates.list_sizes.assign(mesh.triangles.size(), 6);
+    for (const auto& corners : mesh.corner_coordinates) {
+      for (const glm::vec2& p : corners) {
+        coordinates.values.push_back(p.x);
+        coordinates.values.push_back(p.y);
+      }
+    }
+  }
+  std::vector<std::string> comments;
+  if (!texture_file.empty()) comments.push_back("TextureFile " + texture_file);
+  WritePly(path, {std::move(comments), {std::move(vertices), std::move(faces)}});
 }
 
-void WriteTriangleMeshObj(const std::filesystem::path& path, const TriangleMesh& mesh) {
+void WriteTriangleMeshObj(const std::filesystem::path& path, const TriangleMesh& mesh,
+                          const std::string& material_file) {
   std::string text;
   const auto out = std::back_inserter(text);
+  const bool textured = !mesh.corner_coordinates.empty();
+  if (!material_file.empty()) {
+    fmt::format_to(out, "mtllib {}\nusemtl {}\n", material_file, kMaterialName);
+  }
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
     const glm::vec3& p = mesh.positions[v];
     fmt::format_to(out, "v {:.9g} {:.9g} {:.9g}", p.x, p.y, p.z);
-    if (!mesh.colors_srgb.empty()) {
+    if (!mesh.colors_srgb.empty() && !textured) {
       const auto& c = mesh.colors_srgb[v];
       fmt::format_to(out, " {:.4g} {:.4g} {:.4g}", c[0] / 255.0, c[1] / 255.0, c[2] / 255.0);
     }
     text += '\n';
   }
-  for (const glm::uvec3& t : mesh.triangles) {
-    fmt::format_to(out, "f {} {} {}\n", t.x + 1, t.y + 1, t.z + 1);
+  for (const auto& corners : mesh.corner_coordinates) {
+    for (const glm::vec2& p : corners) fmt::format_to(out, "vt {:.7g} {:.7g}\n", p.x, p.y);
+  }
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const glm::uvec3 t = mesh.triangles[i] + 1u;
+    if (textured) {
+      fmt::format_to(out, "f {}/{} {}/{} {}/{}\n", t.x, 3 * i + 1, t.y, 3 * i + 2, t.z, 3 * i + 3);
+    } else {
+      fmt::format_to(out, "f {} {} {}\n", t.x, t.y, t.z);
+    }
   }
   WriteText(path, text);
+}
+
+void WriteTextureMaterial(const std::filesystem::path& path, const std::string& texture_file) {
+  WriteText(path, fmt::format("newmtl {}\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {}\n",
+                              kMaterialName, texture_file));
 }
 
 void WriteTriangleMeshStl(const std::filesystem::path& path, const TriangleMesh& mesh) {

@@ -25,17 +25,24 @@ glm::dvec3 Point(const std::vector<double>& numbers, size_t first) {
   return {numbers[first], numbers[first + 1], numbers[first + 2]};
 }
 
-void WriteSurface(const TriangleMesh& surface, const ExportOptions& options, Stage& stage) {
-  WriteTriangleMeshPly(stage.Output("surface.ply"), surface);
+constexpr const char *kTextureFile = "surface.png", *kMaterialFile = "surface.mtl";
+
+void WriteSurface(const TexturedMesh& surface, const ExportOptions& options, Stage& stage) {
+  const bool textured = !surface.texture.pixels.empty();
+  if (textured) WriteImage(stage.Output(kTextureFile), surface.texture);
+  WriteTriangleMeshPly(stage.Output("surface.ply"), surface.mesh, textured ? kTextureFile : "");
   if (Contains(options, ExportFormat::kStl)) {
-    WriteTriangleMeshStl(stage.Output("surface.stl"), surface);
+    WriteTriangleMeshStl(stage.Output("surface.stl"), surface.mesh);
   }
   const bool obj = Contains(options, ExportFormat::kObj),
              glb = Contains(options, ExportFormat::kGlb);
   if (!obj && !glb) return;
-  const TriangleMesh turned = Transformed(surface, YUpFromExport(options));
-  if (obj) WriteTriangleMeshObj(stage.Output("surface.obj"), turned);
-  if (glb) WriteTriangleMeshGlb(stage.Output("surface.glb"), turned);
+  const TriangleMesh turned = Transformed(surface.mesh, YUpFromExport(options));
+  if (obj && textured) WriteTextureMaterial(stage.Output(kMaterialFile), kTextureFile);
+  if (obj) {
+    WriteTriangleMeshObj(stage.Output("surface.obj"), turned, textured ? kMaterialFile : "");
+  }
+  if (glb) WriteTriangleMeshGlb(stage.Output("surface.glb"), turned, surface.texture);
 }
 
 void WriteField(const RadianceField& field_in_world, const Similarity3& export_from_world,
@@ -99,7 +106,7 @@ Similarity3 YUpFromExport(const ExportOptions& options) {
   return {1.0, glm::dmat3({1, 0, 0}, {0, 0, -1}, {0, 1, 0}), glm::dvec3(0)};
 }
 
-void WriteExports(const TriangleMesh& surface, const RadianceField& field_in_world,
+void WriteExports(const TexturedMesh& surface, const RadianceField& field_in_world,
                   const Similarity3& input_from_world, const ExportOptions& options, Stage& stage) {
   const Similarity3 export_from_world = ExportFromWorld(options, input_from_world);
   stage.Note("coordinates", Name(options.coordinates));

@@ -6,7 +6,7 @@
 #include "field/radiance_field.h"
 #include "geometry/bounds3.h"
 #include "geometry/rigid3.h"
-#include "mesh/triangle_mesh.h"
+#include "surface/texture.h"
 
 #include <optional>
 #include <vector>
@@ -60,7 +60,7 @@ Similarity3 YUpFromExport(const ExportOptions& options);
 // the world, in the formats of the options, as outputs of the stage. Notes in the manifest
 // "coordinates", and "input_from_surface", the way from surface.ply to the input's coordinates.
 // Throws DataError if a field's format is asked for and no tet is inside the crop.
-void WriteExports(const TriangleMesh& surface, const RadianceField& field_in_world,
+void WriteExports(const TexturedMesh& surface, const RadianceField& field_in_world,
                   const Similarity3& input_from_world, const ExportOptions& options, Stage& stage);
 
 }  // namespace tetrec

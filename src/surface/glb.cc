@@ -10,16 +10,20 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <span>
 #include <string>
+#include <tuple>
 
 namespace tetrec {
 namespace {
 
 using nlohmann::json;
 
-constexpr int kFloat = 5126, kUint16 = 5123, kUint32 = 5125;      // component types
-constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;  // targets of buffer views
+constexpr int kFloat = 5126, kUint16 = 5123, kUint32 = 5125;          // component types
+constexpr int kArrayBuffer = 34962, kElementArrayBuffer = 34963;      // targets of buffer views
+constexpr int kLinear = 9729, kLinearMipmaps = 9987, kClamp = 33071;  // samplers
+constexpr int kJpegQuality = 92;
 
 struct Buffer {
   ByteWriter bytes;
@@ -41,6 +45,41 @@ struct Buffer {
     return index;
   }
 };
+
+// Appends an image file; returns the index of its view.
+int AddImage(Buffer& buffer, const std::vector<uint8_t>& file) {
+  buffer.views.push_back(
+      {{"buffer", 0}, {"byteOffset", buffer.bytes.bytes().size()}, {"byteLength", file.size()}});
+  buffer.bytes.WriteArray(std::span<const uint8_t>(file));
+  while (buffer.bytes.bytes().size() % 4 != 0) buffer.bytes.Write(uint8_t{0});
+  return int(buffer.views.size()) - 1;
+}
+
+// A vertex of glTF has one texture coordinate: vertices at the borders of charts are doubled.
+struct SplitMesh {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec2> coordinates;  // to the right and down, as in glTF
+  std::vector<glm::uvec3> triangles;
+};
+SplitMesh SplitByCoordinates(const TriangleMesh& mesh) {
+  SplitMesh split;
+  std::map<std::tuple<uint32_t, float, float>, uint32_t> known;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    glm::uvec3& triangle = split.triangles.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t vertex = mesh.triangles[i][k];
+      const glm::vec2 p = mesh.corner_coordinates[i][size_t(k)];
+      const auto [found, is_new] =
+          known.emplace(std::tuple(vertex, p.x, p.y), uint32_t(split.positions.size()));
+      if (is_new) {
+        split.positions.push_back(mesh.positions[vertex]);
+        split.coordinates.emplace_back(p.x, 1 - p.y);
+      }
+      triangle[k] = found->second;
+    }
+  }
+  return split;
+}
 
 json Vector(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -76,6 +115,50 @@ int AddColors(Buffer& buffer, const std::vector<std::array<uint8_t, 3>>& colors_
                                               {"type", "VEC4"}});
 }
 
+// Lit, for viewers that do not know the extension, the material is matt.
+json MattMaterial() {
+  return {{"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}},
+          {"extensions", {{"KHR_materials_unlit", json::object()}}}};
+}
+
+int AddTriangles(Buffer& buffer, const std::vector<glm::uvec3>& triangles) {
+  return buffer.Add<glm::uvec3>(
+      triangles, kElementArrayBuffer,
+      {{"componentType", kUint32}, {"count", 3 * triangles.size()}, {"type", "SCALAR"}});
+}
+
+// The primitive of a mesh with vertex colours.
+json AddColored(Buffer& buffer, const TriangleMesh& mesh) {
+  json attributes = {{"POSITION", AddPositions(buffer, mesh.positions)}};
+  if (!mesh.colors_srgb.empty()) attributes["COLOR_0"] = AddColors(buffer, mesh.colors_srgb);
+  return {{"attributes", attributes},
+          {"indices", AddTriangles(buffer, mesh.triangles)},
+          {"material", 0}};
+}
+
+// The primitive of a mesh with a texture, which viewers would multiply by vertex colours. Adds the
+// texture and the material to `document`.
+json AddTextured(Buffer& buffer, const TriangleMesh& mesh, const Image& texture, json& document) {
+  const SplitMesh split = SplitByCoordinates(mesh);
+  const json attributes = {
+      {"POSITION", AddPositions(buffer, split.positions)},
+      {"TEXCOORD_0",
+       buffer.Add<glm::vec2>(
+           split.coordinates, kArrayBuffer,
+           {{"componentType", kFloat}, {"count", split.coordinates.size()}, {"type", "VEC2"}})}};
+  const int indices = AddTriangles(buffer, split.triangles);
+  document["images"] =
+      json::array({{{"bufferView", AddImage(buffer, EncodeJpeg(texture, kJpegQuality))},
+                    {"mimeType", "image/jpeg"}}});
+  document["samplers"] = json::array({{{"magFilter", kLinear},
+                                       {"minFilter", kLinearMipmaps},
+                                       {"wrapS", kClamp},
+                                       {"wrapT", kClamp}}});
+  document["textures"] = json::array({{{"source", 0}, {"sampler", 0}}});
+  document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+  return {{"attributes", attributes}, {"indices", indices}, {"material", 0}};
+}
+
 // The length is a multiple of 4, filled up with `padding`.
 void AppendChunk(ByteWriter& file, const char (&type)[5], std::string_view content, char padding) {
   const std::string fill((4 - content.size() % 4) % 4, padding);
@@ -87,32 +170,26 @@ void AppendChunk(ByteWriter& file, const char (&type)[5], std::string_view conte
 
 }  // namespace
 
-void WriteTriangleMeshGlb(const std::filesystem::path& path, const TriangleMesh& mesh) {
+void WriteTriangleMeshGlb(const std::filesystem::path& path, const TriangleMesh& mesh,
+                          const Image& texture) {
   TETREC_CHECK(!mesh.triangles.empty(), "glTF has no accessors of no elements");
+  TETREC_CHECK(mesh.corner_coordinates.empty() == texture.pixels.empty(), "texture of a mesh");
   Buffer buffer;
-  json attributes = {{"POSITION", AddPositions(buffer, mesh.positions)}};
-  if (!mesh.colors_srgb.empty()) attributes["COLOR_0"] = AddColors(buffer, mesh.colors_srgb);
-  const int indices = buffer.Add<glm::uvec3>(
-      mesh.triangles, kElementArrayBuffer,
-      {{"componentType", kUint32}, {"count", 3 * mesh.triangles.size()}, {"type", "SCALAR"}});
+  const json scene = {{"nodes", json::array({0})}}, node = {{"mesh", 0}};
+  json document = {{"asset", {{"version", "2.0"}, {"generator", "Tetrec"}}},
+                   {"extensionsUsed", json::array({"KHR_materials_unlit"})},
+                   {"scene", 0},
+                   {"scenes", json::array({scene})},
+                   {"nodes", json::array({node})},
+                   {"materials", json::array({MattMaterial()})}};
+  const json primitive = texture.pixels.empty() ? AddColored(buffer, mesh)
+                                                : AddTextured(buffer, mesh, texture, document);
+  const json shape = {{"primitives", json::array({primitive})}};
   const auto& binary = buffer.bytes.bytes();
-  // Lit, for viewers that do not know the extension, the material is matt.
-  const json material = {
-      {"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}},
-      {"extensions", {{"KHR_materials_unlit", json::object()}}}};
-  const json primitive = {{"attributes", attributes}, {"indices", indices}, {"material", 0}};
-  const json scene = {{"nodes", json::array({0})}}, node = {{"mesh", 0}},
-             shape = {{"primitives", json::array({primitive})}};
-  const json document = {{"asset", {{"version", "2.0"}, {"generator", "Tetrec"}}},
-                         {"extensionsUsed", json::array({"KHR_materials_unlit"})},
-                         {"scene", 0},
-                         {"scenes", json::array({scene})},
-                         {"nodes", json::array({node})},
-                         {"meshes", json::array({shape})},
-                         {"materials", json::array({material})},
-                         {"buffers", json::array({{{"byteLength", binary.size()}}})},
-                         {"bufferViews", buffer.views},
-                         {"accessors", buffer.accessors}};
+  document["meshes"] = json::array({shape});
+  document["buffers"] = json::array({{{"byteLength", binary.size()}}});
+  document["bufferViews"] = buffer.views;
+  document["accessors"] = buffer.accessors;
   const std::string text = document.dump();
   constexpr size_t kHeader = 12, kChunkHeaders = 16;
   const size_t length = kHeader + kChunkHeaders + (text.size() + 3) / 4 * 4 + binary.size();

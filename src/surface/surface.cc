@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "core/manifest.h"
 #include "core/option_range.h"
 #include "core/progress.h"
 #include "core/timer.h"
@@ -86,6 +87,29 @@ TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, dou
   return options.max_faces == 0 ? simple : Decimate(simple, options.max_faces);
 }
 
+// The folder of the scene that the field was fitted to. Nothing if it is not there and the texture
+// was not asked for.
+std::optional<std::filesystem::path> SceneFolder(const TextureChoice& choice, const Stage& stage) {
+  try {
+    return PreviousStage(stage.Input("field"), {"sfm", "import"});
+  } catch (const DataError& error) {
+    if (choice.size > 0) throw;
+    LogWarning("no texture, only vertex colours: {}", error.what());
+    return std::nullopt;
+  }
+}
+
+TexturedMesh Textured(TriangleMesh mesh_in_world, const SurfaceOptions& options, Stage& stage) {
+  if (!options.texture.wanted) return {std::move(mesh_in_world), {}};
+  const auto scene = SceneFolder(options.texture, stage);
+  if (!scene) return {std::move(mesh_in_world), {}};
+  const Timer timer;
+  const auto photos = ReadTexturePhotos(*scene, stage.Input("field"), mesh_in_world);
+  TexturedMesh textured = MakeTexture(std::move(mesh_in_world), photos, options.texture, stage);
+  stage.Seconds("texture", timer.seconds());
+  return textured;
+}
+
 void Report(const TriangleMesh& mesh, Stage& stage) {
   const MeshFacts facts = MeasureMesh(mesh);
   LogInfo("surface: {} vertices, {} triangles, {} border edges, {} non-manifold edges",
@@ -136,12 +160,14 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
         "no surface at isovalue {:.4g}; choose another isovalue, or all as bounds", isovalue));
   }
   set = Cropped(set, options.exports, world, stage);
-  const TriangleMesh mesh = Transformed(
-      Cleaned(ColoredSurface(set, field), options, world.subject_bounds.Diagonal(), stage),
-      ExportFromWorld(options.exports, world.input_from_world));
+  const TriangleMesh cleaned =
+      Cleaned(ColoredSurface(set, field), options, world.subject_bounds.Diagonal(), stage);
   stage.Seconds("surface", timer.seconds());
-  Report(mesh, stage);
-  WriteExports(mesh, stored, world.input_from_world, options.exports, stage);
+  TexturedMesh surface = Textured(cleaned, options, stage);
+  surface.mesh = Transformed(std::move(surface.mesh),
+                             ExportFromWorld(options.exports, world.input_from_world));
+  Report(surface.mesh, stage);
+  WriteExports(surface, stored, world.input_from_world, options.exports, stage);
 }
 
 }  // namespace tetrec

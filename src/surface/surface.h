@@ -5,6 +5,7 @@
 #include "core/words.h"
 #include "surface/clean.h"
 #include "surface/export.h"
+#include "surface/texture.h"
 
 #include <cstdint>
 
@@ -29,6 +30,7 @@ struct SurfaceOptions {
   double margin = 0.15;
   CleanOptions clean;
   ExportOptions exports;
+  TextureChoice texture;
   // Holes with at most this perimeter are closed, and edges are collapsed as long as no vertex ends
   // farther than this from the surface; both in % of the diagonal of the subject's bounds.
   double fill_holes = 2, max_deviation = 0.05;
@@ -39,8 +41,8 @@ struct SurfaceOptions {
   void Check() const;  // throws UsageError naming the option and its value
 };
 
-// Reads the field in the stage's input "field"; writes the surface, and the field if asked for, by
-// WriteExports.
+// Reads the field in the stage's input "field", and for the texture the photos of its scene; writes
+// the surface, and the field if asked for, by WriteExports.
 void RunSurface(const SurfaceOptions& options, Stage& stage);
 
 }  // namespace tetrec

@@ -97,6 +97,42 @@ TEST(MeshMetrics, HalfOfThePlaneHasFullPrecisionAndHalfTheRecall) {
   EXPECT_NEAR(scores.f_score, 2 * recall / (1 + recall), 0.01);
 }
 
+TEST(MeshMetrics, EachDistanceHasItsOwnScore) {
+  SurfaceScoreOptions options = FewSamples();
+  options.bounds = Bounds3{glm::dvec3(-1), glm::dvec3(2)};
+  // Half a threshold is 0.00707, a quarter 0.00354.
+  const SurfaceScores scores = CompareSurfaces(Plane(7, 1, 0.005), Plane(10, 1, 0), options);
+  ASSERT_EQ(scores.at_distances.size(), std::size(kThresholdShares));
+  for (size_t i = 0; i < scores.at_distances.size(); ++i) {
+    EXPECT_NEAR(scores.at_distances[i].threshold, kThresholdShares[i] * 0.01 * std::sqrt(2), 1e-6);
+    EXPECT_EQ(scores.at_distances[i].f_score, kThresholdShares[i] >= 0.5 ? 1 : 0) << i;
+  }
+}
+
+TEST(MeshMetrics, NormalsDifferByTheSlopeOfASawtoothAndByHalfATurnInsideOut) {
+  // Teeth along x, so low that they are within the threshold, with slopes of 30 degrees.
+  constexpr int kTeeth = 100;
+  const double height = 0.5 / kTeeth * std::tan(M_PI / 6);
+  TriangleMesh saw;
+  for (int i = 0; i <= 2 * kTeeth; ++i) {
+    for (const float y : {0.0f, 1.0f}) {
+      saw.positions.emplace_back(0.5f * float(i) / kTeeth, y, i % 2 == 0 ? 0 : float(height));
+    }
+  }
+  for (uint32_t i = 0; i < 2 * kTeeth; ++i) {
+    saw.triangles.emplace_back(2 * i, 2 * i + 2, 2 * i + 1);
+    saw.triangles.emplace_back(2 * i + 1, 2 * i + 2, 2 * i + 3);
+  }
+  const TriangleMesh truth = Plane(10, 1, 0);
+  SurfaceScoreOptions options = FewSamples();
+  options.bounds = Bounds3{glm::dvec3(-1), glm::dvec3(2)};
+  EXPECT_NEAR(*CompareSurfaces(truth, truth, options).normal_angle_deg, 0, 1e-6);
+  EXPECT_NEAR(*CompareSurfaces(saw, truth, options).normal_angle_deg, 30, 0.5);
+  for (glm::uvec3& t : saw.triangles) std::swap(t.y, t.z);
+  EXPECT_NEAR(*CompareSurfaces(saw, truth, options).normal_angle_deg, 150, 0.5);
+  EXPECT_FALSE(CompareSurfaces(Plane(7, 1, 0.5), truth, options).normal_angle_deg);
+}
+
 TEST(MeshMetrics, PartsOutsideTheBoxAreNotScored) {
   TriangleMesh with_table = TestSphere(30, 1);
   const auto first = uint32_t(with_table.positions.size());

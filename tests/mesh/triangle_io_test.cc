@@ -44,6 +44,47 @@ TEST(TriangleMeshFile, PlyFacesBecomeFansAndFloatColoursBytes) {
   EXPECT_EQ(mesh.colors_srgb[2], (std::array<uint8_t, 3>{255, 0, 0}));
 }
 
+TEST(TriangleMeshFile, PlyCarriesTextureCoordinatesOfFaces) {
+  TriangleMesh mesh = Tetrahedron();
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    mesh.corner_coordinates.push_back({glm::vec2(0.25f * float(t), 0), {0.5f, 1}, {0, 0.125f}});
+  }
+  WriteTriangleMeshPly(Path("textured.ply"), mesh, "a.png");
+  EXPECT_EQ(ReadTriangleMesh(Path("textured.ply")).corner_coordinates, mesh.corner_coordinates);
+  EXPECT_NE(ReadText(Path("textured.ply")).find("comment TextureFile a.png\n"), std::string::npos);
+}
+
+TEST(TriangleMeshFile, PlyFacesWithoutUsableTextureCoordinatesHaveNone) {
+  const auto coordinates_of = [](const std::string& lists) {
+    WriteText(Path("uv.ply"),
+              "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+              "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+              "property list uchar float texcoord\nend_header\n"
+              "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 " +
+                  lists + "\n");
+    return ReadTriangleMesh(Path("uv.ply")).corner_coordinates;
+  };
+  const std::array<glm::vec2, 3> first{glm::vec2(0, 0), {1, 0}, {1, 1}},
+      second{glm::vec2(0, 0), {1, 1}, {0, 1}};
+  EXPECT_EQ(coordinates_of("8 0 0 1 0 1 1 0 1"), (std::vector{first, second}));
+  EXPECT_TRUE(coordinates_of("0").empty());
+  EXPECT_TRUE(coordinates_of("6 0 0 1 0 1 1").empty());
+  EXPECT_TRUE(coordinates_of("8 0 0 1 0 1 nan 0 1").empty());
+}
+
+TEST(TriangleMeshFile, AnObjWithATextureNamesItsMaterialAndHasNoVertexColours) {
+  TriangleMesh mesh = Tetrahedron();
+  mesh.corner_coordinates.assign(4, {glm::vec2(0, 0), {0.5f, 0}, {0, 0.25f}});
+  WriteTriangleMeshObj(Path("textured.obj"), mesh, "textured.mtl");
+  WriteTextureMaterial(Path("textured.mtl"), "textured.png");
+  const std::string text = ReadText(Path("textured.obj"));
+  EXPECT_NE(text.find("mtllib textured.mtl\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("v 1 0 0\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("vt 0 0.25\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("f 1/1 3/2 2/3\n"), std::string::npos) << text;
+  EXPECT_NE(ReadText(Path("textured.mtl")).find("map_Kd textured.png\n"), std::string::npos);
+}
+
 TEST(TriangleMeshFile, RefusesPlyThatIsNoMesh) {
   const auto refused = [](const std::string& body) {
     WriteText(Path("bad.ply"), "ply\nformat ascii 1.0\n" + body);

@@ -51,7 +51,7 @@ class ExportsTest(StageCase):
             "surface", field, "-o", upper, "--formats", "ply,obj,glb,stl,vtu,mesh,msh",
             "--crop", f"-9,-9,{-0.1 * radius},9,9,9"))
         for path in sorted(upper.iterdir()):
-            if path.stem not in ("surface", "field"):
+            if path.stem not in ("surface", "field") or path.suffix in (".png", ".mtl"):
                 continue
             with self.subTest(path.name):
                 low, high = self.extent(path)
@@ -61,7 +61,9 @@ class ExportsTest(StageCase):
                     if axis != up:
                         self.assertLess(low[axis], -0.7 * radius)
                     self.assertGreater(high[axis], 0.7 * radius)
-        self.assertEqual(len(list(upper.glob("surface.*"))), 4)
+        self.assertEqual(len(list(upper.glob("surface.*"))), 6)  # with surface.png and surface.mtl
+        self.assertIn("surface.png", (upper / "surface.mtl").read_text())
+        self.assertGreater(self.manifest(upper)["counts"]["texture"]["seen_share"], 0.5)
         self.assertEqual(len(list(upper.glob("field.*"))), 3)
         self.assertGreater(self.manifest(upper)["counts"]["triangles_out_of_crop"], 0)
 
@@ -83,6 +85,19 @@ class ExportsTest(StageCase):
 
         self.assert_fails(self.run_stage("surface", field, "-o", self.folder / "x", "--crop", "8,8,8,9,9,9"),
                           3, "crop")
+        # Without a texture, or without the photos that it would be made from.
+        plain = self.folder / "plain"
+        self.assert_done(self.run_stage("surface", field, "-o", plain, "--texture", "off"))
+        self.assertFalse((plain / "surface.png").exists() or (plain / "surface.mtl").exists())
+        self.assert_fails(self.run_stage("surface", field, "-o", self.folder / "x", "--texture", "10"),
+                          2, "--texture", "64 to 8192")
+        shutil.rmtree(self.folder / "run" / "1_scene")
+        alone = self.run_stage("surface", field, "-o", self.folder / "alone")
+        self.assert_done(alone)
+        self.assertIn("only vertex colours", alone.stderr)
+        self.assert_fails(self.run_stage("surface", field, "-o", self.folder / "x", "--texture", "1024"),
+                          3, "1_scene")
+
         self.assert_fails(self.run_stage("surface", field, "-o", self.folder / "x", "--formats", "fbx"),
                           2, "--formats", "fbx")
         self.assert_fails(self.run_stage("surface", field, "-o", self.folder / "x", "--known-distance",

@@ -1,6 +1,7 @@
 #include "surface/export.h"
 
 #include "core/error.h"
+#include "core/ply.h"
 #include "expect_error.h"
 #include "foreign_readers.h"
 #include "image/srgb.h"
@@ -78,6 +79,46 @@ TEST(SurfaceExport, AssimpReadsTheColoursOfPlyObjAndGlb) {
       }
     }
   }
+}
+
+// A square of two triangles whose texture is red on the left, green on the right, and dark below.
+TriangleMesh TexturedSquare() {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  mesh.colors_srgb.assign(4, {9, 9, 9});
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const glm::vec2 a(0.1f, 0.2f), b(0.9f, 0.2f), c(0.9f, 0.7f), d(0.1f, 0.7f);
+  mesh.corner_coordinates = {{a, b, c}, {a, c, d}};
+  return mesh;
+}
+
+TEST(SurfaceExport, AssimpReadsTextureCoordinatesOfObjAndGlb) {
+  if (FindProgram("assimp").empty()) GTEST_SKIP() << "assimp-utils is not installed";
+  const ScratchFolder folder;
+  const TriangleMesh mesh = TexturedSquare();
+  Image texture = MakeImage(64, 64, 3);
+  WriteImage(folder / "surface.png", texture);
+  WriteTextureMaterial(folder / "surface.mtl", "surface.png");
+  WriteTriangleMeshObj(folder / "surface.obj", mesh, "surface.mtl");
+  WriteTriangleMeshGlb(folder / "surface.glb", mesh, texture);
+  for (const char* name : {"surface.obj", "surface.glb"}) {
+    SCOPED_TRACE(name);
+    EXPECT_TRUE(ReadByAssimp(folder / name).colors_srgb.empty());  // would darken the texture
+    const PlyFile read = ReadPly((folder / name).string() + ".assimp.ply");
+    const PlyElement* vertices = read.Find("vertex");
+    ASSERT_NE(vertices, nullptr);
+    const PlyProperty *s = vertices->Find("s"), *t = vertices->Find("t");
+    ASSERT_TRUE(s != nullptr && t != nullptr);
+    for (size_t v = 0; v < vertices->count; ++v) {
+      const double x = vertices->Find("x")->values[v], y = vertices->Find("y")->values[v];
+      EXPECT_NEAR(s->values[v], 0.1 + 0.8 * x, 1e-5);
+      EXPECT_NEAR(t->values[v], 0.2 + 0.5 * y, 1e-5);
+    }
+  }
+  // Its exit code is not 0 even where it succeeds.
+  RunChild(FindProgram("assimp"), {"extract", (folder / "surface.glb").string(), "--texture=0"},
+           {});
+  EXPECT_EQ(ReadImage(folder / "surface_img0.jpg").width, 64);
 }
 
 TEST(ExportOptions, AKnownDistanceBecomesTheDistanceInTheFile) {

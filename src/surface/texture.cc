@@ -1,0 +1,87 @@
+// Unwraps a surface and bakes its texture.
+#include "surface/texture.h"
+
+#include "core/error.h"
+#include "core/log.h"
+#include "core/progress.h"
+#include "surface/texture_bake.h"
+#include "surface/texture_charts.h"
+#include "surface/texture_layout.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+namespace tetrec {
+namespace {
+
+constexpr int kLargestAutomaticSize = 4096;  // that every browser and program can show
+
+// `footprint`: length of a photo's pixel on the surface.
+TextureLayout LayOut(const TriangleMesh& mesh, std::span<const TextureChart> charts,
+                     double footprint, const TextureChoice& choice) {
+  if (choice.size > 0) return LayOutTextureOfSize(mesh, charts, choice.size);
+  const TextureLayout layout = LayOutTexture(mesh, charts, footprint, kLargestAutomaticSize);
+  if (layout.texel_size > footprint) {
+    LogInfo(
+        "texture: texels are {:.2f} times as long as the photos' pixels on the surface, because "
+        "it would have more than {} x {} texels; a size of your own may be up to {}",
+        layout.texel_size / footprint, kLargestAutomaticSize, kLargestAutomaticSize,
+        kMaxTextureSize);
+  }
+  return layout;
+}
+
+// Texture coordinates as in OBJ: from 0 to 1, to the right and up.
+std::vector<std::array<glm::vec2, 3>> CornerCoordinates(const TextureLayout& layout) {
+  std::vector<std::array<glm::vec2, 3>> coordinates;
+  for (const auto& corners : layout.corners) {
+    auto& row = coordinates.emplace_back();
+    for (size_t k = 0; k < 3; ++k) {
+      row[k] = glm::vec2(corners[k].x / layout.size, 1 - corners[k].y / layout.size);
+    }
+  }
+  return coordinates;
+}
+
+}  // namespace
+
+TextureChoice ParseTextureChoice(const std::string& text) {
+  if (text == "auto") return {};
+  if (text == "off") return {false, 0};
+  int size = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), size);
+  if (error != std::errc() || end != text.data() + text.size() || size < kMinTextureSize ||
+      size > kMaxTextureSize) {
+    throw UsageError(fmt::format("'{}' is no texture size; expected auto, off, or {} to {} texels",
+                                 text, kMinTextureSize, kMaxTextureSize));
+  }
+  return {true, size};
+}
+
+TexturedMesh MakeTexture(TriangleMesh mesh, std::span<const TexturePhoto> photos,
+                         const TextureChoice& choice, Stage& stage) {
+  const double footprint = MedianFootprint(mesh, photos);
+  if (footprint == 0) {
+    LogWarning("no texture, only vertex colours: none of {} photos sees the surface",
+               photos.size());
+    return {std::move(mesh), {}};
+  }
+  const std::vector<TextureChart> charts = CutIntoCharts(mesh);
+  const TextureLayout layout = LayOut(mesh, charts, footprint, choice);
+  BakedTexture baked = BakeTexture(mesh, layout, photos);
+  LogInfo(
+      "texture: {} x {} texels of {:.3g} world units, {} charts; photos decide {:.1f} % of it, "
+      "vertex colours the rest",
+      layout.size, layout.size, layout.texel_size, WithThousands(charts.size()),
+      100 * baked.seen_share);
+  stage.Count("texture", {{"size", layout.size},
+                          {"texel_size", layout.texel_size},
+                          {"charts", charts.size()},
+                          {"photos", photos.size()},
+                          {"seen_share", baked.seen_share}});
+  mesh.corner_coordinates = CornerCoordinates(layout);
+  return {std::move(mesh), std::move(baked.image)};
+}
+
+}  // namespace tetrec

@@ -1,0 +1,32 @@
+// The texture of a surface, baked from the training photos.
+#pragma once
+
+#include "core/stage.h"
+#include "image/image.h"
+#include "mesh/triangle_mesh.h"
+#include "surface/texture_photos.h"
+
+#include <span>
+#include <string>
+
+namespace tetrec {
+
+inline constexpr int kMinTextureSize = 64, kMaxTextureSize = 8192;
+
+struct TextureChoice {
+  bool wanted = true;
+  int size = 0;  // side of the square texture [texels]; 0: as the photos' pixels demand
+};
+// "auto", "off" or a size. Throws UsageError.
+TextureChoice ParseTextureChoice(const std::string& text);
+
+// The mesh with texture coordinates, and its texture. Counts and logs by `stage`. `mesh_in_world`
+// has vertex colours, and at least one triangle.
+struct TexturedMesh {
+  TriangleMesh mesh;
+  Image texture;  // RGB; empty without a texture
+};
+TexturedMesh MakeTexture(TriangleMesh mesh_in_world, std::span<const TexturePhoto> photos,
+                         const TextureChoice& choice, Stage& stage);
+
+}  // namespace tetrec

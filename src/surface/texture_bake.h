@@ -1,0 +1,37 @@
+// The colours of a texture's texels, from the photos that see them.
+#pragma once
+
+#include "image/image.h"
+#include "mesh/triangle_mesh.h"
+#include "surface/texture_layout.h"
+#include "surface/texture_photos.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+// For each triangle the photos that may see a part of it.
+std::vector<std::vector<uint32_t>> PhotosOfTriangles(const TriangleMesh& mesh_in_world,
+                                                     std::span<const TexturePhoto> photos);
+
+// The median over the seen surface of the least length that a pixel covers, which is the size of
+// texels that lose nothing [world units]. 0 if no photo sees anything.
+double MedianFootprint(const TriangleMesh& mesh_in_world, std::span<const TexturePhoto> photos);
+
+struct BakedTexture {
+  Image image;            // RGB, display sRGB
+  double seen_share = 0;  // of the texels on the surface, by how far photos decide their colour
+};
+
+// Each texel is the mean of the three photos that see it best: from the front, from near and away
+// from outlines. The weights are those beyond the fourth photo's, so that colours change
+// continuously where one photo takes the place of another; they depend on the point of the surface
+// alone, so that colours agree across the borders of charts. What no photo sees has the vertices'
+// colours. Texels outside all charts continue the nearest ones, also into mipmaps.
+// `mesh_in_world` has vertex colours.
+BakedTexture BakeTexture(const TriangleMesh& mesh_in_world, const TextureLayout& layout,
+                         std::span<const TexturePhoto> photos);
+
+}  // namespace tetrec

@@ -1,0 +1,131 @@
+// The photos that a texture is made from.
+#include "surface/texture_photos.h"
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "mesh/seen_triangles.h"
+#include "run/camera_corrections.h"
+#include "run/photo_exposures.h"
+#include "scene/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace tetrec {
+namespace {
+namespace fs = std::filesystem;
+
+// A surface that is seen at a slant of 80 degrees has depths that differ by 6 footprints between
+// pixels; larger differences are jumps from one surface to another.
+constexpr double kJumpFootprints = 8;
+
+bool CountsAt(const TexturePhoto& photo, int x, int y) {
+  if (photo.image.channels == 3) return true;
+  return photo.image.At(x, y)[3] >= (photo.alpha_is_opacity ? 255 : kSeenAlpha);
+}
+
+bool Jumps(const TexturePhoto& photo, size_t a, size_t b) {
+  const double near = std::min(photo.depth[a], photo.depth[b]);
+  const double far = std::max(photo.depth[a], photo.depth[b]);
+  return std::isfinite(near) && !(far - near < kJumpFootprints * photo.Footprint(near));
+}
+
+// 0 for pixels that are not trusted, kFullTrust for the others.
+std::vector<int> Untrusted(const TexturePhoto& photo) {
+  const int width = photo.camera.width, height = photo.camera.height;
+  std::vector<int> distance(photo.depth.size(), kFullTrust);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const size_t i = photo.Index(x, y);
+      if (x == 0 || y == 0 || x == width - 1 || y == height - 1 || !CountsAt(photo, x, y)) {
+        distance[i] = 0;
+        continue;
+      }
+      for (const size_t next : {i + 1, i + size_t(width)}) {
+        if (Jumps(photo, i, next)) distance[i] = distance[next] = 0;
+      }
+    }
+  }
+  return distance;
+}
+
+// Steps to the nearest 0, along rows and columns and diagonally, in two passes.
+void SpreadDistances(int width, int height, std::vector<int>& distance) {
+  const auto at = [&](int x, int y) -> int& {
+    return distance[size_t(y) * size_t(width) + size_t(x)];
+  };
+  for (int y = 1; y < height; ++y) {
+    for (int x = 1; x < width - 1; ++x) {
+      const int before = std::min({at(x - 1, y), at(x - 1, y - 1), at(x, y - 1), at(x + 1, y - 1)});
+      at(x, y) = std::min(at(x, y), before + 1);
+    }
+  }
+  for (int y = height - 2; y >= 0; --y) {
+    for (int x = width - 2; x > 0; --x) {
+      const int behind = std::min({at(x + 1, y), at(x - 1, y + 1), at(x, y + 1), at(x + 1, y + 1)});
+      at(x, y) = std::min(at(x, y), behind + 1);
+    }
+  }
+}
+
+template <class T>
+std::map<std::string, T> ByName(const std::vector<T>& items) {
+  std::map<std::string, T> by_name;
+  for (const T& item : items) by_name.emplace(item.name, item);
+  return by_name;
+}
+
+template <class T>
+std::map<std::string, T> ReadIfThere(const fs::path& file,
+                                     std::vector<T> (*read)(const fs::path&)) {
+  return fs::exists(file) ? ByName(read(file)) : std::map<std::string, T>{};
+}
+
+}  // namespace
+
+void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo) {
+  photo.depth = FindSeenTriangles(mesh_in_world, photo.camera, photo.cam_from_world).depth;
+  std::vector<int> distance = Untrusted(photo);
+  SpreadDistances(photo.camera.width, photo.camera.height, distance);
+  photo.trust.clear();
+  for (const int steps : distance) photo.trust.push_back(uint8_t(steps));
+}
+
+std::vector<TexturePhoto> ReadTexturePhotos(const fs::path& scene_folder,
+                                            const fs::path& field_folder,
+                                            const TriangleMesh& mesh_in_world) {
+  const Scene scene = ReadScene(scene_folder);
+  const auto corrections =
+      ReadIfThere(field_folder / kCameraCorrectionsFile, &ReadCameraCorrections);
+  const auto exposures = ReadIfThere(field_folder / kPhotoExposuresFile, &ReadPhotoExposures);
+  const std::vector<int> views = scene.ViewsOf(Split::kTrain);
+  std::vector<TexturePhoto> photos(views.size());
+  ParallelForEach(views.size(), "", "the surface will be extracted again", [&](size_t i) {
+    const View& view = scene.views[size_t(views[i])];
+    TexturePhoto& photo = photos[i];
+    photo.camera = scene.cameras[size_t(view.camera)];
+    photo.cam_from_world = view.cam_from_world;
+    photo.alpha_is_opacity = scene.has_alpha;
+    if (const auto found = corrections.find(view.name); found != corrections.end()) {
+      photo.cam_from_world = found->second.cam_from_world;
+    }
+    if (const auto found = exposures.find(view.name); found != exposures.end()) {
+      photo.gain = found->second.gain;
+      photo.offset = found->second.offset;
+    }
+    photo.image = ReadImage(scene_folder / view.image);
+    if (photo.image.width != photo.camera.width || photo.image.height != photo.camera.height) {
+      throw DataError(
+          fmt::format("{}: has {} x {} pixels, its camera {} x {}; import the photos again",
+                      (scene_folder / view.image).string(), photo.image.width, photo.image.height,
+                      photo.camera.width, photo.camera.height));
+    }
+    FindTrust(mesh_in_world, photo);
+  });
+  return photos;
+}
+
+}  // namespace tetrec

@@ -1,0 +1,46 @@
+// The photos that a texture is made from, and how much each of their pixels is worth.
+#pragma once
+
+#include "geometry/camera.h"
+#include "geometry/rigid3.h"
+#include "image/image.h"
+#include "mesh/triangle_mesh.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tetrec {
+
+inline constexpr int kFullTrust = 3;  // steps of a pixel from what is not trusted at all
+
+// A photo, and what it shows of the surface.
+struct TexturePhoto {
+  Camera camera;
+  Rigid3 cam_from_world;
+  Image image;                        // RGB, or RGBA with straight alpha
+  glm::dvec3 gain{1.0}, offset{0.0};  // photo = gain color + offset [display sRGB]
+  bool alpha_is_opacity = false;      // as of the scene: otherwise alpha marks pixels that count
+  std::vector<float> depth;           // (height x width) of the surface, infinite where none is
+  std::vector<uint8_t> trust;         // (height x width) from 0 to kFullTrust, see FindTrust
+
+  size_t Index(int x, int y) const { return size_t(y) * size_t(camera.width) + size_t(x); }
+  // Length on a surface facing the camera that one pixel covers at this depth.
+  double Footprint(double depth_in_cam) const { return depth_in_cam / camera.fx; }
+};
+
+// Fills in depth and trust of a photo: trust rises from 0 at the photo's border, at pixels that do
+// not count, and where the surface's depth jumps, by 1 with each pixel, because near an outline
+// the surface and the photo rarely agree on what is in front.
+void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo);
+
+// The training photos of the scene, seen from the cameras that the run corrected and with the
+// exposures that it estimated, if the field's folder has them. Throws DataError.
+std::vector<TexturePhoto> ReadTexturePhotos(const std::filesystem::path& scene_folder,
+                                            const std::filesystem::path& field_folder,
+                                            const TriangleMesh& mesh_in_world);
+
+}  // namespace tetrec
