@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include <vector>
+
 namespace {
 
 // COLMAP would search for them in vain among all pictures of the data set.
@@ -27,7 +29,7 @@ void RefuseKnownCameras(const std::string& folder) {
 int main(int argc, char** argv) {
   tetrec::SfmOptions options;
   tetrec::StageCommand command(
-      "sfm", 4,
+      "sfm", 5,
       "Finds the cameras of a folder of photos with COLMAP and writes the scene folder:\n"
       "undistorted images, cameras, sparse points, the bounds of the subject and the split.\n"
       "Example: tetrec-sfm PHOTOS -o RUN/1_scene");
@@ -53,21 +55,36 @@ int main(int argc, char** argv) {
       app, "--camera-model", options.camera_model,
       "Lens model: auto (OPENCV, or SIMPLE_RADIAL for fewer than 8 photos per camera), "
       "OPENCV, RADIAL, SIMPLE_RADIAL, PINHOLE, SIMPLE_PINHOLE");
+  std::vector<double> bounds;
+  app.add_option("--bounds", bounds,
+                 "The subject's box x0,y0,z0,x1,y1,z1, in the coordinates of the points.ply that "
+                 "is written without this option; default: found from points and cameras")
+      ->delimiter(',')
+      ->expected(6);
   app.add_option("--holdout", options.holdout,
                  "Hold out every N-th view by name for evaluation; 0: none");
   app.add_option("--train-every", options.train_every,
                  "Train on every N-th photo by name, starting with the second, and leave those out "
                  "of the scene that are neither trained on nor held out; 1: train on all. All "
                  "photos help to find the cameras");
+  app.add_option(
+      "--max-unreadable", options.max_unreadable,
+      "Share of the photos that may be unreadable (damaged, or neither JPEG nor PNG) and "
+      "are left out with a warning; with more of them, or 0 and any, the stage fails");
   app.add_option("--seed", options.seed, "Random seed of COLMAP's mapper");
   using tetrec::GroupOptions;
-  GroupOptions(app, "Scene", {"--max-size", "--holdout", "--train-every"});
+  GroupOptions(app, "Scene",
+               {"--max-unreadable", "--max-size", "--bounds", "--holdout", "--train-every"});
   GroupOptions(
       app, "COLMAP",
       {"--matcher", "--max-features", "--retries", "--camera-sharing", "--camera-model", "--seed"});
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { tetrec::RunSfm(options, stage); },
       [&] {
+        if (!bounds.empty()) {
+          options.bounds_in_found_world = {{bounds[0], bounds[1], bounds[2]},
+                                           {bounds[3], bounds[4], bounds[5]}};
+        }
         options.Check();
         RefuseKnownCameras(app.get_option("PHOTOS")->as<std::string>());
       });

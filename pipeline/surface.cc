@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
       "--smoothing", options.smoothing,
       "Rounds in which each vertex is averaged with its neighbours before the surface is "
       "extracted, 0 to 100");
-  AddWordOption(app, "--bounds", options.bounds, "Extract the subject only, or the whole volume");
+  AddWordOption(app, "--extent", options.extent, "Extract the subject only, or the whole volume");
   app.add_option("--margin", options.margin,
                  "Margin around the subject's bounds, in shares of their sides, 0 to 10");
   app.add_option("--min-component-share", options.clean.min_component_share,
@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
   app.add_option(
          "--crop", options.exports.crop,
          "x0,y0,z0,x1,y1,z1: export only what is inside this box, in the coordinates of the "
-         "PLY file; --bounds all lets it reach beyond the subject")
+         "PLY file; --extent all lets it reach beyond the subject")
       ->delimiter(',')
       ->expected(6);
   app.add_option("--rays", options.rays, "Rays that find the isovalue, 100 or more");
@@ -69,7 +69,7 @@ int main(int argc, char** argv) {
   GroupOptions(app, "Level", {"--isovalue", "--smoothing", "--rays", "--seed"});
   GroupOptions(
       app, "Part of the surface",
-      {"--bounds", "--margin", "--min-component-share", "--keep-cavities", "--fill-holes"});
+      {"--extent", "--margin", "--min-component-share", "--keep-cavities", "--fill-holes"});
   GroupOptions(app, "Simplification", {"--max-deviation", "--max-faces"});
   GroupOptions(
       app, "Files",

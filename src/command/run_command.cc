@@ -101,6 +101,12 @@ int RunCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(ErrorOf(error).what(), ErrorOf(error).exit_code());
   } catch (const std::system_error& error) {
+    if (error.code() == std::errc::resource_unavailable_try_again) {
+      return fail(
+          "the system starts no more threads or processes; end other programs or raise the limit "
+          "(ulimit -u)",
+          4);
+    }
     return fail(fmt::format("the system refuses: {}", error.what()), 4);
   } catch (const std::exception& error) {
     if (IsOpenCvWithoutMemory(error)) return fail_by_memory();

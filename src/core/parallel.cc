@@ -9,6 +9,7 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -38,7 +39,11 @@ void ParallelFor(size_t count, size_t grain, const std::function<void(size_t, si
   static const size_t cores = std::max(1u, std::thread::hardware_concurrency());
   {
     std::vector<std::jthread> helpers;
-    for (size_t t = 1; t < std::min(cores, ranges); ++t) helpers.emplace_back(work);
+    try {
+      for (size_t t = 1; t < std::min(cores, ranges); ++t) helpers.emplace_back(work);
+    } catch (const std::system_error&) {
+      // The system starts no more threads (a limit on processes): those that there are do the work.
+    }
     work();
   }
   if (first) std::rethrow_exception(first);

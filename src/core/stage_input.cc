@@ -34,7 +34,10 @@ json ListingOf(const fs::path& folder) {
                        int64_t(entry->last_write_time().time_since_epoch().count())});
   }
   if (error) {
-    throw DataError(fmt::format("{}: cannot be listed ({})", folder.string(), error.message()));
+    const std::string message =
+        fmt::format("{}: cannot be listed ({})", folder.string(), error.message());
+    if (error == std::errc::permission_denied) throw EnvironmentError(message);
+    throw DataError(message);
   }
   std::sort(listing.begin(), listing.end());
   return listing;

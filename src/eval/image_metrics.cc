@@ -111,6 +111,20 @@ Image PaintedOver(const Image& image, const Image& other, const Image& mask) {
   return painted;
 }
 
+double Contrast(const Image& rgb) {
+  double sum = 0, squares = 0;
+  const double pixels = double(rgb.width) * rgb.height;
+  for (int y = 0; y < rgb.height; ++y) {
+    for (int x = 0; x < rgb.width; ++x) {
+      const uint8_t* p = rgb.At(x, y);
+      const double brightness = (double(p[0]) + p[1] + p[2]) / 3;
+      sum += brightness;
+      squares += brightness * brightness;
+    }
+  }
+  return std::sqrt(std::max(0.0, squares / pixels - sum / pixels * (sum / pixels)));
+}
+
 Image ErrorMap(const Image& render, const Image& truth) {
   CheckSameSize(render, truth, "ground truth");
   const auto table = InfernoTable();

@@ -16,6 +16,9 @@ constexpr double kFarBelow_db = 3, kFarBelowDeviations = 2.5;
 // Below this mean, renderings of most scenes are visibly blurred, foggy or misplaced.
 constexpr double kLowPsnr_db = 22;
 constexpr size_t kFewestViewsToCompare = 3;
+// A rendering with less than this share of its photo's contrast shows hardly anything. Blur alone
+// leaves more; a photo that shows hardly anything itself is not judged.
+constexpr double kNearlyUniform = 0.25, kLeastContrast = 8;
 constexpr size_t kFewTrainingViews = 15;
 
 // Of at least one value.
@@ -43,6 +46,21 @@ std::vector<std::string> ViewsFarBelow(const std::vector<ViewScore>& scores) {
       fmt::format("{} of {} views are far worse than the others, whose median is {:.1f} dB: {}. "
                   "Their cameras may be wrong, or no training view may show what they show.",
                   far.size(), scores.size(), median, fmt::join(far, ", "))};
+}
+
+std::vector<std::string> NearlyUniform(const std::vector<ViewScore>& scores) {
+  std::vector<std::string> uniform;
+  for (const ViewScore& score : scores) {
+    if (score.truth_contrast >= kLeastContrast &&
+        score.render_contrast < kNearlyUniform * score.truth_contrast) {
+      uniform.push_back(score.name);
+    }
+  }
+  if (uniform.empty()) return {};
+  return {fmt::format(
+      "{} of {} views are rendered in nearly one colour: {}. Density hides the scene from their "
+      "cameras, because no training view stands near them, or their cameras are wrong.",
+      uniform.size(), scores.size(), fmt::join(uniform, ", "))};
 }
 
 std::vector<std::string> LowQuality(const std::vector<ViewScore>& scores) {
@@ -80,6 +98,7 @@ std::vector<std::string> QualityWarnings(const std::vector<ViewScore>& scores,
   };
   add(LowQuality(scores));
   add(ViewsFarBelow(scores));
+  add(NearlyUniform(scores));
   if (scene) add(FewTrainingViews(*scene));
   return warnings;
 }

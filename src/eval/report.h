@@ -22,6 +22,8 @@ struct ViewScore {
   std::string name;
   double mse = 0, psnr = 0, ssim = 0;     // psnr may be infinite
   std::optional<double> foreground_psnr;  // if there is a mask
+  // Standard deviations of the brightness over all pixels [8-bit levels].
+  double render_contrast = 0, truth_contrast = 0;
   // Of the right half of the view: as it is rendered, and with the colours that were fitted on the
   // left half (color_correction.h). Nothing if a half has no pixel to score.
   std::optional<double> right_half_psnr, corrected_psnr;

@@ -286,10 +286,20 @@ void CheckVulkan(VkResult result, const char* call) {
   if (result == VK_SUCCESS) return;
   const std::string message =
       fmt::format("Vulkan: {} ({}) in {}", ResultName(result), int(result), call);
-  const bool is_environment = result == VK_ERROR_OUT_OF_DEVICE_MEMORY ||
-                              result == VK_ERROR_OUT_OF_HOST_MEMORY ||
-                              result == VK_ERROR_DEVICE_LOST;
-  if (is_environment) throw EnvironmentError(message);
+  switch (result) {
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+      throw EnvironmentError(message + "; use smaller pictures or a smaller mesh");
+    case VK_ERROR_INITIALIZATION_FAILED:  // also where a driver gets no memory or threads
+    case VK_ERROR_INCOMPATIBLE_DRIVER:
+      throw EnvironmentError(message +
+                             "; the driver does not start: it is not installed completely, or the "
+                             "limits on memory and threads are too low for it (ulimit -a)");
+    case VK_ERROR_DEVICE_LOST:
+      throw EnvironmentError(message);
+    default:
+      break;
+  }
   throw BugError(message);
 }
 

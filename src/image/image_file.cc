@@ -6,6 +6,7 @@
 #include "image/depth_map.h"
 #include "image/exr_header.h"
 #include "image/image.h"
+#include "image/photo.h"
 #include "image/srgb.h"
 
 #include <fmt/format.h>
@@ -295,6 +296,15 @@ Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name, ExifR
 Image ReadImage(const std::filesystem::path& path, ExifRotation rotation,
                 uint64_t* clipped_pixels) {
   return DecodeImage(ReadBytes(path, kMaxFileBytes), path.string(), rotation, clipped_pixels);
+}
+
+Image ReadPhoto(const std::filesystem::path& path) {
+  const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
+  if (!bytes.empty() && !StartsWith(bytes, kPngSignature) && !StartsWith(bytes, kJpegSignature)) {
+    throw DataError(
+        fmt::format("{}: not a photo that can be read; expected JPEG or PNG", path.string()));
+  }
+  return DecodeImage(bytes, path.string());
 }
 
 void WriteImage(const std::filesystem::path& path, const Image& image) {

@@ -24,8 +24,6 @@ namespace {
 
 using internal::StoredPicture;
 
-constexpr double kFarthest = 1e9;
-
 int IndexOfCamera(std::vector<Camera>& cameras, const Camera& camera) {
   const auto same = [&](const Camera& other) {
     return other.width == camera.width && other.height == camera.height && other.fx == camera.fx &&
@@ -328,18 +326,7 @@ void ImportOptions::Check() const {
     throw UsageError(fmt::format("downscale is {}; expected 1 to 1024", *downscale));
   }
   if (holdout) CheckHoldout(*holdout);
-  if (bounds_in_input) {
-    const auto& [min, max] = *bounds_in_input;
-    const bool is_box = glm::all(glm::lessThan(min, max)) &&
-                        glm::all(glm::lessThan(glm::abs(min), glm::dvec3(kFarthest))) &&
-                        glm::all(glm::lessThan(glm::abs(max), glm::dvec3(kFarthest)));
-    if (!is_box) {
-      throw UsageError(
-          fmt::format("bounds is {},{},{},{},{},{}; expected x0,y0,z0,x1,y1,z1 with x0 < x1, "
-                      "y0 < y1, z0 < z1 and absolute values below {}",
-                      min.x, min.y, min.z, max.x, max.y, max.z, kFarthest));
-    }
-  }
+  if (bounds_in_input) CheckGivenBounds(*bounds_in_input);
 }
 
 ImportedScene ImportDataset(const std::filesystem::path& dataset,

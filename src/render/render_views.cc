@@ -5,11 +5,13 @@
 #include "core/log.h"
 #include "core/manifest.h"
 #include "core/progress.h"
+#include "core/short_list.h"
 #include "core/stop_request.h"
 #include "core/timer.h"
 #include "geometry/small_motion.h"
 #include "image/file_names.h"
 #include "image/image.h"
+#include "render/buried_cameras.h"
 #include "render/create_renderer.h"
 #include "render/kernel_table.h"
 #include "render/picture.h"
@@ -54,6 +56,16 @@ bool ShowsAnythingSeen(const Image& rgba) {
 RendererOptions CheckingRays(RendererOptions options) {
   options.count_steps |= !ChecksRays(options);
   return options;
+}
+
+void WarnOfBuriedCameras(const RadianceField& field, const Scene& scene, Stage& stage) {
+  const std::vector<std::string> buried = BuriedCameras(field, scene);
+  stage.Note("buried_cameras", buried);
+  if (buried.empty()) return;
+  LogWarning(
+      "{} of {} cameras stand inside of opaque density, which hides what they should show: {}; "
+      "more photos from places near them would keep the space around them free",
+      buried.size(), scene.views.size(), ShortList(buried));
 }
 
 bool RefinesCameras(RefineCameras choice, const fs::path& field_folder) {
@@ -104,6 +116,7 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   }
   const std::unique_ptr<TrainingRenderer> renderer = CreateRenderer(CheckingRays(options.renderer));
   stage.Device(renderer->DescribeDevice());
+  WarnOfBuriedCameras(field, scene, stage);
   renderer->SetField(field);
   for (const char* folder : {"renders", "depth", "gt"})
     fs::create_directories(stage.Output(folder));

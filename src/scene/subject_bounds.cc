@@ -5,6 +5,8 @@
 #include "core/quantile.h"
 #include "geometry/rotation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -18,6 +20,11 @@ constexpr double kCommonShare = 0.6;  // of the share of views that see the best
 constexpr double kReach = 0.75;    // of the median distance from camera to focus
 constexpr double kTrimmed = 0.01;  // of the weight, at each end of each axis
 constexpr double kMargin = 0.05;   // of the longest side, at each side
+// What nearly all views show belongs to the subject, however few points it has (the end of a thin
+// part), if the points are not alone, as outliers are.
+constexpr double kNearlyAllShare = 0.9;  // of the share of views that see the best-seen points
+constexpr size_t kFewestInGroup = 5;     // such points, within the margin
+constexpr double kFarthest = 1e9;        // of given bounds
 
 glm::dvec3 CenterOf(const View& view) { return view.cam_from_world.Inverse().translation; }
 glm::dvec3 AxisInWorld(const View& view, int axis) {
@@ -41,7 +48,12 @@ double MedianDepth(const Scene& scene, const View& view) {
   return depths.empty() ? 0 : Quantile(std::move(depths), 0.5);
 }
 
-std::vector<const ScenePoint*> SubjectPoints(const Scene& scene, const glm::dvec3& focus) {
+struct SubjectPoint {
+  const ScenePoint* point = nullptr;
+  bool nearly_all_see_it = false;
+};
+
+std::vector<SubjectPoint> SubjectPoints(const Scene& scene, const glm::dvec3& focus) {
   std::vector<double> distances, shares;
   for (const View& view : scene.views) distances.push_back(glm::distance(CenterOf(view), focus));
   const double reach = kReach * Quantile(distances, 0.5);
@@ -55,12 +67,51 @@ std::vector<const ScenePoint*> SubjectPoints(const Scene& scene, const glm::dvec
     for (const ScenePoint& point : scene.points) near.push_back(&point);
   }
   for (const ScenePoint* point : near) shares.push_back(ShareOfViews(scene, point->position));
-  const double needed = kCommonShare * Quantile(shares, 0.95);
-  std::vector<const ScenePoint*> common;
+  const double best = Quantile(shares, 0.95);
+  std::vector<SubjectPoint> common, all;
   for (size_t i = 0; i < near.size(); ++i) {
-    if (shares[i] >= needed) common.push_back(near[i]);
+    all.push_back({near[i], shares[i] >= kNearlyAllShare * best});
+    if (shares[i] >= kCommonShare * best) common.push_back(all.back());
   }
-  return common.size() < kFewPoints ? near : common;
+  return common.size() < kFewPoints ? all : common;
+}
+
+// The box without the thin ends of each axis, which outliers reach.
+Bounds3 TrimmedBox(const std::vector<SubjectPoint>& points, const glm::dmat3& upright_from_input) {
+  Bounds3 box;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<std::pair<double, double>> weighted;
+    for (const auto& [point, nearly_all] : points) {
+      weighted.push_back({(upright_from_input * point->position)[axis],
+                          double(std::max(1u, point->track_length))});
+    }
+    box.min[axis] = WeightedQuantile(weighted, kTrimmed);
+    box.max[axis] = WeightedQuantile(weighted, 1 - kTrimmed);
+  }
+  return box;
+}
+
+// The box grown to the groups of points that nearly all views see.
+Bounds3 WithWellSeenGroups(const Bounds3& box, const std::vector<SubjectPoint>& points,
+                           const glm::dmat3& upright_from_input, double reach) {
+  std::vector<glm::dvec3> well_seen;
+  for (const auto& [point, nearly_all] : points) {
+    if (nearly_all) well_seen.push_back(upright_from_input * point->position);
+  }
+  Bounds3 grown = box;
+  for (const glm::dvec3& p : well_seen) {
+    if (grown.Contains(p)) continue;
+    const auto group = std::count_if(well_seen.begin(), well_seen.end(), [&](const glm::dvec3& q) {
+      return glm::distance(p, q) <= reach;
+    });
+    if (size_t(group) >= kFewestInGroup) grown.Add(p);
+  }
+  return grown;
+}
+
+double LongestSide(const Bounds3& box) {
+  const glm::dvec3 size = box.Size();
+  return std::max({size.x, size.y, size.z});
 }
 
 // Its columns are the world's x, y and z in the input's frame; x is the first camera's x axis, made
@@ -140,38 +191,60 @@ Subject FindSubject(const Scene& scene) {
   const glm::dmat3 input_from_upright = UprightFrame(scene, subject.up_in_input);
   const glm::dmat3 upright_from_input = glm::transpose(input_from_upright);
 
-  const std::vector<const ScenePoint*> points = SubjectPoints(scene, subject.focus_in_input);
-  Bounds3 box;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<std::pair<double, double>> weighted;
-    for (const ScenePoint* point : points) {
-      weighted.push_back({(upright_from_input * point->position)[axis],
-                          double(std::max(1u, point->track_length))});
-    }
-    box.min[axis] = WeightedQuantile(weighted, kTrimmed);
-    box.max[axis] = WeightedQuantile(weighted, 1 - kTrimmed);
-  }
-  const auto longest_of = [](const glm::dvec3& size) { return std::max({size.x, size.y, size.z}); };
-  const double longest = longest_of(box.Size());
+  const std::vector<SubjectPoint> points = SubjectPoints(scene, subject.focus_in_input);
+  const Bounds3 trimmed = TrimmedBox(points, upright_from_input);
+  const double longest = LongestSide(trimmed);
   if (!(longest > 0)) throw DataError("all points of the subject are in one place");
   // A margin for parts without points; a flat subject becomes a thin box, not an empty one.
   const glm::dvec3 margin(kMargin * longest);
+  Bounds3 box = WithWellSeenGroups(trimmed, points, upright_from_input, kMargin * longest);
   box = {box.min - margin, box.max + margin};
 
-  const double scale = longest_of(box.Size()) / 2;
+  const double scale = LongestSide(box) / 2;
   subject.input_from_world = {scale, input_from_upright, input_from_upright * box.Center()};
   subject.bounds_in_world = {-box.Size() / (2 * scale), box.Size() / (2 * scale)};
   subject.points = points.size();
+  for (const auto& [point, nearly_all] : points) {
+    subject.outside += !box.Contains(upright_from_input * point->position);
+  }
   return subject;
 }
 
-void MoveToSubject(Scene& scene, const Subject& subject) {
-  const Similarity3 world_from_input = subject.input_from_world.Inverse();
+namespace {
+
+void MoveWorld(Scene& scene, const Similarity3& old_from_new) {
+  const Similarity3 new_from_old = old_from_new.Inverse();
   for (View& view : scene.views)
-    view.cam_from_world = CamFromWorld(view.cam_from_world, subject.input_from_world);
-  for (ScenePoint& point : scene.points) point.position = world_from_input * point.position;
+    view.cam_from_world = CamFromWorld(view.cam_from_world, old_from_new);
+  for (ScenePoint& point : scene.points) point.position = new_from_old * point.position;
+}
+
+}  // namespace
+
+void MoveToSubject(Scene& scene, const Subject& subject) {
+  MoveWorld(scene, subject.input_from_world);
   scene.input_from_world = subject.input_from_world;
   scene.subject_bounds = subject.bounds_in_world;
+}
+
+void MoveToBox(Scene& scene, const Bounds3& box_in_world) {
+  const double scale = LongestSide(box_in_world) / 2;
+  const Similarity3 old_from_new{scale, glm::dmat3(1.0), box_in_world.Center()};
+  MoveWorld(scene, old_from_new);
+  scene.input_from_world = scene.input_from_world * old_from_new;
+  scene.subject_bounds = {-box_in_world.Size() / (2 * scale), box_in_world.Size() / (2 * scale)};
+}
+
+void CheckGivenBounds(const Bounds3& bounds) {
+  const auto& [min, max] = bounds;
+  const bool is_box = glm::all(glm::lessThan(min, max)) &&
+                      glm::all(glm::lessThan(glm::abs(min), glm::dvec3(kFarthest))) &&
+                      glm::all(glm::lessThan(glm::abs(max), glm::dvec3(kFarthest)));
+  if (is_box) return;
+  throw UsageError(
+      fmt::format("bounds is {},{},{},{},{},{}; expected x0,y0,z0,x1,y1,z1 with x0 < x1, "
+                  "y0 < y1, z0 < z1 and absolute values below {}",
+                  min.x, min.y, min.z, max.x, max.y, max.z, kFarthest));
 }
 
 }  // namespace tetrec

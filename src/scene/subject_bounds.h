@@ -18,7 +18,8 @@ struct Subject {
   // From a world in which z is up, the subject's longest side is 2 and its centre is 0.
   Similarity3 input_from_world;
   Bounds3 bounds_in_world;
-  size_t points = 0;  // number of points that the box was computed from
+  size_t points = 0;   // number of points that the box was computed from
+  size_t outside = 0;  // of these, beyond the box: thin tails and outliers
 };
 
 // The point nearest to all optical axes in the sense of least squares, with outliers weighted down.
@@ -34,5 +35,12 @@ Subject FindSubject(const Scene& scene);
 
 // Moves views and points into the subject's world and sets the scene's bounds.
 void MoveToSubject(Scene& scene, const Subject& subject);
+
+// Makes a box in the scene's world its bounds, and moves the world so that the box's longest side
+// is 2 and its centre 0.
+void MoveToBox(Scene& scene, const Bounds3& box_in_world);
+
+// Throws UsageError unless a box that was given as bounds has a volume and finite corners.
+void CheckGivenBounds(const Bounds3& bounds);
 
 }  // namespace tetrec

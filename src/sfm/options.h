@@ -3,9 +3,11 @@
 
 #include "colmap/pairs.h"
 #include "core/words.h"
+#include "geometry/bounds3.h"
 #include "scene/split.h"
 
 #include <array>
+#include <optional>
 
 namespace tetrec {
 
@@ -37,6 +39,10 @@ struct SfmOptions {
   // Where photos stay unregistered: further tries, each with more features for the photos
   // concerned.
   int retries = 1;
+  // Share of the photos that may be unreadable and are left out; with more, there is no scene.
+  double max_unreadable = 0.25;
+  // The subject's box, in the world of a scene that was made without it (that of its points.ply).
+  std::optional<Bounds3> bounds_in_found_world;
   int max_size = 640;           // [px] longer side of the scene's images
   int holdout = kUsualHoldout;  // every N-th view is held out as test; 0: none
   // Every N-th of the views that are not held out is trained on, the others only help to find the

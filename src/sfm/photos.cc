@@ -10,9 +10,9 @@
 #include "core/printable.h"
 #include "core/short_list.h"
 #include "image/image.h"
+#include "image/photo.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -69,9 +69,24 @@ std::vector<std::string> PhotoNames(const fs::path& folder) {
   return names;
 }
 
+// The limit on their share keeps a folder whose copy was cut off from becoming half a scene.
+void WarnOrRefuse(const fs::path& folder, const std::vector<std::string>& unreadable,
+                  const std::vector<std::string>& reasons, size_t files, double max_unreadable) {
+  if (unreadable.empty()) return;
+  const bool too_many = double(unreadable.size()) > max_unreadable * double(files);
+  if (too_many) {
+    throw DataError(fmt::format(
+        "{}: {} of {} photos cannot be read, and max-unreadable is {}; copy them again as JPEG or "
+        "PNG, or remove them: {}",
+        folder.string(), unreadable.size(), files, max_unreadable, ShortList(reasons)));
+  }
+  LogWarning("{} of {} photos cannot be read and are left out: {}", unreadable.size(), files,
+             ShortList(reasons));
+}
+
 }  // namespace
 
-std::vector<Photo> FindPhotos(const fs::path& folder) {
+PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable) {
   const std::vector<std::string> names = PhotoNames(folder);
   if (names.empty()) {
     throw DataError(fmt::format(
@@ -87,21 +102,24 @@ std::vector<Photo> FindPhotos(const fs::path& folder) {
   std::vector<std::string> errors(names.size());
   ParallelForEach(names.size(), "checking: photo", "nothing was done yet", [&](size_t i) {
     try {
-      const Image image = ReadImage(folder / names[i]);
+      const Image image = ReadPhoto(folder / names[i]);
       photos[i] = {names[i], image.width, image.height, Sha256OfFile(folder / names[i])};
     } catch (const DataError& error) {
       errors[i] = error.what();
     }
   });
-  std::vector<std::string> unreadable;
-  for (const std::string& error : errors) {
-    if (!error.empty()) unreadable.push_back(error);
+  PhotoFolder found;
+  std::vector<std::string> reasons;
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (errors[i].empty()) {
+      found.photos.push_back(std::move(photos[i]));
+    } else {
+      found.unreadable.push_back(names[i]);
+      reasons.push_back(errors[i]);
+    }
   }
-  if (!unreadable.empty()) {
-    throw DataError(fmt::format("{} of {} photos cannot be read; replace or remove: {}",
-                                unreadable.size(), names.size(), fmt::join(unreadable, "; ")));
-  }
-  return photos;
+  WarnOrRefuse(folder, found.unreadable, reasons, names.size(), max_unreadable);
+  return found;
 }
 
 }  // namespace tetrec

@@ -13,9 +13,15 @@ struct Photo {
   std::string sha256;
 };
 
-// JPEG and PNG files in the folder and below, sorted by name; hidden files are ignored. Each is
-// decoded once, and one DataError names all that cannot be read. Throws DataError for fewer than 2,
-// and for names that cannot be stored (StaysInside).
-std::vector<Photo> FindPhotos(const std::filesystem::path& folder);
+struct PhotoFolder {
+  std::vector<Photo> photos;            // sorted by name
+  std::vector<std::string> unreadable;  // names of those that were left out
+};
+
+// JPEG and PNG files in the folder and below; hidden files are ignored. Each is decoded once, and
+// one warning names all that cannot be read. Throws DataError if these are more than
+// `max_unreadable` of all files, for fewer than 2 files, and for names that cannot be stored
+// (StaysInside).
+PhotoFolder FindPhotos(const std::filesystem::path& folder, double max_unreadable);
 
 }  // namespace tetrec

@@ -11,6 +11,7 @@
 #include "core/timer.h"
 #include "geometry/undistorted_camera.h"
 #include "image/image.h"
+#include "image/photo.h"
 #include "image/undistort.h"
 #include "scene/image_files.h"
 #include "scene/split.h"
@@ -374,7 +375,7 @@ void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& ph
   std::atomic<size_t> with_alpha = 0;
   const auto write = [&](size_t i) {
     const View& view = scene.views[i];
-    Image photo = ReadImage(photos / view.name);
+    Image photo = ReadPhoto(photos / view.name);
     if (photo.channels == 4) {
       photo = WithoutAlpha(photo);
       ++with_alpha;
@@ -394,6 +395,31 @@ void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& ph
   }
 }
 
+// The world becomes that of the subject, or of the box that the user gives for it.
+void MoveToBounds(const SfmOptions& options, const Subject& subject, Scene& scene, Stage& stage) {
+  MoveToSubject(scene, subject);
+  if (options.bounds_in_found_world) {
+    MoveToBox(scene, *options.bounds_in_found_world);
+    const auto contained = std::count_if(
+        scene.points.begin(), scene.points.end(),
+        [&](const ScenePoint& point) { return scene.subject_bounds.Contains(point.position); });
+    if (contained == 0) {
+      throw DataError(
+          "the given bounds contain none of the points; they are coordinates of the points.ply "
+          "that is written without bounds");
+    }
+    LogInfo("given bounds: {} of {} points are inside", WithThousands(size_t(contained)),
+            WithThousands(scene.points.size()));
+    return;
+  }
+  if (subject.outside > 0) {
+    LogInfo(
+        "{} of the subject's points are outside of its bounds, as outliers; others can be given",
+        WithThousands(subject.outside));
+  }
+  stage.Count("subject_points_outside", subject.outside);
+}
+
 void Report(const ModelQuality& quality, const Scene& scene,
             const std::vector<std::string>& unregistered, const Subject& subject, Stage& stage) {
   LogInfo(
@@ -405,7 +431,7 @@ void Report(const ModelQuality& quality, const Scene& scene,
     LogWarning("{} photos are not registered and left out: {}", unregistered.size(),
                fmt::join(unregistered, ", "));
   }
-  const glm::dvec3 size = subject.bounds_in_world.Size();
+  const glm::dvec3 size = scene.subject_bounds.Size();
   LogInfo(
       "subject: {:.2f} x {:.2f} x {:.2f} units, from {} points; {} views to train on, {} held out",
       size.x, size.y, size.z, WithThousands(subject.points), scene.ViewsOf(Split::kTrain).size(),
@@ -428,7 +454,9 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
   options.Check();
   const fs::path folder = stage.Input("PHOTOS");
   Timer timer;
-  const std::vector<Photo> photos = FindPhotos(folder);
+  const auto [photos, unreadable] = FindPhotos(folder, options.max_unreadable);
+  stage.Count("unreadable", unreadable.size());
+  stage.Note("unreadable", unreadable);
   stage.Seconds("check", timer.seconds());
   const ColmapModel model = RunColmap(options, photos, stage);
   std::vector<std::string> names;
@@ -444,7 +472,7 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
     stage.Count("dropped_views", dropped);
   }
   const Subject subject = FindSubject(scene);
-  MoveToSubject(scene, subject);
+  MoveToBounds(options, subject, scene, stage);
   stage.Output("images");
   WriteViews(scene, model, folder, stage.folder());
   WriteScene(stage.folder(), scene);

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/quantile.h"
+#include "field/density_at.h"
 #include "geometry/random_vectors.h"
 #include "mesh/boundary.h"
 #include "mesh/locate.h"
@@ -51,18 +52,6 @@ Face FaceOf(const TetMesh& mesh, uint32_t tet, int i) {
   const glm::dvec3 b(mesh.positions[t[kFaceVertices[i][1]]]);
   const glm::dvec3 c(mesh.positions[t[kFaceVertices[i][2]]]);
   return {glm::cross(b - a, c - a), a};
-}
-
-// Density at a point of the tet.
-double DensityAt(const RadianceField& field, uint32_t tet, const glm::dvec3& point) {
-  double sum = 0, weights = 0;
-  for (int i = 0; i < 4; ++i) {
-    const Face face = FaceOf(field.mesh, tet, i);
-    const double weight = std::max(0.0, glm::dot(face.normal, face.point - point));
-    sum += weight * field.density[field.mesh.tets[tet][i]];
-    weights += weight;
-  }
-  return weights > 0 ? sum / weights : 0;
 }
 
 // The segments from `start`, inside `tet`, along the unit direction to the hull or to max_distance.

@@ -149,7 +149,7 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
       field.mesh, SmoothedOccupancy(field.mesh, field.density, isovalue, options.smoothing),
       kSurfaceOccupancy);
   const size_t triangles = set.triangles.size();
-  if (options.bounds == SurfaceBounds::kSubject) {
+  if (options.extent == SurfaceExtent::kSubject) {
     set = CropTo(set, world.subject_bounds.Scaled(1 + 2 * options.margin));
   }
   LogInfo("level set: {} triangles, of which {} lie outside the subject's bounds and are left out",
@@ -157,7 +157,7 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
   stage.Count("triangles_out_of_bounds", triangles - set.triangles.size());
   if (set.triangles.empty()) {
     throw DataError(fmt::format(
-        "no surface at isovalue {:.4g}; choose another isovalue, or all as bounds", isovalue));
+        "no surface at isovalue {:.4g}; choose another isovalue, or all as extent", isovalue));
   }
   set = Cropped(set, options.exports, world, stage);
   const TriangleMesh cleaned =

@@ -11,20 +11,20 @@
 
 namespace tetrec {
 
-enum class SurfaceBounds {
+enum class SurfaceExtent {
   kSubject,  // the subject's bounds, with a margin
   kAll,      // the whole mesh
 };
 template <>
-inline constexpr auto kWords<SurfaceBounds> = std::to_array<Word<SurfaceBounds>>(
-    {{SurfaceBounds::kSubject, "subject"}, {SurfaceBounds::kAll, "all"}});
+inline constexpr auto kWords<SurfaceExtent> = std::to_array<Word<SurfaceExtent>>(
+    {{SurfaceExtent::kSubject, "subject"}, {SurfaceExtent::kAll, "all"}});
 
 struct SurfaceOptions {
   // Density of the surface [1 / world unit]; 0: a fiftieth of the typical density where a ray
   // from a camera has lost half of its light (FindHalfTransmittanceLevel).
   double isovalue = 0;
   int smoothing = 4;  // rounds of SmoothedOccupancy
-  SurfaceBounds bounds = SurfaceBounds::kSubject;
+  SurfaceExtent extent = SurfaceExtent::kSubject;
   // Around the subject's bounds, in shares of their sides. Thin parts have few sparse points, so
   // the bounds may end before them.
   double margin = 0.15;

@@ -6,11 +6,15 @@
 #include "core/stop_request.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <stdexcept>
+#include <system_error>
+#include <thread>
 #include <vector>
 
 namespace tetrec {
@@ -33,6 +37,27 @@ TEST(ParallelFor, RangesDependOnCountAndGrainOnly) {
     EXPECT_EQ(begin % 4, 0u);
     EXPECT_EQ(end, std::min<size_t>(begin + 4, 10));
   });
+}
+
+// In a process of its own, whose user may not start another thread.
+TEST(ParallelForDeathTest, DoesAllWorkWhereTheSystemStartsNoThreads) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto limited = [] {
+    if (geteuid() == 0 && setresuid(65534, 65534, 65534) != 0) std::exit(1);
+    const rlimit none{1, 1};
+    if (setrlimit(RLIMIT_NPROC, &none) != 0) std::exit(2);
+    try {
+      std::thread([] {}).join();
+      std::fputs("threads start in spite of the limit", stderr);
+      std::exit(7);
+    } catch (const std::system_error&) {
+    }
+    std::atomic<int> visits = 0;
+    ParallelFor(1000, 1, [&](size_t, size_t) { ++visits; });
+    std::fprintf(stderr, "%d visits", visits.load());
+    std::exit(7);
+  };
+  EXPECT_EXIT(limited(), testing::ExitedWithCode(7), "1000 visits");
 }
 
 TEST(ParallelFor, RethrowsWhatABodyThrows) {

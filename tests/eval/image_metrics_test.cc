@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tetrec {
@@ -120,6 +121,15 @@ TEST(ImageMetrics, TheErrorMapIsDarkWhereEqualAndSaturatesAtAQuarterOfTheRange) 
   EXPECT_LT(brightness(0), brightness(20));
   EXPECT_LT(brightness(20), brightness(60));
   EXPECT_EQ(brightness(64), brightness(255));
+}
+
+TEST(ContrastTest, IsTheDeviationOfTheBrightness) {
+  Image image = MakeImage(2, 1, 3);
+  std::fill_n(image.pixels.begin(), 6, uint8_t{200});
+  EXPECT_EQ(Contrast(image), 0);
+  // Brightness 100 and 200: 50 from their mean.
+  image.pixels = {0, 100, 200, 200, 200, 200};
+  EXPECT_NEAR(Contrast(image), 50, 1e-9);
 }
 
 }  // namespace

@@ -72,6 +72,26 @@ TEST(Report, LowQualityIsWarnedOf) {
   EXPECT_THAT(warnings("bad", 40), HasSubstr("have a mean PSNR of only"));
 }
 
+TEST(Report, ViewsOfNearlyOneColourAreWarnedOfByName) {
+  const ScratchFolder folder;
+  const auto report = [&](const char* name, uint8_t rest) {
+    const std::filesystem::path run = folder / name, views = run / "4_views";
+    WriteFakeRun(run, {});
+    // One rendering keeps only a share of its contrast.
+    Image image = ReadImage(views / "renders/1.png");
+    for (uint8_t& value : image.pixels) value = uint8_t(100 + value * rest / 100);
+    WriteImage(views / "renders/1.png", image);
+    WriteFakeManifest(views, "render", "../3_field",
+                      {"views.json", "renders/0.png", "gt/0.png", "renders/1.png", "gt/1.png",
+                       "renders/2.png", "gt/2.png"});
+    EXPECT_EQ(RunEvaluate({views, "-o", run / "6_report"}).exit_code, 0);
+    return ReadText(run / "6_report/report.html");
+  };
+  EXPECT_THAT(report("flat", 15),
+              HasSubstr("1 of 3 views are rendered in nearly one colour: test/r_1. "));
+  EXPECT_THAT(report("dull", 50), Not(HasSubstr("nearly one colour")));
+}
+
 TEST(Html, Base64IsThatOfRfc4648) {
   // The RFC's own examples.
   const std::string head = "data:image/svg+xml;base64,";

@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import re
+import resource
 import shutil
 import subprocess
 import unittest
@@ -429,6 +430,7 @@ class HostileTest(StageCase):
             ("optimize", "--time-limit", "5min"), ("optimize", "--color-rate", "0"), ("optimize", "--seed", "-1"),
             ("bench", "--stop", "nan"), ("bench", "--stop", "0.6"), ("bench", "--size", "0"), ("bench", "--tets", "-1"),
             ("sfm", "--max-size", "99999999999999999999"), ("sfm", "--holdout", "-1"), ("sfm", "--retries", "nan"),
+            ("sfm", "--bounds", "0,0,0,1,1,0"), ("sfm", "--max-unreadable", "1"), ("surface", "--extent", "0,0,0,1,1,1"),
             ("import", "--downscale", "inf"), ("import", "--bounds", "0,0,0,0,0,nan"), ("import", "--spacing", "1x1"),
             ("render", "--samples", "0"), ("render", "--samples", "1e9"), ("render", "--device", ""),
             ("surface", "--smoothing", "-1"), ("surface", "--isovalue", "inf"), ("surface", "--margin", "nan"),
@@ -489,6 +491,30 @@ class HostileTest(StageCase):
             for limit in limits:
                 yield f"limit {limit}", "import", [ball, "-o", self.fresh()], {"through": ("prlimit", limit)}
         self.run_cases(cases(), least=6)
+
+    def test_no_threads_and_folders_of_others(self):
+        ball = self.dataset()
+        closed, out = self.folder / "closed", self.folder / "out"
+        shutil.copytree(ball / "train", closed)
+        out.mkdir(mode=0o777)
+        for folder in (self.folder, out):
+            folder.chmod(0o777)
+        closed.chmod(0)
+
+        def as_nobody(processes=None):
+            def change():
+                if os.geteuid() == 0:
+                    os.setresgid(65534, 65534, 65534)
+                    os.setresuid(65534, 65534, 65534)
+                if processes is not None:
+                    resource.setrlimit(resource.RLIMIT_NPROC, (processes, processes))
+            return {"preexec_fn": change}
+        if subprocess.run(["test", "-x", BIN / "tetrec-import"], check=False, **as_nobody()).returncode:
+            self.skipTest("another user cannot run the programs in this folder")
+        self.run_cases([("no threads", "import", [ball, "-o", out / "1_scene"], as_nobody(1))],
+                       lambda _, result: "fails" if result.returncode else None)
+        self.run_cases([(stage, stage, [closed, "-o", out / stage], as_nobody()) for stage in ("sfm", "import")],
+                       lambda _, result: None if result.returncode == 4 else f"ends with {result.returncode}")
 
     def test_closed_streams_receive_nothing(self):
         ball = self.dataset()

@@ -55,6 +55,47 @@ TEST(Subject, TheBallIsSeparatedFromTheWallsBehindIt) {
   EXPECT_NEAR(glm::length(subject.bounds_in_world.Center()), 0, 1e-12);
 }
 
+// A ball at the end of a thin rod above the subject, by a handful of points: so few that trimming
+// removes them.
+TEST(Subject, AGroupOfPointsThatAllViewsSeeIsInsideHoweverSmall) {
+  Scene room = RoomScene();
+  const Bounds3 before = FindSubject(room).bounds_in_world;
+  const Similarity3 room_from_world = FindSubject(room).input_from_world;
+  const glm::dvec3 top = room_from_world * glm::dvec3(0, 0, before.max.z + 0.1);
+  ScenePoint point;
+  point.track_length = 3;
+  point.position = top;
+  room.points.push_back(point);  // one alone is an outlier
+  EXPECT_FALSE(FindSubject(room).bounds_in_world.Size().z > before.Size().z + 0.05);
+  EXPECT_EQ(FindSubject(room).outside, 1u);
+  for (int i = 1; i < 6; ++i) {
+    point.position = top + glm::dvec3(0.01 * i, 0, 0);
+    room.points.push_back(point);
+  }
+  const Subject subject = FindSubject(room);
+  EXPECT_TRUE(
+      subject.bounds_in_world.Contains(subject.input_from_world.Inverse() * point.position));
+  EXPECT_EQ(subject.outside, 0u);
+}
+
+TEST(Subject, GivenBoundsBecomeTheWorldAndKeepEveryPointOnItsPixel) {
+  const Scene before = RoomScene();
+  Scene found = before;
+  MoveToSubject(found, FindSubject(before));
+  Scene given = found;
+  MoveToBox(given, {{-1, -0.5, 0}, {3, 1.5, 1}});
+  EXPECT_NEAR(given.subject_bounds.Size().x, 2, 1e-12);
+  EXPECT_NEAR(given.subject_bounds.Size().z, 0.5, 1e-12);
+  EXPECT_NEAR(glm::length(given.subject_bounds.Center()), 0, 1e-12);
+  EXPECT_NEAR(
+      glm::distance(given.input_from_world * given.points[7].position, before.points[7].position),
+      0, 1e-9);
+  const View& a = found.views[3];
+  const View& b = given.views[3];
+  const glm::dvec3 seen = a.cam_from_world * found.points[7].position;
+  EXPECT_NEAR(glm::distance(seen, 2.0 * (b.cam_from_world * given.points[7].position)), 0, 1e-9);
+}
+
 TEST(Subject, DoesNotDependOnTheInputsFrame) {
   const Scene room = RoomScene();
   const Similarity3 other_from_room{

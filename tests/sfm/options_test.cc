@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace tetrec {
 namespace {
 
@@ -18,6 +20,8 @@ TEST(SfmOptions, OutOfRangeAreUsageErrorsThatNameThem) {
   };
   EXPECT_NO_THROW(SfmOptions().Check());
   expect("max-size is 0", [](SfmOptions& o) { o.max_size = 0; });
+  expect("max-unreadable is 1;", [](SfmOptions& o) { o.max_unreadable = 1; });
+  expect("max-unreadable is nan", [](SfmOptions& o) { o.max_unreadable = NAN; });
   expect("max-features is -1", [](SfmOptions& o) { o.max_features = -1; });
   expect("holdout is 1", [](SfmOptions& o) { o.holdout = 1; });
   expect("seed is -1", [](SfmOptions& o) { o.seed = -1; });

@@ -197,6 +197,52 @@ TEST_F(SfmTest, NothingIsTriedAgainIfAllAreRegisteredOrItIsSwitchedOff) {
   EXPECT_EQ(ReadScene(scene_).views.size(), 10u);
 }
 
+TEST_F(SfmTest, AnUnreadablePhotoIsLeftOutAndRecorded) {
+  WritePhotos(12);
+  folder_.Write("photos/letter.jpg", "this is a text");
+  SfmOptions options;
+  options.max_unreadable = 0;
+  const Outcome strict = Run("good", options);
+  EXPECT_EQ(strict.exit_code, 3);
+  EXPECT_THAT(strict.err, HasSubstr("1 of 13 photos cannot be read"));
+  const Outcome outcome = Run("good");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(ReadScene(scene_).views.size(), 12u);
+  const nlohmann::json manifest =
+      nlohmann::json::parse(ReadText(fs::path(scene_) / "manifest.json"));
+  EXPECT_EQ(manifest["counts"]["photos"], 12);
+  EXPECT_EQ(manifest["counts"]["unreadable"], 1);
+  EXPECT_EQ(manifest["notes"]["unreadable"][0], "letter.jpg");
+  EXPECT_EQ(manifest["warnings"].size(), 1u);
+}
+
+TEST_F(SfmTest, GivenBoundsAreThoseOfTheWorldThatIsFound) {
+  WritePhotos(12);
+  SfmOptions options;
+  options.bounds_in_found_world = {glm::dvec3(-0.5), glm::dvec3(1.5)};
+  const Outcome outcome = Run("good", options);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("of 300 points are inside"));
+  const Scene scene = ReadScene(scene_);
+  EXPECT_NEAR(scene.subject_bounds.max.z, 1, 1e-12);
+  // The middle of the ball of points, which was at 0, is half a unit from the box's middle.
+  EXPECT_NEAR(glm::distance(scene.input_from_world.Inverse() * glm::dvec3(0), glm::dvec3(-0.5)), 0,
+              0.03);
+  options.bounds_in_found_world = {glm::dvec3(5), glm::dvec3(6)};
+  const Outcome empty = Run("good", options, {"--force"});
+  EXPECT_EQ(empty.exit_code, 3);
+  EXPECT_THAT(empty.err, HasSubstr("the given bounds contain none of the points"));
+}
+
+TEST_F(SfmTest, TheErrorOfAnEarlierAttemptIsNotPrintedAgain) {
+  WritePhotos(12);
+  ASSERT_THAT(Run("killed").err, HasSubstr("signal 9"));
+  const Outcome outcome = Run("good");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("continues an earlier run (failed)"));
+  EXPECT_THAT(outcome.err, Not(HasSubstr("signal 9")));
+}
+
 TEST_F(SfmTest, ALensThatFoldsOverIsNamedWithAPhotoAndAdvice) {
   WritePhotos(12);
   const Outcome outcome = Run("folded");
