@@ -29,6 +29,7 @@ libboost-dev                start: minimum cuts
 libcgal-dev                 mesh: Delaunay tetrahedralization
 libopenmesh-dev             surface: clean-up
 libnanoflann-dev            eval: nearest points
+libjs-three                 eval: the report's 3-D scene
 libvulkan-dev               gpu: headers and loader
 mesa-vulkan-drivers         gpu: lavapipe, a Vulkan device for machines without a GPU
 glslang-tools               shaders: GLSL to SPIR-V
@@ -41,6 +42,8 @@ libeigen3-dev               eval: alignment; required by Ceres and CGAL
 libbenchmark-dev            benchmarks
 assimp-utils                tests: reads exported surfaces
 python3-meshio              tests: reads exported fields
+chromium-driver             tests: opens the report in a browser
+python3-selenium            tests: opens the report in a browser
 clang                       tests: fuzz targets
 libclang-rt-14-dev          tests: the fuzzer's runtime library
 clang-format                tests: format check

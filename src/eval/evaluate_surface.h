@@ -6,6 +6,7 @@
 #include "eval/evaluate.h"
 #include "eval/mesh_metrics.h"
 #include "eval/run_facts.h"
+#include "eval/surface_model.h"
 #include "image/image.h"
 #include "mesh/mesh_facts.h"
 #include "scene/scene.h"
@@ -24,13 +25,14 @@ struct SurfaceResult {
   std::optional<SurfaceScores> scores;  // with a ground-truth mesh
   std::optional<Alignment> alignment;   // with true cameras
   std::vector<Image> color_pictures, clay_pictures;
+  SurfaceModel model;  // for the report's 3-D scene
 };
 
 // Reads the mesh of the surface stage and takes its coordinates from the stage's manifest. Draws
 // previews if the run's scene is known, and compares the mesh with the input "ground-truth" of
 // `stage` if there is one. Throws DataError.
 SurfaceResult EvaluateSurface(const EvaluateOptions& options, const std::optional<Scene>& scene,
-                              const StageFacts& surface_stage, const Stage& stage,
+                              const StageFacts& surface_stage, Stage& stage,
                               std::vector<std::string>& warnings);
 
 // The object "surface" of metrics.json.
