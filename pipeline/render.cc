@@ -1,18 +1,20 @@
-// tetrec-render: images of a finished field, with the ground truth beside them.
+// tetrec-render: images of a finished field, with the ground truth beside them, or a video.
 #include "command/help.h"
 #include "command/stage_command.h"
 #include "command/word_option.h"
 #include "core/stage.h"
-#include "render/render_views.h"
+#include "render/render_path.h"
 #include "renderer_options.h"
 
 int main(int argc, char** argv) {
   tetrec::RenderViewsOptions options;
+  tetrec::RenderPathOptions path;
   tetrec::StageCommand command(
       "render", 3,
       "Renders views of a fitted field: writes images and depth maps with the ground truth beside "
-      "them, and views.json.\n"
-      "Example: tetrec-render RUN/3_field -o RUN/4_views");
+      "them, and views.json. With --path it writes a video of a moving camera instead.\n"
+      "Examples: tetrec-render RUN/3_field -o RUN/4_views\n"
+      "          tetrec-render RUN/3_field -o RUN/video --path orbit");
   command.InputStage("FIELD", "Folder that tetrec-optimize wrote", {"optimize"});
   CLI::App& app = command.app();
   app.add_option("--views", options.views, "Views to render: heldout, train or all")
@@ -22,13 +24,38 @@ int main(int argc, char** argv) {
   app.add_option("--background", options.background,
                  "Background of images with alpha: scene (as imported), white or black")
       ->check(CLI::IsMember({"scene", "white", "black"}));
-  tetrec::AddWordOption(app, "--refine-cameras", options.refine_cameras,
-                        "Also render each view from a camera whose pose is fitted to the true "
-                        "image, as a second number: auto (if the training cameras were corrected), "
-                        "on or off");
+  CLI::Option* refine = tetrec::AddWordOption(
+      app, "--refine-cameras", options.refine_cameras,
+      "Also render each view from a camera whose pose is fitted to the true "
+      "image, as a second number: auto (if the training cameras were corrected), "
+      "on or off");
+  CLI::Option* along = tetrec::AddWordOption(
+      app, "--path", path.path,
+      "Write video.mp4 instead, of a camera that moves: none, orbit (once around the subject) or "
+      "cameras (through the cameras that --views selects)");
+  along->excludes(refine);
+  CLI::Option* seconds =
+      app.add_option("--seconds", path.seconds, "Length of the video [s]")->needs(along);
+  app.add_option("--frames", path.frames, "Number of frames, instead of --seconds")
+      ->needs(along)
+      ->excludes(seconds);
+  app.add_option("--fps", path.fps, "Frames per second")->needs(along);
+  app.add_option("--size", path.size, "Longer side of the video [pixels]; 0: as the scene's images")
+      ->needs(along);
+  tetrec::GroupOptions(app, "Video", {"--path", "--seconds", "--frames", "--fps", "--size"});
   tetrec::GroupOptions(app, "Views", {"--views", "--samples", "--background", "--refine-cameras"});
   AddRendererOptions(command, options.renderer);
   return command.Run(
-      argc, argv, [&](tetrec::Stage& stage) { RunRenderViews(options, stage); },
-      [&] { options.renderer.Check(); });
+      argc, argv,
+      [&](tetrec::Stage& stage) {
+        if (path.path == tetrec::CameraPath::kNone) {
+          RunRenderViews(options, stage);
+        } else {
+          RunRenderPath(path, options, stage);
+        }
+      },
+      [&] {
+        options.renderer.Check();
+        path.Check();
+      });
 }

@@ -29,6 +29,7 @@ libboost-dev                start: minimum cuts
 libcgal-dev                 mesh: Delaunay tetrahedralization
 libopenmesh-dev             surface: clean-up
 libnanoflann-dev            eval: nearest points
+libjs-three                 eval: the report's 3-D scene
 libvulkan-dev               gpu: headers and loader
 mesa-vulkan-drivers         gpu: lavapipe, a Vulkan device for machines without a GPU
 glslang-tools               shaders: GLSL to SPIR-V
@@ -41,12 +42,15 @@ libeigen3-dev               eval: alignment; required by Ceres and CGAL
 libbenchmark-dev            benchmarks
 assimp-utils                tests: reads exported surfaces
 python3-meshio              tests: reads exported fields
+chromium-driver             tests: opens the report in a browser
+python3-selenium            tests: opens the report in a browser
 clang                       tests: fuzz targets
 libclang-rt-14-dev          tests: the fuzzer's runtime library
 clang-format                tests: format check
 colmap                      tetrec-sfm runs it
 tetgen                      tetrec-tetrahedralize --start tetgen runs it
 gnuplot-nox                 tetrec-chart runs it
+ffmpeg                      tetrec-render --path runs it
 LIST
 }
 

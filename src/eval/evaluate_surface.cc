@@ -7,6 +7,7 @@
 #include "core/progress.h"
 #include "eval/mesh_preview.h"
 #include "eval/metrics_json.h"
+#include "eval/up_direction.h"
 #include "geometry/checked_geometry.h"
 
 #include <fmt/format.h>
@@ -55,17 +56,6 @@ Similarity3 InputFromSurface(const StageFacts& surface) {
   if (!manifest.Has("notes") || !manifest.Field("notes").Has("input_from_surface")) return {};
   constexpr double kRotationTolerance = 1e-5;  // as of the scene and the world that it comes from
   return ReadSimilarity(manifest.Field("notes").Field("input_from_surface"), kRotationTolerance);
-}
-
-// The mean direction from the bottom to the top of the images.
-glm::dvec3 UpInWorld(const Scene& scene) {
-  glm::dvec3 up(0.0);
-  for (const View& view : scene.views) {
-    up += glm::transpose(view.cam_from_world.rotation) * glm::dvec3(0, -1, 0);
-  }
-  // Cameras turned in all directions, also upside down, have no common up; use z then.
-  const double length = glm::length(up);
-  return length > 0.05 * double(scene.views.size()) ? up / length : glm::dvec3(0, 0, 1);
 }
 
 void DrawPreviews(const TriangleMesh& mesh, const Scene& scene, SurfaceResult& result) {
@@ -218,7 +208,7 @@ json SurfaceJson(const SurfaceResult& surface, const EvaluateOptions& options) {
 
 SurfaceResult EvaluateSurface(const EvaluateOptions& options, const std::optional<Scene>& scene,
                               const RenderedViews& rendered, const StageFacts& surface_stage,
-                              const Stage& stage, std::vector<std::string>& warnings) {
+                              Stage& stage, std::vector<std::string>& warnings) {
   SurfaceResult result;
   result.file = SurfaceFile(surface_stage);
   const TriangleMesh mesh = ReadTriangleMesh(surface_stage.folder / result.file);
@@ -235,6 +225,8 @@ SurfaceResult EvaluateSurface(const EvaluateOptions& options, const std::optiona
     DrawPreviews(in_world, *scene, result);
     ScorePictures(in_world, TextureOf(surface_stage, mesh), *scene, rendered, result);
   }
+  result.model =
+      MakeSurfaceModel(surface_stage, mesh, input_from_surface, stage.Scratch("surface"));
   if (stage.HasInput("ground-truth")) {
     CompareWithTruth(mesh, input_from_surface, scene, options, stage, result, warnings);
   }

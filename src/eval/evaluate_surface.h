@@ -6,6 +6,7 @@
 #include "eval/evaluate.h"
 #include "eval/mesh_metrics.h"
 #include "eval/run_facts.h"
+#include "eval/surface_model.h"
 #include "eval/surface_pictures.h"
 #include "image/image.h"
 #include "mesh/mesh_facts.h"
@@ -26,6 +27,7 @@ struct SurfaceResult {
   std::optional<Alignment> alignment;       // with true cameras
   std::optional<SurfacePictures> pictures;  // with the run's scene
   std::vector<Image> color_pictures, clay_pictures;
+  SurfaceModel model;  // for the report's 3-D scene
 };
 
 // Reads the mesh of the surface stage and takes its coordinates from the stage's manifest. Draws
@@ -33,7 +35,7 @@ struct SurfaceResult {
 // compares the mesh with the input "ground-truth" of `stage` if there is one. Throws DataError.
 SurfaceResult EvaluateSurface(const EvaluateOptions& options, const std::optional<Scene>& scene,
                               const RenderedViews& rendered, const StageFacts& surface_stage,
-                              const Stage& stage, std::vector<std::string>& warnings);
+                              Stage& stage, std::vector<std::string>& warnings);
 
 // The object "surface" of metrics.json.
 nlohmann::json SurfaceJson(const SurfaceResult& surface, const EvaluateOptions& options);

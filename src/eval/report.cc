@@ -4,6 +4,7 @@
 #include "core/progress.h"
 #include "eval/html.h"
 #include "eval/image_metrics.h"
+#include "eval/report_scene.h"
 #include "eval/report_style.h"
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kViewBytes = size_t{9} << 20;  // of the page's 15 MB
+constexpr size_t kPageBytes = 14'000'000;  // views stop here; the last one may need some more
 constexpr size_t kMostViewRows = 1000, kMostExposureRows = 100, kMostCameraRows = 100;
 constexpr double kNeutralDeviation = 0.01;  // of log gain and of offset
 constexpr int kLargePicture_px = 512, kSlider_px = 400, kThumbnail_px = 160;
@@ -408,10 +409,11 @@ std::string Slider(const RenderedView& view) {
       picture(view.truth, "ground truth"), picture(view.render, "render"), E(view.name));
 }
 
-std::string Views(const ReportContent& content) {
+// As many views as fit into `most_bytes`.
+std::string Views(const ReportContent& content, size_t most_bytes) {
   std::string html;
   size_t shown = 0;
-  for (; shown < content.scores.size() && html.size() < kViewBytes; ++shown) {
+  for (; shown < content.scores.size() && html.size() < most_bytes; ++shown) {
     const RenderedView& view = content.rendered.views[shown];
     const ViewScore& score = content.scores[shown];
     const auto thumbnail = [&](const Image& image, const char* what) {
@@ -641,20 +643,28 @@ std::string Commands(const RunFacts& run) {
 }  // namespace
 
 std::string MakeReport(const ReportContent& content) {
-  return fmt::format(
-             "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-             "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
-             "img-src data:; style-src 'unsafe-inline'; script-src {}\">"
-             "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
-             "<title>Tetrec report: {}</title><style>{}</style></head><body><main>",
-             ScriptSource(kReportScript), E(content.dataset), kReportStyle) +
-         Header(content) + Cards(content) + Comparison(content) + KeyNumbers(content) +
-         ViewScores(content) + Exposures(content) + Cameras(content) + Convergence(content) +
-         Growth(content) + Surface(content) + Views(content) + Stages(content.run) +
-         Warnings(content) + Commands(content.run) +
-         "<footer>Written by tetrec-evaluate. Colours are display sRGB throughout.</footer>"
-         "</main><script>" +
-         kReportScript + "</script></body></html>\n";
+  const std::string scene =
+      SceneSection(content.scene, content.surface ? &content.surface->model : nullptr);
+  const std::string script = (scene.empty() ? "" : SceneScript()) + kReportScript;
+  // blob: is where three.js puts a surface's texture.
+  const std::string head = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
+      "img-src data: blob:; style-src 'unsafe-inline'; script-src {}\">"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
+      "<title>Tetrec report: {}</title><style>{}</style></head><body><main>",
+      ScriptSource(script), E(content.dataset), kReportStyle);
+  const std::string before = head + Header(content) + Cards(content) + scene + Comparison(content) +
+                             KeyNumbers(content) + ViewScores(content) + Exposures(content) +
+                             Cameras(content) + Convergence(content) + Growth(content) +
+                             Surface(content);
+  const std::string after =
+      Stages(content.run) + Warnings(content) + Commands(content.run) +
+      "<footer>Written by tetrec-evaluate. Colours are display sRGB throughout.</footer>"
+      "</main><script>" +
+      script + "</script></body></html>\n";
+  const size_t others = before.size() + after.size();
+  return before + Views(content, others < kPageBytes ? kPageBytes - others : 1) + after;
 }
 
 }  // namespace tetrec

@@ -48,9 +48,9 @@ struct ReportContent {
   std::vector<std::string> warnings;
 };
 
-// The page loads nothing and runs only its own script, which moves the sliders (a content security
-// policy forbids the rest); every text is escaped. It stays below 15 MB: views stop when they fill
-// 9 MiB, and the page states how many of them are shown.
+// The page loads nothing and runs only its own script, which moves the sliders and draws the 3-D
+// scene (a content security policy forbids the rest); every text is escaped. It stays below 15 MB:
+// views stop when they fill what all else leaves, and the page states how many of them are shown.
 std::string MakeReport(const ReportContent& content);
 
 }  // namespace tetrec

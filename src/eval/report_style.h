@@ -58,9 +58,20 @@ img{display:block;width:100%;height:auto;border-radius:4px;background:var(--card
 @media (prefers-color-scheme:dark){.plot{background:#171717}.plot img{background:#fff;filter:invert(.91) hue-rotate(180deg)}}
 pre{background:var(--card);border:1px solid var(--line);border-radius:8px;padding:12px 14px;font-size:.82rem;line-height:1.55;white-space:pre-wrap;overflow-wrap:anywhere}
 .warnings{background:var(--warnpaper);color:var(--warn);border-radius:8px;padding:10px 14px 10px 32px;margin:0;font-size:.9rem;overflow-wrap:anywhere}
+.scene{background:var(--card);border:1px solid var(--line);border-radius:8px;overflow:hidden;position:relative}
+.scene canvas{display:block;width:100%;height:min(60vh,560px,95vw);min-height:260px;cursor:grab;touch-action:none}
+.scene canvas[hidden]{display:none}
+.scene canvas:focus-visible{outline:3px solid var(--accent);outline-offset:-3px}
+.scene [role=status]{position:absolute;top:0;left:0;margin:12px 14px;color:var(--soft)}
+.scene [role=status]:empty{display:none}
+.scene[data-state=failed] [role=status]{position:static}
+.scene[data-state=failed] .controls{display:none}
+.controls{display:flex;flex-wrap:wrap;gap:.5rem 1.2rem;align-items:center;padding:10px 14px;border-top:1px solid var(--line);font-size:.9rem}
+.controls select,.controls button{font:inherit;color:var(--ink);background:var(--paper);border:1px solid var(--line);border-radius:5px;padding:.15rem .4rem;max-width:12rem}
+.controls input{accent-color:var(--accent)}
 footer{margin-top:3rem;color:var(--soft);font-size:.82rem}
 @media (max-width:640px){main{padding:18px 14px 40px}h1{font-size:1.4rem}.trio{grid-template-columns:1fr}.strip{grid-template-columns:repeat(3,1fr)}.thumbs{grid-template-columns:1fr}th,td{padding-right:.5rem;overflow-wrap:anywhere}td.n,th.n{white-space:normal}table{font-size:.82rem}}
-@media print{:root{--ink:#000;--soft:#444;--line:#bbb;--paper:#fff;--card:#fff;--accent:#000;--warn:#000;--warnpaper:#fff}main{max-width:none;padding:0}body{font-size:11pt}figure,.card,tr{break-inside:avoid}h2,h3{break-after:avoid}.trio{grid-template-columns:repeat(3,1fr)}}
+@media print{.scene,.scene+.note{display:none}:root{--ink:#000;--soft:#444;--line:#bbb;--paper:#fff;--card:#fff;--accent:#000;--warn:#000;--warnpaper:#fff}main{max-width:none;padding:0}body{font-size:11pt}figure,.card,tr{break-inside:avoid}h2,h3{break-after:avoid}.trio{grid-template-columns:repeat(3,1fr)}}
 )css";
 
 }  // namespace tetrec

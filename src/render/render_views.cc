@@ -30,14 +30,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<int> ChooseViews(const Scene& scene, const std::string& choice) {
-  if (choice == "train") return scene.ViewsOf(Split::kTrain);
-  if (choice == "heldout") return scene.HeldOutViews();
-  std::vector<int> all(scene.views.size());
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
-
 // One file for each view of the scene, the same whichever of them are rendered.
 std::vector<std::string> FileNamesOf(const Scene& scene) {
   std::vector<std::string> names;
@@ -101,14 +93,25 @@ void RenderRefined(Renderer& renderer, const RenderViewsOptions& options, const 
 
 }  // namespace
 
+std::vector<int> ChooseViews(const Scene& scene, const std::string& choice) {
+  if (choice == "train") return scene.ViewsOf(Split::kTrain);
+  if (choice == "heldout") return scene.HeldOutViews();
+  std::vector<int> all(scene.views.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+Background ChooseBackground(const Scene& scene, const std::string& choice) {
+  if (choice == "white") return Background::kWhite;
+  return choice == "black" ? Background::kBlack : scene.background;
+}
+
 void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   const fs::path field_folder = stage.Input("FIELD");
   const fs::path scene_folder = PreviousStage(field_folder, {"sfm", "import"});
   const Scene scene = ReadScene(scene_folder);
   const RadianceField field = ReadField(field_folder / "field.tetf");
-  const Background background = options.background == "white"   ? Background::kWhite
-                                : options.background == "black" ? Background::kBlack
-                                                                : scene.background;
+  const Background background = ChooseBackground(scene, options.background);
   const std::vector<int> views = ChooseViews(scene, options.views);
   if (views.empty()) {
     throw DataError(fmt::format("{}: the scene has no {} views; choose all views",

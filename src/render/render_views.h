@@ -4,8 +4,10 @@
 #include "core/stage.h"
 #include "core/words.h"
 #include "render/renderer.h"
+#include "scene/scene.h"
 
 #include <string>
+#include <vector>
 
 namespace tetrec {
 
@@ -26,6 +28,10 @@ struct RenderViewsOptions {
   RefineCameras refine_cameras = RefineCameras::kAuto;
   RendererOptions renderer;
 };
+
+// The views and the background that these options mean.
+std::vector<int> ChooseViews(const Scene& scene, const std::string& choice);
+Background ChooseBackground(const Scene& scene, const std::string& choice);
 
 // Writes renders/NAME.png, depth/NAME.exr (Renderer::RenderDepth, in world units), gt/NAME.png
 // (over the same background), masks/NAME.png if the scene has alpha or seen/NAME.png if it has
