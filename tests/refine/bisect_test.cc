@@ -18,17 +18,7 @@ RefineOptions BisectOptions(double growth = 2.0) {
 }
 
 TEST(BisectTets, KeepsMeshAndFieldSoundInManyRandomCases) {
-  for (uint64_t seed = 0; seed < 12; ++seed) {
-    SCOPED_TRACE(seed);
-    const TetMesh mesh = seed % 3 ? JitteredBox(4, seed) : GridBox(5);
-    const FieldStorage storage = seed % 4 == 3 ? FieldStorage::kCell : FieldStorage::kVertex;
-    const FieldState state = RandomState(mesh, storage, seed);
-    const RefineResult result = Refine(mesh, state, RandomScores(mesh, seed), BisectOptions(3.0));
-    EXPECT_EQ(result.mesh.positions.size(), mesh.positions.size() + result.split_edges);
-    EXPECT_GE(result.mesh.positions.size(), 2 * mesh.positions.size());
-    ExpectSoundBox(result.mesh);
-    ExpectSameField(mesh, state, result.mesh, result.state);
-  }
+  ExpectSoundSplitsInManyRandomCases([](uint64_t) { return BisectOptions(); });
 }
 
 TEST(BisectTets, BisectsTheWorstTetAndFewOthers) {

@@ -126,4 +126,28 @@ inline void ExpectSameField(const TetMesh& before, const FieldState& state_befor
   }
 }
 
+// Refines random fields on regular and random boxes, vertex by vertex and cell by cell, up to three
+// times their vertices. `options_of(seed)`: RefineOptions. Every result is sound, shows the same
+// field and has at least twice the vertices, one more per edge that was split. Returns how many
+// splits were refused.
+template <class OptionsOf>
+uint64_t ExpectSoundSplitsInManyRandomCases(const OptionsOf& options_of) {
+  uint64_t refused = 0;
+  for (uint64_t seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(seed);
+    const TetMesh mesh = seed % 3 ? JitteredBox(4, seed) : GridBox(5);
+    const FieldStorage storage = seed % 4 == 3 ? FieldStorage::kCell : FieldStorage::kVertex;
+    const FieldState state = RandomState(mesh, storage, seed);
+    RefineOptions options = options_of(seed);
+    options.growth = 3.0;
+    const RefineResult result = Refine(mesh, state, RandomScores(mesh, seed), options);
+    EXPECT_EQ(result.mesh.positions.size(), mesh.positions.size() + result.split_edges);
+    EXPECT_GE(result.mesh.positions.size(), 2 * mesh.positions.size());
+    ExpectSoundBox(result.mesh);
+    ExpectSameField(mesh, state, result.mesh, result.state);
+    refused += result.refused;
+  }
+  return refused;
+}
+
 }  // namespace tetrec
