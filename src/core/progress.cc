@@ -54,21 +54,7 @@ void Progress::Update(double done, const std::string& detail) {
   const bool log = finished || Since(last_log_) >= kLogInterval_s;
   if (!show && !log) return;
 
-  const double elapsed_s = Since(start_);
-  const double percent = total_ > 0 ? 100 * done / total_ : 0;
-  std::string line = title_ + " ";
-  if (total_ == kShare) {
-    line += fmt::format("{:.0f} %", percent);
-  } else {
-    line += ShownNumber(done);
-    if (total_ > 0) line += fmt::format("/{} ({:.0f} %)", ShownNumber(total_), percent);
-  }
-  line += "  " + AsDuration(elapsed_s);
-  if (percent >= kLeastPercent && elapsed_s >= kLeastTime_s && !finished) {
-    line += ", " + AsDuration(elapsed_s * (total_ - done) / done) + " left";
-  }
-  if (!detail.empty()) line += "  " + detail;
-
+  const std::string line = ProgressLine(title_, done, total_, Since(start_), detail);
   if (show) {
     SetStatusLine(line.substr(0, TerminalWidth() - 1));
     line_open_ = true;
@@ -78,6 +64,25 @@ void Progress::Update(double done, const std::string& detail) {
     terminal_ && !finished ? LogToFileOnly(line) : LogLine(LogLevel::kInfo, line);
     last_log_ = Clock::now();
   }
+}
+
+std::string ProgressLine(const std::string& title, double done, double total, double elapsed_s,
+                         const std::string& detail) {
+  const bool finished = total > 0 && done >= total;
+  const double percent = total > 0 ? 100 * done / total : 0;
+  std::string line = title + " ";
+  if (total == Progress::kShare) {
+    line += fmt::format("{:.0f} %", percent);
+  } else {
+    line += ShownNumber(done);
+    if (total > 0) line += fmt::format("/{} ({:.0f} %)", ShownNumber(total), percent);
+  }
+  line += "  " + AsDuration(elapsed_s);
+  if (percent >= kLeastPercent && elapsed_s >= kLeastTime_s && !finished) {
+    line += ", " + AsDuration(elapsed_s * (total - done) / done) + " left";
+  }
+  if (!detail.empty()) line += "  " + detail;
+  return line;
 }
 
 std::string WithThousands(uint64_t value) {

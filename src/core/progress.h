@@ -26,6 +26,10 @@ class Progress {
   std::chrono::steady_clock::time_point start_, last_, last_log_;
 };
 
+// The line of Progress: what is done after `elapsed_s`, and the time left once that can be known:
+// after a second and half a percent.
+std::string ProgressLine(const std::string& title, double done, double total, double elapsed_s,
+                         const std::string& detail);
 // "1,234,567"
 std::string WithThousands(uint64_t value);
 // "1:05", "2:03:10"

@@ -99,6 +99,18 @@ TEST(ParallelForEachDeathTest, StartsNothingAfterARequestToStopAndStatesWhatIsKe
   EXPECT_EXIT(stopped(), testing::ExitedWithCode(7), "the pages are kept early");
 }
 
+TEST(Progress, TheTimeLeftIsShownOnceItCanBeKnown) {
+  EXPECT_EQ(ProgressLine("render", 0, 7, 0, ""), "render 0/7 (0 %)  0:00");
+  EXPECT_EQ(ProgressLine("render", 1, 7, 0.5, ""), "render 1/7 (14 %)  0:01") << "too early";
+  EXPECT_EQ(ProgressLine("pairs", 4, 1000, 60, ""), "pairs 4/1,000 (0 %)  1:00") << "too little";
+  EXPECT_EQ(ProgressLine("pairs", 250, 1000, 60, "x"),
+            "pairs 250/1,000 (25 %)  1:00, 3:00 left  x");
+  EXPECT_EQ(ProgressLine("pairs", 1000, 1000, 60, ""), "pairs 1,000/1,000 (100 %)  1:00");
+  EXPECT_EQ(ProgressLine("optimise", 0.25, Progress::kShare, 30, "loss 0.1"),
+            "optimise 25 %  0:30, 1:30 left  loss 0.1");
+  EXPECT_EQ(ProgressLine("steps", 12345, 0, 90, ""), "steps 12,345  1:30") << "no end is known";
+}
+
 TEST(Progress, NumbersAndTimesAreReadable) {
   EXPECT_EQ(WithThousands(0), "0");
   EXPECT_EQ(WithThousands(999), "999");
