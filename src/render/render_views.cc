@@ -87,13 +87,25 @@ void RenderRefined(Renderer& renderer, const RenderViewsOptions& options, const 
   entry.refined_shift_px = ShiftOf(view, fit);
 }
 
+// Checks the rays, and accepts what moves by the article's method may have left.
+RendererOptions RendererFor(const TetMesh& mesh, const RendererOptions& options, Stage& stage) {
+  RendererOptions result = CheckingRays(options);
+  const uint64_t degenerate = CountDegenerateTets(mesh);
+  stage.Count("degenerate_tets", degenerate);
+  if (degenerate == 0) return result;
+  LogWarning("{} of {} tets are inside out or flat: the images show parts of space twice or not",
+             WithThousands(degenerate), WithThousands(mesh.tets.size()));
+  result.AcceptInvertedTets();
+  return result;
+}
+
 }  // namespace
 
 void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   const fs::path field_folder = stage.Input("FIELD");
   const fs::path scene_folder = PreviousStage(field_folder, {"sfm", "import"});
   const Scene scene = ReadScene(scene_folder);
-  const RadianceField field = ReadField(field_folder / "field.tetf");
+  const RadianceField field = ReadField(field_folder / "field.tetf", Orientations::kAny);
   const Background background = options.background == "white"   ? Background::kWhite
                                 : options.background == "black" ? Background::kBlack
                                                                 : scene.background;
@@ -102,7 +114,8 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
     throw DataError(fmt::format("{}: the scene has no {} views; choose all views",
                                 scene_folder.string(), options.views));
   }
-  const std::unique_ptr<TrainingRenderer> renderer = CreateRenderer(CheckingRays(options.renderer));
+  const std::unique_ptr<TrainingRenderer> renderer =
+      CreateRenderer(RendererFor(field.mesh, options.renderer, stage));
   stage.Device(renderer->DescribeDevice());
   renderer->SetField(field);
   for (const char* folder : {"renders", "depth", "gt"})
