@@ -6,7 +6,6 @@
 #include "core/manifest.h"
 #include "core/timer.h"
 #include "field/radiance_field.h"
-#include "geometry/orientation.h"
 #include "image/psnr.h"
 #include "run/rendered_views.h"
 
@@ -67,27 +66,13 @@ void TakeManifest(const fs::path& folder, ChainResult& result) {
   }
 }
 
-uint64_t CountDegenerate(const TetMesh& mesh) {
-  const auto& p = mesh.positions;
-  return uint64_t(std::ranges::count_if(mesh.tets, [&](const glm::uvec4& tet) {
-    return Orientation(p[tet[0]], p[tet[1]], p[tet[2]], p[tet[3]]) <= 0;
-  }));
-}
-
-// The article's motion may leave a mesh that readers refuse: then the manifest has the numbers.
-void MeasureField(const fs::path& folder, ChainResult& result) {
-  const json counts = ReadManifestOrStatus(folder / kManifestFile).value("counts", json::object());
-  result.tets = counts.value("tets", uint64_t{0});
-  result.vertices = counts.value("vertices", uint64_t{0});
-  try {
-    const TetMesh mesh = ReadField(folder / "field.tetf").mesh;
-    result.min_radius_ratio = MeasureQuality(mesh).min_radius_ratio;
-    result.degenerate_tets = CountDegenerate(mesh);
-  } catch (const DataError& error) {
-    result.min_radius_ratio = counts.value("min_radius_ratio", 0.0);
-    result.degenerate_tets = counts.value("degenerate_tets", uint64_t{1});
-    result.said = error.what();
-  }
+// The article's motion may leave tets inside out.
+void MeasureField(const fs::path& path, ChainResult& result) {
+  const TetMesh mesh = ReadField(path, Orientations::kAny).mesh;
+  result.tets = mesh.tets.size();
+  result.vertices = mesh.positions.size();
+  result.min_radius_ratio = MeasureQuality(mesh).min_radius_ratio;
+  result.degenerate_tets = CountDegenerateTets(mesh);
 }
 
 void MeasureViews(const fs::path& path, ChainResult& result) {
@@ -126,7 +111,7 @@ ChainResult RunChain(const ChainRequest& request) {
   const fs::path field = request.folder / "3_field", views = request.folder / "4_views";
   if (!RunStageOf(request, "optimize", tetrahedra, field, request.optimize, result)) return result;
   TakeManifest(field, result);
-  MeasureField(field, result);
+  MeasureField(field / "field.tetf", result);
   if (!RunStageOf(request, "render", field, views, {"--refine-cameras", "off"}, result)) {
     return result;
   }

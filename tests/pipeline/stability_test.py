@@ -32,8 +32,6 @@ class StabilityTest(StageCase):
 
     def test_the_short_sweep_draws_where_the_article_breaks_and_we_hold(self):
         out = self.folder / "sweep"
-        if "--move" not in self.run_stage("optimize", "--help").stdout:
-            self.skipTest("tetrec-optimize does not have the article's motion (--move)")
         self.assert_done(self.run_stage("stability", "-o", out, "--sweep", "--short"))
         runs = json.loads((out / "sweep.json").read_text())["runs"]
         safe = [run for run in runs if run["method"] == "safe motion"]
