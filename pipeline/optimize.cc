@@ -42,7 +42,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
          "asinh(value / scale)")
       ->check(tetrec::AboveZero());
   app.add_option("--position-rate", options.position_rate,
-                 "Initial learning rate of positions, as a share of the edges of a vertex")
+                 "Initial learning rate of positions: as a share of the edges of a vertex (default "
+                 "0.1) or, with --move article, of the subject's longest side (default 2e-5)")
       ->check(tetrec::AboveZero());
   app.add_option("--quality-weight", options.quality.strength,
                  "Weight of the regulariser that keeps moving vertices from flattening tets "
@@ -90,8 +91,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                         "Small corrections of the training cameras, kept if the judging pictures "
                         "gain by them: auto (where cameras were estimated from photos), on or off");
   tetrec::AddWordOption(
-      app, "--positions", options.positions,
-      "Whether vertices move: auto (if the judging pictures gain by it), on or off");
+      app, "--move", options.move,
+      "How vertices move: safe (no tet turns inside out), auto (safe, unless the judging pictures "
+      "lose by it), article (by Adam on each coordinate in every second epoch, as in the DiffTetVR "
+      "article; may break the mesh) or off");
   tetrec::AddWordOption(
       app, "--sh", options.harmonics,
       "Degree of spherical harmonics by which colours depend on the view: 0 (they do not) to 3, or "
@@ -153,9 +156,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
       {"--color-rate", "--sh-rate", "--density-rate", "--position-rate", "--final-rate-share"});
   GroupOptions(app, "Photos and cameras", {"--exposure", "--poses"});
   GroupOptions(app, "Mesh",
-               {"--positions", "--quality-weight", "--quality-sharpness", "--rounds",
-                "--last-round", "--max-vertices", "--refine", "--score", "--prism-diagonals",
-                "--split-share", "--score-rays"});
+               {"--move", "--quality-weight", "--quality-sharpness", "--rounds", "--last-round",
+                "--max-vertices", "--refine", "--score", "--prism-diagonals", "--split-share",
+                "--score-rays"});
   AddRendererOptions(command, options.renderer);
 }
 

@@ -91,7 +91,8 @@ std::string Curve(const PlotSeries& series, size_t index) {
                      series.x.size() == 1 ? 1.2 : 0.5, Quoted(series.legend));
 }
 
-// 1, 2 and 5 times the powers of ten around the data: gnuplot labels only the powers.
+// 1, 2 and 5 times the powers of ten around the data: gnuplot labels only the powers. Over more
+// than three decades the powers are enough.
 std::string LogTics(const Plot& plot) {
   double low = std::numeric_limits<double>::infinity(), high = 0;
   for (const PlotSeries& series : plot.series) {
@@ -106,7 +107,9 @@ std::string LogTics(const Plot& plot) {
   const int first = std::max(int(std::floor(std::log10(low))), last - kMostDecades);
   std::vector<std::string> tics;
   for (int power = first; power < last; ++power) {
-    for (const int factor : {1, 2, 5}) tics.push_back(fmt::format("{}e{}", factor, power));
+    for (const int factor : {1, 2, 5}) {
+      if (factor == 1 || last - first <= 3) tics.push_back(fmt::format("{}e{}", factor, power));
+    }
   }
   tics.push_back(fmt::format("1e{}", last));
   return fmt::format("{}", fmt::join(tics, ", "));
@@ -125,7 +128,7 @@ std::string Script(const Plot& plot, const std::vector<std::string>& curves, boo
   line("set key outside top center horizontal noenhanced textcolor rgb '#333333'");
   line("set title " + TitleInLines(plot) + " noenhanced textcolor rgb '#222222'");
   line("set xlabel " + Quoted(plot.x_label) + "\nset ylabel " + Quoted(plot.y_label));
-  if (plot.log_x) line("set logscale x\nset xtics (" + LogTics(plot) + ")");
+  if (plot.log_x) line("set logscale x\nset format x '%g'\nset xtics (" + LogTics(plot) + ")");
   if (plot.log_y) line("set logscale y\nset format y '%.0e'");
   const bool second = std::any_of(plot.series.begin(), plot.series.end(),
                                   [](const PlotSeries& s) { return s.on_second_axis; });

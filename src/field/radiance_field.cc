@@ -123,17 +123,18 @@ void WriteField(const std::filesystem::path& path, const RadianceField& field) {
   WritePieces(path, pieces);
 }
 
-RadianceField ReadField(const std::filesystem::path& path) {
-  return ParseField(ReadBytes(path), path.string());
+RadianceField ReadField(const std::filesystem::path& path, Orientations expected) {
+  return ParseField(ReadBytes(path), path.string(), expected);
 }
 
-RadianceField ParseField(std::span<const uint8_t> bytes, const std::string& name) {
+RadianceField ParseField(std::span<const uint8_t> bytes, const std::string& name,
+                         Orientations expected) {
   ByteReader reader(bytes, name);
   RadianceField field;
   if (StartsWith(bytes, "TETRECF3")) {
     ExpectMagic(reader, "TETRECF3", "radiance field");
     const FieldLayout layout = TakeLayout(reader);
-    field = MakeField(TakeTetMesh(reader), layout, {});
+    field = MakeField(TakeTetMesh(reader, expected), layout, {});
     const size_t count = RowCount(field);
     field.color_srgb = reader.ReadArray<glm::vec3>(count, "colours");
     field.density = reader.ReadArray<float>(count, "densities");
@@ -149,7 +150,7 @@ RadianceField ParseField(std::span<const uint8_t> bytes, const std::string& name
     } else {
       ExpectMagic(reader, "TETRECF1", "radiance field");
     }
-    field.mesh = TakeTetMesh(reader);
+    field.mesh = TakeTetMesh(reader, expected);
     const size_t count = RowCount(field);
     field.density = reader.ReadArray<float>(count, "densities");
     field.color_srgb = reader.ReadArray<glm::vec3>(count, "colours");

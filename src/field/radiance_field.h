@@ -52,7 +52,9 @@ void CheckField(const RadianceField& field);
 // f32 x 3 T. Any other: "TETRECF3", its layout (AppendLayout), the mesh, and each attribute of the
 // layout in turn, f32 x rows x components.
 void WriteField(const std::filesystem::path& path, const RadianceField& field);
-RadianceField ReadField(const std::filesystem::path& path);
-RadianceField ParseField(std::span<const uint8_t> bytes, const std::string& name);
+RadianceField ReadField(const std::filesystem::path& path,
+                        Orientations expected = Orientations::kPositive);
+RadianceField ParseField(std::span<const uint8_t> bytes, const std::string& name,
+                         Orientations expected = Orientations::kPositive);
 
 }  // namespace tetrec

@@ -36,7 +36,7 @@ std::array<std::span<const uint8_t>, 3> TetMeshArrays(const TetMesh& mesh) {
   return {BytesOf(mesh.positions), BytesOf(mesh.tets), BytesOf(mesh.neighbors)};
 }
 
-TetMesh TakeTetMesh(ByteReader& reader) {
+TetMesh TakeTetMesh(ByteReader& reader, Orientations expected) {
   ExpectMagic(reader, "TETRECM1", "tet mesh");
   const auto vertex_count = reader.Read<uint64_t>("the number of vertices");
   const auto tet_count = reader.Read<uint64_t>("the number of tets");
@@ -45,7 +45,7 @@ TetMesh TakeTetMesh(ByteReader& reader) {
   mesh.tets = reader.ReadArray<glm::uvec4>(tet_count, "tets");
   mesh.neighbors = reader.ReadArray<glm::uvec4>(tet_count, "neighbours");
   try {
-    CheckTetMesh(mesh);
+    CheckTetMesh(mesh, expected);
   } catch (const DataError& error) {
     throw DataError(fmt::format("{}: {}", reader.name(), error.what()));
   }

@@ -16,7 +16,7 @@ void AppendTetMeshHead(ByteWriter& writer, const TetMesh& mesh);
 std::array<std::span<const uint8_t>, 3> TetMeshArrays(const TetMesh& mesh);
 
 // Reads these contents back and runs CheckTetMesh. Throws DataError that names the reader's file.
-TetMesh TakeTetMesh(ByteReader& reader);
+TetMesh TakeTetMesh(ByteReader& reader, Orientations expected = Orientations::kPositive);
 
 // Throws DataError unless the next 8 bytes are `magic`; `kind` is the kind of file expected.
 void ExpectMagic(ByteReader& reader, const char (&magic)[9], const char* kind);

@@ -45,11 +45,15 @@ void CheckSizesAndIds(const TetMesh& mesh) {
   }
 }
 
+int OrientationOf(const TetMesh& mesh, const glm::uvec4& tet) {
+  return Orientation(mesh.positions[tet[0]], mesh.positions[tet[1]], mesh.positions[tet[2]],
+                     mesh.positions[tet[3]]);
+}
+
 void CheckOrientations(const TetMesh& mesh) {
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
     const glm::uvec4 tet = mesh.tets[t];
-    const int sign = Orientation(mesh.positions[tet[0]], mesh.positions[tet[1]],
-                                 mesh.positions[tet[2]], mesh.positions[tet[3]]);
+    const int sign = OrientationOf(mesh, tet);
     if (sign > 0) continue;
     throw DataError(fmt::format("tet {} (vertices {}, {}, {}, {}) is {}: its volume is {:.6g}", t,
                                 tet[0], tet[1], tet[2], tet[3], sign < 0 ? "inverted" : "flat",
@@ -236,16 +240,22 @@ std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_
   return neighbors;
 }
 
-void CheckTets(const TetMesh& mesh) {
+void CheckTets(const TetMesh& mesh, Orientations expected) {
   CheckSizesAndIds(mesh);
-  CheckOrientations(mesh);
+  if (expected == Orientations::kPositive) CheckOrientations(mesh);
   CheckLinks(mesh);
   CheckAllReferenced(mesh);
 }
 
-void CheckTetMesh(const TetMesh& mesh) {
-  CheckTets(mesh);
+void CheckTetMesh(const TetMesh& mesh, Orientations expected) {
+  CheckTets(mesh, expected);
   CheckNoLinkMissing(mesh);
+}
+
+uint64_t CountDegenerateTets(const TetMesh& mesh) {
+  uint64_t count = 0;
+  for (const glm::uvec4& tet : mesh.tets) count += OrientationOf(mesh, tet) <= 0;
+  return count;
 }
 
 void CheckConvexDomain(const TetMesh& mesh) {

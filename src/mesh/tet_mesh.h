@@ -41,14 +41,22 @@ double RadiusRatio(const TetMesh& mesh, const glm::uvec4& tet);
 // Finds neighbours by vertex ids. Throws DataError if more than two tets share a face.
 std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count);
 
+// What a check expects of tets. Only moves by the method of the DiffTetVR article
+// (optimize/article_motion.h) turn tets inside out, and only what reads a fitted field accepts
+// them.
+enum class Orientations { kPositive, kAny };
+
 // Throws DataError that names the first fault: a position that is not finite, an id out of range, a
 // tet that is not positively oriented (exact predicate), an unreferenced vertex, a link that is not
 // symmetric or not over equal faces. Takes linear time, a second for 4 M tets. A face that two tets
 // share without a link is not a fault here but part of the boundary.
-void CheckTets(const TetMesh& mesh);
+void CheckTets(const TetMesh& mesh, Orientations expected = Orientations::kPositive);
 
 // Runs CheckTets and checks that no link is missing. Holes, cavities and several parts are allowed.
-void CheckTetMesh(const TetMesh& mesh);
+void CheckTetMesh(const TetMesh& mesh, Orientations expected = Orientations::kPositive);
+
+// The number of tets that are flat or inside out (exact predicate).
+uint64_t CountDegenerateTets(const TetMesh& mesh);
 
 // For stages that require a convex domain. Throws DataError unless the mesh is connected and its
 // boundary is convex.

@@ -44,7 +44,7 @@ struct Checkpoint {
 // parameters, first moments and second moments, each f32 x rows x their number (FieldState); then
 // f64 share of the rates;
 // of the vertices' motion u64 motions, u64 x 3 counts (MotionCounts) and u64 M, 0 or V, first
-// moments f32 x 3 M, second moments, sizes and room f32 x M each; then
+// and second moments f32 x 3 M each, sizes and room f32 x M each; then
 // u64 exposures E, for each gains and offsets, f64 x 3 each, and for each the sums of its three
 // channels, f64 x 5 each (GainOffsetSums); then u32 sweeps over the cameras, u64 poses P, and for
 // each cam_from_world, f64 x 9 of the rotation by columns and x 3 of the translation, and the

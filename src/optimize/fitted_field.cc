@@ -5,6 +5,8 @@
 #include "mesh/boundary.h"
 #include "render/seen_colors.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -13,6 +15,8 @@ namespace tetrec {
 FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
                          TrainingRenderer& renderer, BatchDrawer& batches)
     : renderer_(renderer), batches_(batches) {
+  const glm::dvec3 size = scene.subject_bounds.Size();
+  subject_size_ = std::max({size.x, size.y, size.z});
   if (options.camera_space == CameraSpace::kEmpty) camera_space_ = FindCameraSpace(scene);
 }
 
@@ -50,6 +54,20 @@ MotionCounts FittedField::MoveVertices(std::span<const glm::vec3> moves) {
   const SafeMotion motion = MoveSafely(mesh(), moves);
   renderer_.MoveVertices(motion.positions);
   return motion.counts;
+}
+
+void FittedField::MoveVerticesFreely(std::span<const glm::vec3> moves) {
+  std::vector<glm::vec3> positions = mesh().positions;
+  for (size_t v = 0; v < positions.size(); ++v) {
+    positions[v] += moves[v];
+    const float sum = positions[v].x + positions[v].y + positions[v].z;
+    if (std::isfinite(sum)) continue;
+    throw DataError(
+        fmt::format("the motion of vertices has diverged: vertex {} is at ({}, {}, {}); force a "
+                    "fresh run with a lower rate of positions, or with safe moves",
+                    v, positions[v].x, positions[v].y, positions[v].z));
+  }
+  renderer_.MoveVertices(positions);
 }
 
 std::vector<float> FittedField::RoomOfVertices() const {

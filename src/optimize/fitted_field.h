@@ -27,6 +27,9 @@ class FittedField {
   void PutState(FieldState state);  // of the same mesh
   // Each by its move or a part of it (MoveSafely).
   MotionCounts MoveVertices(std::span<const glm::vec3> moves);
+  // Each by its move, whatever becomes of the tets. Throws DataError, with the remedy, if a
+  // position is not finite then.
+  void MoveVerticesFreely(std::span<const glm::vec3> moves);
   // (V) How far each vertex may move in all [world units], so that the boundary and what is in the
   // space of the cameras stay, and nothing enters that space.
   std::vector<float> RoomOfVertices() const;
@@ -38,6 +41,7 @@ class FittedField {
   TetMesh TakeMesh() { return renderer_.TakeMesh(); }
 
   const TetMesh& mesh() const { return renderer_.mesh(); }
+  double subject_size() const { return subject_size_; }  // its longest side [world units]
   int harmonics_degree() const { return harmonics_degree_; }
   uint64_t emptied_rows() const { return emptied_rows_; }  // in the space of the cameras
 
@@ -49,6 +53,7 @@ class FittedField {
   TrainingRenderer& renderer_;
   BatchDrawer& batches_;
   std::vector<Capsule> camera_space_;
+  double subject_size_ = 0;
   uint64_t topology_ = 0;
   int harmonics_degree_ = 0;
   FieldStorage storage_ = FieldStorage::kVertex;

@@ -21,7 +21,8 @@ constexpr double kLeastGain = -0.1;  // [dB]
 MotionTrial::MotionTrial(const OptimizeOptions& options, FittedField& field,
                          TrainingPictures& pictures, TrainingSteps& steps, VertexMotion& motion)
     : options_(options), field_(field), pictures_(pictures), steps_(steps), motion_(motion) {
-  if (options.positions == PositionsChoice::kOff) Decide(false);
+  if (options.move == MoveChoice::kOff) Decide(false);
+  if (options.move == MoveChoice::kArticle) Decide(true);
 }
 
 void MotionTrial::Resume(TrialState state) {
@@ -35,7 +36,7 @@ void MotionTrial::Decide(bool moves) {
 
 bool MotionTrial::Advance(double growth, double progress) {
   if (state_ != TrialState::kNotTried || growth < kFirstMotion) return false;
-  if (options_.positions == PositionsChoice::kOn || pictures_.learns_all()) {
+  if (options_.move == MoveChoice::kSafe || pictures_.learns_all()) {
     Decide(true);
     return false;
   }

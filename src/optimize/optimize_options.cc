@@ -36,6 +36,10 @@ void OptimizeOptions::Check() const {
       throw UsageError("prism_diagonals has no effect without refine prism; leave it out");
     }
   }
+  if (move == MoveChoice::kOff && (position_rate || quality.strength > 0)) {
+    throw UsageError(
+        "position_rate and 'quality_weight' have no effect with move off; leave them out");
+  }
   if (!(split_share > 0)) fail("split_share", split_share, "above 0");
   if (rays_per_step < kRaysPerBlock || rays_per_step > 1 << 22) {
     fail("rays", rays_per_step, "8 to 4194304");
@@ -60,6 +64,10 @@ void OptimizeOptions::Check() const {
   }
   if (!(max_density > 0 && max_density <= 1e30))
     fail("max_density", max_density, "a number above 0, at most 1e30");
+}
+
+double PositionRateOf(const OptimizeOptions& options) {
+  return options.position_rate.value_or(options.move == MoveChoice::kArticle ? 2e-5 : 0.1);
 }
 
 RefineScore ScoreOf(const OptimizeOptions& options) {

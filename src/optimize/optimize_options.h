@@ -13,6 +13,7 @@
 #include "render/training_renderer.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace tetrec {
 
@@ -44,17 +45,19 @@ template <>
 inline constexpr auto kWords<FineRaysChoice> = std::to_array<Word<FineRaysChoice>>(
     {{FineRaysChoice::kAuto, "auto"}, {FineRaysChoice::kOn, "on"}, {FineRaysChoice::kOff, "off"}});
 
-// Decides whether vertices move (motion_trial.h).
-enum class PositionsChoice {
-  kAuto,  // if the judging pictures gain by it
-  kOn,
+// How vertices move.
+enum class MoveChoice {
+  kAuto,     // as kSafe, unless the judging pictures lose by it (motion_trial.h)
+  kSafe,     // no farther than the tets allow (vertex_motion.h)
+  kArticle,  // wherever Adam takes each coordinate (article_motion.h)
   kOff,
 };
 template <>
-inline constexpr auto kWords<PositionsChoice> =
-    std::to_array<Word<PositionsChoice>>({{PositionsChoice::kAuto, "auto"},
-                                          {PositionsChoice::kOn, "on"},
-                                          {PositionsChoice::kOff, "off"}});
+inline constexpr auto kWords<MoveChoice> =
+    std::to_array<Word<MoveChoice>>({{MoveChoice::kAuto, "auto"},
+                                     {MoveChoice::kSafe, "safe"},
+                                     {MoveChoice::kArticle, "article"},
+                                     {MoveChoice::kOff, "off"}});
 
 // By what a refinement chooses where it refines (refine_scores.h).
 enum class RefineScore {
@@ -84,8 +87,9 @@ struct OptimizeOptions {
   double color_rate = AdamUpdate().color_rate;      // Adam's first step on colour [display sRGB]
   double density_rate = AdamUpdate().density_rate;  // on its parameter
   double harmonics_rate = AdamUpdate().harmonics_rate;  // on coefficients [display sRGB]
-  // A vertex's first moves, as a share of its edges' mean length.
-  double position_rate = 0.1;
+  // A vertex's first moves: as a share of its edges' mean length or, with kArticle, Adam's step as
+  // a share of the subject's longest side. By default PositionRateOf.
+  std::optional<double> position_rate;
   // Added to the loss while vertices move; none by default, because moves are safe without it.
   QualityRegulariser quality{.strength = 0, .sharpness = 100};
   double max_density = AdamUpdate().max_density;  // [1 / world unit]
@@ -100,7 +104,7 @@ struct OptimizeOptions {
   PoseMode poses = PoseMode::kAuto;             // corrections of the training cameras
   HarmonicsChoice harmonics = HarmonicsChoice::kAuto;
   FineRaysChoice fine_rays = FineRaysChoice::kAuto;
-  PositionsChoice positions = PositionsChoice::kAuto;
+  MoveChoice move = MoveChoice::kAuto;
   uint64_t max_vertices = 0;  // 0: as many as the time affords
   RefineScheme refine = RefineScheme::kInsert;
   PrismDiagonals prism_diagonals = PrismDiagonals::kShorter;
@@ -122,5 +126,7 @@ struct OptimizeOptions {
 
 // The score that a run uses, never kAuto.
 RefineScore ScoreOf(const OptimizeOptions& options);
+// The first rate of positions: 0.1 of the edges, or the article's 1e-5 in a box of 0.5.
+double PositionRateOf(const OptimizeOptions& options);
 
 }  // namespace tetrec

@@ -21,7 +21,8 @@ GrowthStep StepOf(double seconds, uint64_t iteration, const TetMesh& mesh) {
           .seconds = seconds,
           .vertices = mesh.positions.size(),
           .tets = mesh.tets.size(),
-          .peak_rss_bytes = PeakRssBytes()};
+          .peak_rss_bytes = PeakRssBytes(),
+          .degenerate_tets = CountDegenerateTets(mesh)};
 }
 
 RefinementRounds::RefinementRounds(const OptimizeOptions& options, std::vector<PlannedRound> plan,

@@ -33,6 +33,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -70,6 +71,12 @@ std::vector<PlannedRound> PlanRounds(const OptimizeOptions& options, uint64_t st
       max_vertices, std::max(1.0, seconds / kGrowthSeconds));
 }
 
+RendererOptions RendererOptionsOf(const OptimizeOptions& options) {
+  RendererOptions renderer = options.renderer;
+  if (options.move == MoveChoice::kArticle) renderer.AcceptInvertedTets();
+  return renderer;
+}
+
 bool CamerasWereEstimated(const fs::path& scene_folder) {
   return ReadManifestOrStatus(scene_folder / kManifestFile)["stage"] == "sfm";
 }
@@ -83,14 +90,14 @@ class Trainer {
         scene_(scene),
         stage_(stage),
         max_vertices_(MaxVertices(options, set.pixels)),
-        renderer_(CreateRenderer(options.renderer)),
+        renderer_(CreateRenderer(RendererOptionsOf(options))),
         watched_{*renderer_, scene_folder_, scene,
                  ChooseWatchedViews(scene, options.watched_views)},
         pictures_(options, std::move(set), BackgroundColor(scene.background), *renderer_),
         batches_(options, pictures_.set(), renderer_->NeedsTiles(), pictures_.background_srgb(),
                  scene_folder),
         field_(options, scene, *renderer_, batches_),
-        motion_(options, field_, *renderer_),
+        motion_(options, field_, *renderer_, pictures_.set().views.size()),
         steps_(options, batches_, *renderer_, motion_),
         rate_trial_(options, field_, pictures_, steps_),
         poses_(options, pictures_, *renderer_),
@@ -106,7 +113,7 @@ class Trainer {
     Introduce(start);
     Begin(start);
     TrainingHistory history(stage_.Output(kTrainingLogFile), metrics_bytes_, watched_,
-                            options_.HasLimit());
+                            options_.HasLimit(), DegenerateCounter());
     Train(history);
     if (StopRequested()) {
       SaveCheckpoint(history.bytes());
@@ -282,6 +289,12 @@ class Trainer {
     return result;
   }
 
+  // Safe moves leave no degenerate tet.
+  std::function<uint64_t()> DegenerateCounter() const {
+    if (options_.move != MoveChoice::kArticle) return {};
+    return [this] { return CountDegenerateTets(field_.mesh()); };
+  }
+
   RunFigures Figures(double done) const {
     const TetMesh& mesh = field_.mesh();
     return {done,          seconds_,         steps_.iteration(),
@@ -342,12 +355,25 @@ class Trainer {
     stage_.Count("stopped_moves", counts.stopped);
     stage_.Count("min_volume", quality.min_volume);
     stage_.Count("min_radius_ratio", quality.min_radius_ratio);
+    ReportDegenerate();
     LogInfo(
         "vertices moved {} times ({:.1f} s since the start or resume), {:.1f} % of the moves "
         "shortened and {:.1f} % stopped "
         "for the sake of tets; smallest tet {:.1e}, smallest radius ratio {:.1e}",
         WithThousands(counts.all()), motion_.seconds(), 100.0 * double(counts.shortened) / all,
         100.0 * double(counts.stopped) / all, quality.min_volume, quality.min_radius_ratio);
+  }
+
+  // The article's moves may break the mesh.
+  void ReportDegenerate() {
+    const TetMesh& mesh = field_.mesh();
+    const uint64_t degenerate = CountDegenerateTets(mesh);
+    stage_.Count("degenerate_tets", degenerate);
+    if (degenerate == 0) return;
+    LogWarning(
+        "{} of {} tets are inside out or flat, so the field shows parts of space twice or not at "
+        "all: use safe moves or a lower rate of positions",
+        WithThousands(degenerate), WithThousands(mesh.tets.size()));
   }
 
   // What the renderer counted of all rays, those of judging and watching too.

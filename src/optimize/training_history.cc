@@ -75,6 +75,7 @@ TrainingRow TrainingHistory::Row(const RunFigures& now, std::optional<double> he
   row.tets = now.tets;
   row.vertices = now.vertices;
   row.phase = phase;
+  if (count_degenerate_) row.degenerate_tets = count_degenerate_();
   return row;
 }
 

@@ -9,8 +9,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace tetrec {
 
@@ -38,10 +40,13 @@ class StepAverages {
 class TrainingHistory {
  public:
   // `keep_bytes`: TrainingLogWriter. `has_limit`: the length of the run is known.
+  // `count_degenerate`: of the tets, for each row; if there is one, moves may make such.
   TrainingHistory(const std::filesystem::path& path, uint64_t keep_bytes,
-                  const WatchedViews& watched, bool has_limit)
+                  const WatchedViews& watched, bool has_limit,
+                  std::function<uint64_t()> count_degenerate = {})
       : watched_(watched),
         has_limit_(has_limit),
+        count_degenerate_(std::move(count_degenerate)),
         log_(path, keep_bytes),
         progress_("optimise", has_limit ? Progress::kShare : 0) {}
 
@@ -67,6 +72,7 @@ class TrainingHistory {
 
   const WatchedViews& watched_;
   bool has_limit_;
+  std::function<uint64_t()> count_degenerate_;
   TrainingLogWriter log_;
   Progress progress_;
   StepAverages averages_;

@@ -23,8 +23,8 @@ StepResult TrainingSteps::TakeStep(uint64_t iteration, double progress, double m
                                    bool sums_exposures) {
   TrainingBatch batch = Draw(iteration, progress);
   batch.sums_exposures = sums_exposures;
-  batch.parts = motion_.PartsOf(motion_as_at);
   const uint64_t steps = iteration + 1;
+  batch.parts = motion_.PartsOf(steps, motion_as_at);
   const StepResult result = renderer_.Step(batch, UpdateOf(steps, progress));
   motion_.AfterStep(steps, motion_as_at, RateShare(options_.schedule, motion_as_at, steps));
   return result;

@@ -2,9 +2,11 @@
 #include "optimize/vertex_motion.h"
 
 #include "core/timer.h"
+#include "optimize/article_motion.h"
 
 #include <glm/common.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -36,38 +38,43 @@ std::vector<float> SizesOfVertices(const TetMesh& mesh) {
 
 }  // namespace
 
-bool VertexMotion::IsOn(double progress) const { return is_used_ && progress < kLastMotion; }
+bool VertexMotion::IsOn(uint64_t step, double progress) const {
+  return is_used_ && (IsArticle() ? IsInJointEpoch(step, views_) : progress < kLastMotion);
+}
 
-GradientParts VertexMotion::PartsOf(double progress) const {
-  return IsOn(progress) ? GradientParts::kColorDensityPosition : GradientParts::kColorDensity;
+uint64_t VertexMotion::StepsOfMotion() const { return IsArticle() ? 1 : kStepsOfMotion; }
+
+GradientParts VertexMotion::PartsOf(uint64_t step, double progress) const {
+  return IsOn(step, progress) ? GradientParts::kColorDensityPosition : GradientParts::kColorDensity;
 }
 
 bool VertexMotion::CanResumeAfter(uint64_t steps, double progress) const {
-  return !IsOn(progress) || steps % kStepsOfMotion == 0;
+  return !IsOn(steps, progress) || steps % StepsOfMotion() == 0;
 }
 
 void VertexMotion::AfterStep(uint64_t steps, double progress, double rate_share) {
-  if (!IsOn(progress) || steps % kStepsOfMotion != 0) return;
+  if (!IsOn(steps, progress) || steps % StepsOfMotion() != 0) return;
   const Timer timer;
   GradientSums sums = renderer_.TakePositionGradients();
   if (sums.position.empty()) return;  // the field was put anew since
   if (options_.quality.strength > 0) AddRegulariser(sums.position);
   if (state_.size.empty() || topology_ != field_.topology()) Begin();
-  state_.counts.Add(field_.MoveVertices(Moves(sums.position, options_.position_rate * rate_share)));
+  state_.counts.Add(Move(sums.position, PositionRateOf(options_) * rate_share));
   seconds_ += timer.seconds();
 }
 
 // The regulariser is a part of the loss of each step.
 void VertexMotion::AddRegulariser(std::vector<glm::dvec3>& sums) const {
   const std::vector<glm::dvec3> of_step = RegulariserGradients(field_.mesh(), options_.quality);
-  for (size_t v = 0; v < sums.size(); ++v) sums[v] += double(kStepsOfMotion) * of_step[v];
+  for (size_t v = 0; v < sums.size(); ++v) sums[v] += double(StepsOfMotion()) * of_step[v];
 }
 
 void VertexMotion::Begin() {
   const TetMesh& mesh = field_.mesh();
   const size_t count = mesh.positions.size();
-  Resume({0, std::vector<glm::vec3>(count, glm::vec3(0.0f)), std::vector<float>(count, 0.0f),
-          SizesOfVertices(mesh), field_.RoomOfVertices(), state_.counts});
+  Resume({0, std::vector<glm::vec3>(count, glm::vec3(0.0f)),
+          std::vector<glm::vec3>(count, glm::vec3(0.0f)), SizesOfVertices(mesh),
+          field_.RoomOfVertices(), state_.counts});
 }
 
 void VertexMotion::Follow(const Prolongation& of_vertices) {
@@ -89,7 +96,16 @@ void VertexMotion::Resume(MotionState state) {
   topology_ = field_.topology();
 }
 
-std::vector<glm::vec3> VertexMotion::Moves(std::span<const glm::dvec3> gradients, double rate) {
+MotionCounts VertexMotion::Move(std::span<const glm::dvec3> gradients, double rate) {
+  if (!IsArticle()) return field_.MoveVertices(SafeMoves(gradients, rate));
+  const std::vector<glm::vec3> moves =
+      ArticleMoves(gradients, rate * field_.subject_size(), state_);
+  field_.MoveVerticesFreely(moves);
+  const auto moved = [](const glm::vec3& move) { return move != glm::vec3(0.0f); };
+  return {.moved = uint64_t(std::count_if(moves.begin(), moves.end(), moved))};
+}
+
+std::vector<glm::vec3> VertexMotion::SafeMoves(std::span<const glm::dvec3> gradients, double rate) {
   ++state_.motions;
   const double correction1 = 1.0 / (1.0 - std::pow(double(kBeta1), double(state_.motions)));
   const double correction2 = 1.0 / (1.0 - std::pow(double(kBeta2), double(state_.motions)));
@@ -99,9 +115,10 @@ std::vector<glm::vec3> VertexMotion::Moves(std::span<const glm::dvec3> gradients
     const glm::vec3 gradient(gradients[v]);
     if (gradient == glm::vec3(0.0f)) continue;  // no ray has passed
     glm::vec3& first = state_.first_moment[v];
-    float& second = state_.second_moment[v];
     first = glm::mix(gradient, first, kBeta1);
-    second = glm::mix(glm::dot(gradient, gradient), second, kBeta2);
+    state_.second_moment[v] = glm::mix(gradient * gradient, state_.second_moment[v], kBeta2);
+    // Of the squared length, so that the move has the direction of the gradient.
+    const float second = glm::dot(state_.second_moment[v], glm::vec3(1.0f));
     if (!(second > 0.0f)) continue;
     const glm::vec3 move = -scale * state_.size[v] / std::sqrt(second) * first;
     const float length = glm::length(move);

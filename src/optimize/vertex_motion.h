@@ -3,7 +3,8 @@
 // Gradients by positions are summed over some steps, then all vertices move at once, each along its
 // own mean gradient (Adam with one second moment per vertex, so that the direction stays that of
 // the gradient) by a share of the length of its edges, as far as no tet suffers
-// (mesh/safe_motion.h). Vertices of the boundary and in the space of the cameras stay.
+// (mesh/safe_motion.h). With MoveChoice::kArticle they move as in the DiffTetVR article instead
+// (article_motion.h). Vertices of the boundary and in the space of the cameras stay.
 #pragma once
 
 #include "field/field_state.h"
@@ -22,27 +23,29 @@ namespace tetrec {
 
 // What a resumed run needs. Arrays are (V), or empty before the first motion of a mesh.
 struct MotionState {
-  uint64_t motions = 0;                 // that the moments have seen
-  std::vector<glm::vec3> first_moment;  // of dL/dposition
-  std::vector<float> second_moment;     // of its squared length
-  std::vector<float> size;              // mean length of a vertex's edges, and
-  std::vector<float> room;              // how far it may still move [world units], both since its
-                                        // tets were made (FittedField::RoomOfVertices)
-  MotionCounts counts;                  // of the whole run
+  uint64_t motions = 0;                  // that the moments have seen
+  std::vector<glm::vec3> first_moment;   // of dL/dposition
+  std::vector<glm::vec3> second_moment;  // of the squares of its coordinates
+  std::vector<float> size;               // mean length of a vertex's edges, and
+  std::vector<float> room;               // how far it may still move [world units], both since its
+                                         // tets were made (FittedField::RoomOfVertices)
+  MotionCounts counts;                   // of the whole run
 };
 
 // `progress` is that of the run, in [0, 1].
 class VertexMotion {
  public:
-  VertexMotion(const OptimizeOptions& options, FittedField& field, TrainingRenderer& renderer)
-      : options_(options), field_(field), renderer_(renderer) {}
+  // `views`: training pictures, whose number is the length of the article's epochs.
+  VertexMotion(const OptimizeOptions& options, FittedField& field, TrainingRenderer& renderer,
+               size_t views)
+      : options_(options), field_(field), renderer_(renderer), views_(views) {}
 
-  // Vertices move from now on until the progress kLastMotion, or not at all.
+  // Vertices move from now on (until the progress kLastMotion, if safely), or not at all.
   void Use(bool moves) { is_used_ = moves; }
   bool is_used() const { return is_used_; }
 
-  // What a step computes.
-  GradientParts PartsOf(double progress) const;
+  // What step `step`, counted from 1, computes.
+  GradientParts PartsOf(uint64_t step, double progress) const;
   // After `steps` steps: moves the vertices if it is time. `rate_share`: of the learning rates.
   void AfterStep(uint64_t steps, double progress, double rate_share);
   // True if no gradients are waiting for their motion after `steps` steps: only then is the state
@@ -61,15 +64,20 @@ class VertexMotion {
   double seconds() const { return seconds_; }  // of this process
 
  private:
-  bool IsOn(double progress) const;
+  bool IsArticle() const { return options_.move == MoveChoice::kArticle; }
+  // Whether step `step` adds to the gradients of a motion.
+  bool IsOn(uint64_t step, double progress) const;
+  uint64_t StepsOfMotion() const;
   void Begin();
   void AddRegulariser(std::vector<glm::dvec3>& sums) const;
-  // The moves of all vertices, from the sums of their gradients.
-  std::vector<glm::vec3> Moves(std::span<const glm::dvec3> gradients, double rate);
+  // Moves the vertices, given the sums of their gradients.
+  MotionCounts Move(std::span<const glm::dvec3> gradients, double rate);
+  std::vector<glm::vec3> SafeMoves(std::span<const glm::dvec3> gradients, double rate);
 
   const OptimizeOptions& options_;
   FittedField& field_;
   TrainingRenderer& renderer_;
+  size_t views_;
   bool is_used_ = false;
   MotionState state_;
   uint64_t topology_ = 0;  // FittedField::topology() of the state

@@ -43,8 +43,8 @@ void CheckRows(std::span<const float> values, const FieldLayout& layout, size_t 
   CheckRowsOf(values, layout.storage, rows, layout.ParameterNames(), what);
 }
 
-void CheckRenderable(const TetMesh& mesh, const FieldState& state) {
-  CheckTets(mesh);
+void CheckRenderable(const TetMesh& mesh, const FieldState& state, Orientations expected) {
+  CheckTets(mesh, expected);
   CheckLayout(state.layout);
   const size_t rows = RowCount(mesh, state.layout.storage);
   CheckRows(state.parameters, state.layout, rows, "parameters");

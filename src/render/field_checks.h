@@ -9,9 +9,9 @@
 
 namespace tetrec {
 
-// CheckTets of the mesh; every parameter and moment finite, one row per vertex or tet. Throws
-// DataError that names tet or vertex, component and value.
-void CheckRenderable(const TetMesh& mesh, const FieldState& state);
+// CheckTets of the mesh, with what is expected of its tets; every parameter and moment finite, one
+// row per vertex or tet. Throws DataError that names tet or vertex, component and value.
+void CheckRenderable(const TetMesh& mesh, const FieldState& state, Orientations expected);
 
 // One finite value per component and row; `what` names them in the DataError.
 void CheckRows(std::span<const float> values, const FieldLayout& layout, size_t rows,

@@ -91,6 +91,18 @@ void RenderRefined(Renderer& renderer, const RenderViewsOptions& options, const 
   entry.refined_shift_px = ShiftOf(view, fit);
 }
 
+// Checks the rays, and accepts what moves by the article's method may have left.
+RendererOptions RendererFor(const TetMesh& mesh, const RendererOptions& options, Stage& stage) {
+  RendererOptions result = CheckingRays(options);
+  const uint64_t degenerate = CountDegenerateTets(mesh);
+  stage.Count("degenerate_tets", degenerate);
+  if (degenerate == 0) return result;
+  LogWarning("{} of {} tets are inside out or flat: the images show parts of space twice or not",
+             WithThousands(degenerate), WithThousands(mesh.tets.size()));
+  result.AcceptInvertedTets();
+  return result;
+}
+
 }  // namespace
 
 std::vector<int> ChooseViews(const Scene& scene, const std::string& choice) {
@@ -110,14 +122,15 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   const fs::path field_folder = stage.Input("FIELD");
   const fs::path scene_folder = PreviousStage(field_folder, {"sfm", "import"});
   const Scene scene = ReadScene(scene_folder);
-  const RadianceField field = ReadField(field_folder / "field.tetf");
+  const RadianceField field = ReadField(field_folder / "field.tetf", Orientations::kAny);
   const Background background = ChooseBackground(scene, options.background);
   const std::vector<int> views = ChooseViews(scene, options.views);
   if (views.empty()) {
     throw DataError(fmt::format("{}: the scene has no {} views; choose all views",
                                 scene_folder.string(), options.views));
   }
-  const std::unique_ptr<TrainingRenderer> renderer = CreateRenderer(CheckingRays(options.renderer));
+  const std::unique_ptr<TrainingRenderer> renderer =
+      CreateRenderer(RendererFor(field.mesh, options.renderer, stage));
   stage.Device(renderer->DescribeDevice());
   WarnOfBuriedCameras(field, scene, stage);
   renderer->SetField(field);

@@ -7,6 +7,12 @@
 
 namespace tetrec {
 
+void RendererOptions::AcceptInvertedTets() {
+  constexpr uint32_t kMostSteps = 1u << 12;
+  orientations = Orientations::kAny;
+  max_steps = std::min(max_steps, kMostSteps);
+}
+
 void RendererOptions::Check() const {
   const auto refuse_if = [](bool wrong, const std::string& option, const char* why) {
     if (wrong) throw UsageError(fmt::format("{}: {}; leave it out", option, why));

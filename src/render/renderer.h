@@ -128,7 +128,12 @@ struct RendererOptions {
   // same forward and backward.
   float stop_transmittance = 1e-3f;
   uint32_t max_steps = 1u << 16;  // tets on one ray
-  bool count_steps = false;       // counts RenderCounts::hit_rays and steps; a little slower
+  // Of the tets of a field. A mesh with inverted tets shows parts of space twice or not at all: the
+  // march leaves each tet by the face that it is the least wrong to leave by, takes the way there
+  // as 0 where it leads backwards, and counts a ray as lost that circles for max_steps tets; lists
+  // and projected tets sort what they are given; the reference skips what it cannot cut.
+  Orientations orientations = Orientations::kPositive;
+  bool count_steps = false;  // counts RenderCounts::hit_rays and steps; a little slower
   // Sums gradients and scores in 64-bit fixed point: the same bits for any number of threads and
   // any order of the rays. Requires a device with 64-bit integer atomics.
   bool deterministic = false;
@@ -139,6 +144,9 @@ struct RendererOptions {
 
   // Throws UsageError if an option is set that this renderer does not have.
   void Check() const;
+  // Accepts inverted tets. Rays that circle among them end after some thousand tets, many times
+  // more than a ray passes in a mesh of millions.
+  void AcceptInvertedTets();
 };
 
 // True if RenderCounts::lost_rays is known: lists and projected tets are checked if steps are

@@ -39,6 +39,7 @@ json ToJson(const GrowthStep& step) {
           {"psnr", judged(step.psnr)},
           {"gain", judged(step.gain)},
           {"gain_standard_error", judged(step.gain_standard_error)},
+          {"degenerate_tets", step.degenerate_tets},
           {"decision", kDecisions[size_t(step.decision)]},
           {"reason", ReasonOf(step)}};
 }
@@ -77,7 +78,8 @@ std::vector<GrowthStep> ParseMeshGrowth(const json& value, const std::string& na
                      ReadCount(row.Field("peak_rss_bytes")), NumberOrZero(row.Field("psnr")),
                      NumberOrZero(row.Field("gain")),
                      NumberOrZero(row.Field("gain_standard_error")),
-                     ReadDecision(row.Field("decision"))});
+                     ReadDecision(row.Field("decision")),
+                     row.Has("degenerate_tets") ? ReadCount(row.Field("degenerate_tets")) : 0});
   }
   return steps;
 }

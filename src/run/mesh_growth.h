@@ -30,6 +30,7 @@ struct GrowthStep {
   double gain = 0;                  // since the step before [dB]
   double gain_standard_error = 0;   // over the views [dB]
   GrowthDecision decision = GrowthDecision::kRefine;
+  uint64_t degenerate_tets = 0;  // flat or inside out
   bool operator==(const GrowthStep&) const = default;
 };
 
@@ -37,8 +38,8 @@ struct GrowthStep {
 std::string ReasonOf(const GrowthStep& step);
 
 // {"schema": 1, "steps": [{"iteration", "seconds", "vertices", "tets", "peak_rss_bytes", "psnr",
-// "gain", "gain_standard_error", "decision", "reason"}]}; psnr and what follows from it is null
-// where nothing judged. Throws DataError naming file and field.
+// "gain", "gain_standard_error", "degenerate_tets", "decision", "reason"}]}; psnr and what follows
+// from it is null where nothing judged. Throws DataError naming file and field.
 void WriteMeshGrowth(const std::filesystem::path& path, const std::vector<GrowthStep>& steps);
 std::vector<GrowthStep> ReadMeshGrowth(const std::filesystem::path& path);
 std::vector<GrowthStep> ParseMeshGrowth(const nlohmann::json& value, const std::string& name);

@@ -28,19 +28,22 @@ enum Column : size_t {
   kTets,
   kVertices,
   kPhase,
+  kDegenerateTets,
   kColumnCount
 };
 constexpr std::array<const char*, kColumnCount> kColumns = {
-    "iteration",    "seconds", "rays",     "loss", "train_psnr",
-    "heldout_psnr", "tets",    "vertices", "phase"};
+    "iteration",    "seconds", "rays",     "loss",  "train_psnr",
+    "heldout_psnr", "tets",    "vertices", "phase", "degenerate_tets"};
+constexpr size_t kMissing = size_t(-1);
 
 std::string CellsOf(const TrainingRow& row) {
   const auto cell = [](const char* format, const std::optional<double>& value) {
     return value ? fmt::format(fmt::runtime(format), *value) : std::string();
   };
-  return fmt::format("{},{:.3f},{},{},{},{},{},{},{}", row.iteration, row.seconds, row.rays,
+  return fmt::format("{},{:.3f},{},{},{},{},{},{},{},{}", row.iteration, row.seconds, row.rays,
                      cell("{:.6g}", row.loss), cell("{:.3f}", row.train_psnr),
-                     cell("{:.3f}", row.heldout_psnr), row.tets, row.vertices, row.phase);
+                     cell("{:.3f}", row.heldout_psnr), row.tets, row.vertices, row.phase,
+                     row.degenerate_tets ? fmt::to_string(*row.degenerate_tets) : std::string());
 }
 
 std::vector<std::string_view> Split(std::string_view text, char separator) {
@@ -59,6 +62,10 @@ std::array<size_t, kColumnCount> PlacesIn(const std::vector<std::string_view>& h
   std::array<size_t, kColumnCount> places{};
   for (size_t c = 0; c < kColumnCount; ++c) {
     const auto found = std::find(header.begin(), header.end(), kColumns[c]);
+    if (found == header.end() && c == kDegenerateTets) {
+      places[c] = kMissing;
+      continue;
+    }
     if (found == header.end()) {
       throw DataError(
           fmt::format("{}: header line has no column '{}'", path.string(), kColumns[c]));
@@ -75,13 +82,19 @@ class Line {
        std::string name)
       : cells_(std::move(cells)), places_(places), name_(std::move(name)) {}
 
-  std::string_view Text(Column column) const { return cells_[places_[column]]; }
+  std::string_view Text(Column column) const {
+    return places_[column] == kMissing ? std::string_view() : cells_[places_[column]];
+  }
   std::optional<double> Number(Column column) const {
     if (Text(column).empty()) return std::nullopt;
     return Parsed<double>(column, "a number");
   }
   double RequiredNumber(Column column) const { return Parsed<double>(column, "a number"); }
   uint64_t Count(Column column) const { return Parsed<uint64_t>(column, "a whole number"); }
+  std::optional<uint64_t> CountOrNothing(Column column) const {
+    if (Text(column).empty()) return std::nullopt;
+    return Count(column);
+  }
 
  private:
   template <class T>
@@ -139,7 +152,8 @@ std::vector<TrainingRow> ReadTrainingLog(const fs::path& path) {
     const Line line(std::move(cells), places, fmt::format("{}: line {}", path.string(), n + 1));
     rows.push_back({line.Count(kIteration), line.RequiredNumber(kSeconds), line.Count(kRays),
                     line.Number(kLoss), line.Number(kTrainPsnr), line.Number(kHeldoutPsnr),
-                    line.Count(kTets), line.Count(kVertices), std::string(line.Text(kPhase))});
+                    line.Count(kTets), line.Count(kVertices), std::string(line.Text(kPhase)),
+                    line.CountOrNothing(kDegenerateTets)});
   }
   return rows;
 }

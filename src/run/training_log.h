@@ -20,7 +20,8 @@ struct TrainingRow {
   std::optional<double> loss;
   std::optional<double> train_psnr, heldout_psnr;  // [dB]
   uint64_t tets = 0, vertices = 0;
-  std::string phase;  // "optimise", or "end" in the last row
+  std::string phase;                        // "optimise", or "end" in the last row
+  std::optional<uint64_t> degenerate_tets;  // flat or inside out, where moves may make such
 };
 
 // Appends rows to a file; each is complete on disk when Add returns. Throws EnvironmentError naming
@@ -38,9 +39,9 @@ class TrainingLogWriter {
   std::filesystem::path path_;
 };
 
-// Finds the columns by the names in the header line and ignores others. Leaves out a last line that
-// does not end in a newline: the optimiser may still be writing it. Throws DataError naming file,
-// line and column.
+// Finds the columns by the names in the header line and ignores others; the last may be missing.
+// Leaves out a last line that does not end in a newline: the optimiser may still be writing it.
+// Throws DataError naming file, line and column.
 std::vector<TrainingRow> ReadTrainingLog(const std::filesystem::path& path);
 
 }  // namespace tetrec

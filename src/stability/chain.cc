@@ -6,7 +6,6 @@
 #include "core/manifest.h"
 #include "core/timer.h"
 #include "field/radiance_field.h"
-#include "geometry/orientation.h"
 #include "image/psnr.h"
 #include "run/rendered_views.h"
 
@@ -67,15 +66,13 @@ void TakeManifest(const fs::path& folder, ChainResult& result) {
   }
 }
 
+// The article's motion may leave tets inside out.
 void MeasureField(const fs::path& path, ChainResult& result) {
-  const TetMesh mesh = ReadField(path).mesh;
+  const TetMesh mesh = ReadField(path, Orientations::kAny).mesh;
   result.tets = mesh.tets.size();
   result.vertices = mesh.positions.size();
   result.min_radius_ratio = MeasureQuality(mesh).min_radius_ratio;
-  const auto& p = mesh.positions;
-  result.degenerate_tets = uint64_t(std::ranges::count_if(mesh.tets, [&](const glm::uvec4& tet) {
-    return Orientation(p[tet[0]], p[tet[1]], p[tet[2]], p[tet[3]]) <= 0;
-  }));
+  result.degenerate_tets = CountDegenerateTets(mesh);
 }
 
 void MeasureViews(const fs::path& path, ChainResult& result) {

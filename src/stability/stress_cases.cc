@@ -31,7 +31,7 @@ Options Rates(double factor) {
   const auto rate = [factor](double value) { return fmt::format("{:.9g}", factor * value); };
   return {"--color-rate",    rate(defaults.color_rate),
           "--density-rate",  rate(defaults.density_rate),
-          "--position-rate", rate(defaults.position_rate),
+          "--position-rate", rate(PositionRateOf(defaults)),
           "--sh-rate",       rate(defaults.harmonics_rate)};
 }
 

@@ -139,7 +139,11 @@ void SurfaceOptions::Check() const {
 
 void RunSurface(const SurfaceOptions& options, Stage& stage) {
   // The level function is linear in each tet: densities of cells become means at their vertices.
-  const RadianceField stored = ReadField(stage.Input("field") / "field.tetf");
+  const RadianceField stored = ReadField(stage.Input("field") / "field.tetf", Orientations::kAny);
+  if (const uint64_t degenerate = CountDegenerateTets(stored.mesh); degenerate > 0) {
+    LogWarning("{} of {} tets are inside out or flat: the surface may cross itself there",
+               degenerate, stored.mesh.tets.size());
+  }
   const RadianceField field = WithStorage(stored, FieldStorage::kVertex);
   const FieldWorld world = ReadFieldWorld(stage.Input("field") / kFieldWorldFile);
   const Timer timer;

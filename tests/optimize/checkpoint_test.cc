@@ -21,8 +21,8 @@ namespace {
 // metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64 T, then
 // the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the name, the
 // name, and 3 u32 each. Positions follow.
-constexpr size_t kSecondsAt = 16, kFineRaysAt = 220, kMotionAt = 224, kVertexCountAt = 228,
-                 kTetCountAt = 236, kStorageAt = 244,
+constexpr size_t kSecondsAt = 16, kFineRaysAt = 228, kMotionAt = 232, kVertexCountAt = 236,
+                 kTetCountAt = 244, kStorageAt = 252,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
@@ -59,7 +59,7 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   motion.counts = {5, 4, 3};
   for (size_t v = 0; v < checkpoint.mesh.positions.size(); ++v) {
     motion.first_moment.emplace_back(unit() - 0.5f, unit(), unit());
-    motion.second_moment.push_back(unit());
+    motion.second_moment.push_back(glm::vec3(unit(), unit(), unit()));
     motion.size.push_back(unit());
     motion.room.push_back(unit());
   }
@@ -252,7 +252,7 @@ TEST(Checkpoint, RefusesMotionsThatAreNotPossible) {
   };
   const float nan = std::numeric_limits<float>::quiet_NaN();
   refused([&](MotionState& m) { m.first_moment[3].z = nan; }, "the motion of vertex 3");
-  refused([](MotionState& m) { m.second_moment[2] = -1e-9f; }, "the motion of vertex 2");
+  refused([](MotionState& m) { m.second_moment[2].y = -1e-9f; }, "the motion of vertex 2");
   refused([&](MotionState& m) { m.size[0] = nan; }, "the motion of vertex 0");
   refused([](MotionState& m) { m.room[1] = -1; }, "the motion of vertex 1");
   refused(

@@ -34,16 +34,23 @@ inline TrainingSet PhotosOfWavyBox(TrainingRenderer& renderer, size_t views, flo
   return set;
 }
 
+inline Scene SceneOfWavyBox() {
+  Scene scene;
+  scene.subject_bounds = {glm::dvec3(-1.0), glm::dvec3(1.0)};
+  return scene;
+}
+
 // Its parts refer to each other, so it stays where it is.
 struct SmallRun {
   explicit SmallRun(const OptimizeOptions& run_options = SmallRunOptions(), size_t views = 5,
                     float density = 20.0f)
       : options(run_options),
-        renderer(CreateRenderer({.kind = RendererKind::kReference})),
+        renderer(CreateRenderer(
+            {.kind = RendererKind::kReference, .orientations = run_options.renderer.orientations})),
         pictures(options, PhotosOfWavyBox(*renderer, views, density), glm::vec3(0.0f), *renderer),
         batches(options, pictures.set(), false, glm::vec3(0.0f), "scene"),
-        field(options, Scene(), *renderer, batches),
-        motion(options, field, *renderer),
+        field(options, SceneOfWavyBox(), *renderer, batches),
+        motion(options, field, *renderer, views),
         steps(options, batches, *renderer, motion) {
     pictures.PlaceCameras({}, 0.0);
     PutField(0.4);

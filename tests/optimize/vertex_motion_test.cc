@@ -17,9 +17,9 @@
 namespace tetrec {
 namespace {
 
-OptimizeOptions MovingOptions(PositionsChoice positions) {
+OptimizeOptions MovingOptions(MoveChoice move) {
   OptimizeOptions options = SmallRunOptions();
-  options.positions = positions;
+  options.move = move;
   options.iterations = 400;
   // So that nothing but positions can mend the pictures.
   options.color_rate = options.density_rate = 1e-9;
@@ -35,9 +35,9 @@ bool IsInside(const glm::vec3& position) {
 }
 
 struct MovingRun : SmallRun {
-  explicit MovingRun(PositionsChoice positions = PositionsChoice::kOn)
-      : SmallRun(MovingOptions(positions), 5, kDensity) {
-    motion.Use(positions == PositionsChoice::kOn);
+  explicit MovingRun(MoveChoice move = MoveChoice::kSafe)
+      : SmallRun(MovingOptions(move), 5, kDensity) {
+    motion.Use(move == MoveChoice::kSafe);
   }
 
   // The true field, but vertices inside are moved by up to `most`, with their colours.
@@ -121,7 +121,7 @@ TEST(VertexMotion, NothingEntersTheSpaceOfTheCameras) {
   for (const FieldStorage storage : {FieldStorage::kVertex, FieldStorage::kCell}) {
     const Scene scene = RingOfCameras(12, 500);
     const std::vector<Capsule> space = FindCameraSpace(scene);
-    SmallRun run(MovingOptions(PositionsChoice::kOn), 5, kDensity);
+    SmallRun run(MovingOptions(MoveChoice::kSafe), 5, kDensity);
     OptimizeOptions options = run.options;
     options.camera_space = CameraSpace::kEmpty;
     FittedField field(options, scene, *run.renderer, run.batches);
@@ -172,7 +172,7 @@ TEST(VertexMotion, StopsBeforeTheEndOfARun) {
   run.Take(32, 0.9);
   EXPECT_EQ(run.field.mesh().positions, before);
   EXPECT_EQ(run.motion.counts().all(), 0u);
-  MovingRun off(PositionsChoice::kOff);
+  MovingRun off(MoveChoice::kOff);
   off.PutMoved(0.06f);
   off.Take(32, 0.3);
   EXPECT_EQ(off.field.mesh().positions, before);
@@ -211,8 +211,8 @@ TEST(VertexMotion, FollowsVerticesThroughARefinement) {
   const MotionState& after = run.motion.state();
   EXPECT_EQ(after.motions, before.motions);
   for (size_t v = 0; v < count; ++v) {
-    EXPECT_FLOAT_EQ(after.second_moment[v],
-                    0.75f * before.second_moment[count - 1 - v] + 0.25f * before.second_moment[v]);
+    EXPECT_FLOAT_EQ(after.second_moment[v].x, 0.75f * before.second_moment[count - 1 - v].x +
+                                                  0.25f * before.second_moment[v].x);
     EXPECT_FLOAT_EQ(after.first_moment[v].y, 0.75f * before.first_moment[count - 1 - v].y +
                                                  0.25f * before.first_moment[v].y);
   }
@@ -231,7 +231,7 @@ TEST(VertexMotion, BeginsAnewOnAMeshThatItDoesNotKnow) {
 }
 
 TEST(MotionTrial, KeepsWhatGained) {
-  MovingRun run(PositionsChoice::kAuto);
+  MovingRun run(MoveChoice::kAuto);
   run.PutMoved(0.06f);
   run.steps.Resume(400, 0);
   EXPECT_FALSE(run.trial.Advance(0.05, 0.05));
@@ -285,7 +285,7 @@ TEST(VertexMotion, HasAStateThatFitsTheMesh) {
 
 // The true field loses by every move.
 TEST(MotionTrial, LeavesAFieldThatLostAsItWas) {
-  MovingRun run(PositionsChoice::kAuto);
+  MovingRun run(MoveChoice::kAuto);
   run.PutMoved(0.0f);
   run.steps.Resume(400, 0);
   const std::vector<glm::vec3> positions = run.field.mesh().positions;
@@ -302,7 +302,7 @@ TEST(MotionTrial, LeavesAFieldThatLostAsItWas) {
 }
 
 TEST(MotionTrial, LetsVerticesMoveWhereNothingCanJudge) {
-  MovingRun run(PositionsChoice::kAuto);
+  MovingRun run(MoveChoice::kAuto);
   run.steps.Resume(400, 0);
   run.pictures.EndJudgingIfDue(1.0);
   EXPECT_FALSE(run.trial.Advance(0.15, 0.15));
@@ -311,7 +311,7 @@ TEST(MotionTrial, LetsVerticesMoveWhereNothingCanJudge) {
 }
 
 TEST(MotionTrial, WaitsUntilThereAreStepsToTellFrom) {
-  MovingRun run(PositionsChoice::kAuto);
+  MovingRun run(MoveChoice::kAuto);
   run.PutMoved(0.06f);
   run.steps.Resume(kFewestTrialSteps - 1, 0);
   EXPECT_FALSE(run.trial.Advance(0.15, 0.15));
@@ -322,7 +322,7 @@ TEST(MotionTrial, WaitsUntilThereAreStepsToTellFrom) {
 
 TEST(MotionTrial, ContinuesAsItWasDecided) {
   for (const TrialState state : {TrialState::kUsed, TrialState::kNotUsed}) {
-    MovingRun run(PositionsChoice::kAuto);
+    MovingRun run(MoveChoice::kAuto);
     run.trial.Resume(state);
     EXPECT_FALSE(run.trial.Advance(0.15, 0.15));
     EXPECT_EQ(run.motion.is_used(), state == TrialState::kUsed);

@@ -185,7 +185,7 @@ class InterruptTest(StageCase):
 
     def test_a_killed_optimize_whose_vertices_move_gives_the_same_bytes(self):
         command = ("optimize", self.tiny_tetrahedra(), "--deterministic", "--time-limit", 0, "--iterations", 300,
-                   "--rays", 512, "--positions", "on", "--checkpoint-interval", 0)
+                   "--rays", 512, "--move", "safe", "--checkpoint-interval", 0)
         whole, killed = self.folder / "run" / "whole", self.folder / "run" / "killed"
         self.assert_done(self.run_stage(*command, "-o", whole))
         process = self.start(*command, "-o", killed)
@@ -205,7 +205,7 @@ class InterruptTest(StageCase):
         for refine, score in (("prism", "color"), ("prism", "position"), ("bisect", "variance")):
             with self.subTest(refine=refine, score=score):
                 command = ("optimize", tetrahedra, "--deterministic", "--time-limit", 0, "--iterations", 200, "--rays", 512,
-                           "--refine", refine, "--score", score, "--positions", "on", "--last-round", 0.8)
+                           "--refine", refine, "--score", score, "--move", "safe", "--last-round", 0.8)
                 whole, resumed = (self.folder / "run" / f"{name}_{refine}_{score}" for name in ("whole", "resumed"))
                 self.assert_done(self.run_stage(*command, "-o", whole))
                 self.interrupt_and_resume(resumed, command, rows=15)

@@ -11,17 +11,17 @@ namespace tetrec {
 namespace {
 
 constexpr const char* kHeader =
-    "iteration,seconds,rays,loss,train_psnr,heldout_psnr,tets,vertices,phase\n";
+    "iteration,seconds,rays,loss,train_psnr,heldout_psnr,tets,vertices,phase,degenerate_tets\n";
 
 TEST(TrainingLog, WhatWasWrittenIsReadBack) {
   const ScratchFolder folder;
   const std::filesystem::path path = folder / kTrainingLogFile;
   TrainingLogWriter log(path, 0);
   log.Add({1, 0.5, 4096, {}, {}, {}, 5000, 900, "optimise"});
-  log.Add({20, 1.25, 81920, 0.0123456789, 18.25, 17.5, 6000, 1100, "end"});
+  log.Add({20, 1.25, 81920, 0.0123456789, 18.25, 17.5, 6000, 1100, "end", 3});
   EXPECT_EQ(ReadText(path), std::string(kHeader) +
-                                "1,0.500,4096,,,,5000,900,optimise\n"
-                                "20,1.250,81920,0.0123457,18.250,17.500,6000,1100,end\n");
+                                "1,0.500,4096,,,,5000,900,optimise,\n"
+                                "20,1.250,81920,0.0123457,18.250,17.500,6000,1100,end,3\n");
   EXPECT_EQ(log.bytes(), std::filesystem::file_size(path));
   const std::vector<TrainingRow> rows = ReadTrainingLog(path);
   ASSERT_EQ(rows.size(), 2u);
@@ -35,6 +35,8 @@ TEST(TrainingLog, WhatWasWrittenIsReadBack) {
   EXPECT_EQ(rows[1].heldout_psnr, 17.5);
   EXPECT_EQ(rows[1].tets, 6000u);
   EXPECT_EQ(rows[1].vertices, 1100u);
+  EXPECT_FALSE(rows[0].degenerate_tets);
+  EXPECT_EQ(rows[1].degenerate_tets, 3u);
 }
 
 TEST(TrainingLog, AResumedLogLosesTheRowsAfterItsCheckpoint) {
@@ -81,15 +83,17 @@ TEST(TrainingLog, NamesTheBadLineAndColumn) {
   refused("", {"bad.csv", "no header line"});
   refused("seconds,loss\n1,2\n", {"bad.csv", "no column 'iteration'"});
   const std::string header = kHeader;
-  refused(header + "1,2,3,4,5,six,7,8,p\n",
+  refused(header + "1,2,3,4,5,six,7,8,p,\n",
           {"bad.csv: line 2, column heldout_psnr", "'six' is not a number"});
-  refused(header + "1,2,3,4,5,6,7,8,p\n1,,3,4,5,6,7,8,p\n",
+  refused(header + "1,2,3,4,5,6,7,8,p,\n1,,3,4,5,6,7,8,p,\n",
           {"bad.csv: line 3, column seconds", "'' is not a number"});
-  refused(header + "1,2,3,4,5,6,-7,8,p\n",
+  refused(header + "1,2,3,4,5,6,-7,8,p,\n",
           {"bad.csv: line 2, column tets", "'-7' is not a whole number"});
-  refused(header + "1,2,3,4,5,6,7,99999999999999999999999,p\n",
+  refused(header + "1,2,3,4,5,6,7,99999999999999999999999,p,\n",
           {"bad.csv: line 2, column vertices", "is not a whole number"});
-  refused(header + "1,2,3\n", {"bad.csv: line 2 has 3 cells, the header has 9"});
+  refused(header + "1,2,3,4,5,6,7,8,p,few\n",
+          {"bad.csv: line 2, column degenerate_tets", "'few' is not a whole number"});
+  refused(header + "1,2,3\n", {"bad.csv: line 2 has 3 cells, the header has 10"});
 }
 
 }  // namespace

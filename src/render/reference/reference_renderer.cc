@@ -42,7 +42,7 @@ class ReferenceRenderer final : public ProbedRenderer {
   }
 
   void SetState(TetMesh mesh, const FieldState& state) override {
-    CheckRenderable(mesh, state);
+    CheckRenderable(mesh, state, options_.orientations);
     const size_t rows = state.rows(), components = size_t(state.layout.Components());
     CheckMemory(
         mesh,

@@ -88,7 +88,7 @@ class VulkanRenderer final : public ProbedRenderer {
   }
 
   void SetState(TetMesh mesh, const FieldState& state) override {
-    CheckRenderable(mesh, state);
+    CheckRenderable(mesh, state, options_.orientations);
     integrator_->CheckMesh(mesh);
     WaitAll();
     FreeMemory free = MeasureFreeMemory(*device_);
