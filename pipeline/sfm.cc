@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 namespace {
 
 // COLMAP would search for them in vain among all pictures of the data set.
@@ -31,11 +33,14 @@ int main(int argc, char** argv) {
       "Finds the cameras of a folder of photos with COLMAP and writes the scene folder:\n"
       "undistorted images, cameras, sparse points, the bounds of the subject and the split.\n"
       "Example: tetrec-sfm PHOTOS -o RUN/1_scene");
-  command.InputPath("PHOTOS", "Folder of photos (.jpg, .jpeg, .png), including its subfolders");
+  command.InputPath("PHOTOS",
+                    "Folder of photos (.jpg, .jpeg, .png), including its subfolders, or a video");
   CLI::App& app = command.app();
   app.add_option(
       "--max-size", options.max_size,
       "Largest length of the longer side of the scene's images [px]; photos are never enlarged");
+  app.add_option("--frames", options.frames,
+                 "Frames of a video to use, at most: the sharpest ones, evenly spaced by motion");
   tetrec::AddWordOption(
       app, "--matcher", options.matcher,
       "Pairs of photos to match: exhaustive (all), sequential (neighbours in the order of names), "
@@ -61,7 +66,7 @@ int main(int argc, char** argv) {
                  "photos help to find the cameras");
   app.add_option("--seed", options.seed, "Random seed of COLMAP's mapper");
   using tetrec::GroupOptions;
-  GroupOptions(app, "Scene", {"--max-size", "--holdout", "--train-every"});
+  GroupOptions(app, "Scene", {"--frames", "--max-size", "--holdout", "--train-every"});
   GroupOptions(
       app, "COLMAP",
       {"--matcher", "--max-features", "--retries", "--camera-sharing", "--camera-model", "--seed"});
@@ -69,6 +74,10 @@ int main(int argc, char** argv) {
       argc, argv, [&](tetrec::Stage& stage) { tetrec::RunSfm(options, stage); },
       [&] {
         options.Check();
+        if (app.count("--frames") > 0 &&
+            std::filesystem::is_directory(app.get_option("PHOTOS")->as<std::string>())) {
+          throw tetrec::UsageError("--frames chooses frames of a video, but PHOTOS is a folder");
+        }
         RefuseKnownCameras(app.get_option("PHOTOS")->as<std::string>());
       });
 }

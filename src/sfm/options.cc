@@ -17,6 +17,7 @@ void CheckRange(const char* option, int value, int min, int max) {
 }  // namespace
 
 void SfmOptions::Check() const {
+  CheckRange("frames", frames, 2, 2000);
   CheckRange("max-features", max_features, 100, 100000);
   CheckRange("retries", retries, 0, 3);
   CheckRange("max-size", max_size, 16, 16384);
