@@ -429,6 +429,7 @@ class HostileTest(StageCase):
             ("optimize", "--time-limit", "5min"), ("optimize", "--color-rate", "0"), ("optimize", "--seed", "-1"),
             ("bench", "--stop", "nan"), ("bench", "--stop", "0.6"), ("bench", "--size", "0"), ("bench", "--tets", "-1"),
             ("sfm", "--max-size", "99999999999999999999"), ("sfm", "--holdout", "-1"), ("sfm", "--retries", "nan"),
+            ("sfm", "--frames", "1"), ("render", "--path", "spiral"), ("render", "--fps", "nan"),
             ("import", "--downscale", "inf"), ("import", "--bounds", "0,0,0,0,0,nan"), ("import", "--spacing", "1x1"),
             ("render", "--samples", "0"), ("render", "--samples", "1e9"), ("render", "--device", ""),
             ("surface", "--smoothing", "-1"), ("surface", "--isovalue", "inf"), ("surface", "--margin", "nan"),
