@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <vector>
 
 namespace {
@@ -33,11 +34,14 @@ int main(int argc, char** argv) {
       "Finds the cameras of a folder of photos with COLMAP and writes the scene folder:\n"
       "undistorted images, cameras, sparse points, the bounds of the subject and the split.\n"
       "Example: tetrec-sfm PHOTOS -o RUN/1_scene");
-  command.InputPath("PHOTOS", "Folder of photos (.jpg, .jpeg, .png), including its subfolders");
+  command.InputPath("PHOTOS",
+                    "Folder of photos (.jpg, .jpeg, .png), including its subfolders, or a video");
   CLI::App& app = command.app();
   app.add_option(
       "--max-size", options.max_size,
       "Largest length of the longer side of the scene's images [px]; photos are never enlarged");
+  app.add_option("--frames", options.frames,
+                 "Frames of a video to use, at most: the sharpest ones, evenly spaced by motion");
   tetrec::AddWordOption(
       app, "--matcher", options.matcher,
       "Pairs of photos to match: exhaustive (all), sequential (neighbours in the order of names), "
@@ -73,8 +77,9 @@ int main(int argc, char** argv) {
       "are left out with a warning; with more of them, or 0 and any, the stage fails");
   app.add_option("--seed", options.seed, "Random seed of COLMAP's mapper");
   using tetrec::GroupOptions;
-  GroupOptions(app, "Scene",
-               {"--max-unreadable", "--max-size", "--bounds", "--holdout", "--train-every"});
+  GroupOptions(
+      app, "Scene",
+      {"--max-unreadable", "--frames", "--max-size", "--bounds", "--holdout", "--train-every"});
   GroupOptions(
       app, "COLMAP",
       {"--matcher", "--max-features", "--retries", "--camera-sharing", "--camera-model", "--seed"});
@@ -86,6 +91,10 @@ int main(int argc, char** argv) {
                                            {bounds[3], bounds[4], bounds[5]}};
         }
         options.Check();
+        if (app.count("--frames") > 0 &&
+            std::filesystem::is_directory(app.get_option("PHOTOS")->as<std::string>())) {
+          throw tetrec::UsageError("--frames chooses frames of a video, but PHOTOS is a folder");
+        }
         RefuseKnownCameras(app.get_option("PHOTOS")->as<std::string>());
       });
 }

@@ -50,7 +50,7 @@ clang-format                tests: format check
 colmap                      tetrec-sfm runs it
 tetgen                      tetrec-tetrahedralize --start tetgen runs it
 gnuplot-nox                 tetrec-chart runs it
-ffmpeg                      tetrec-render --path runs it
+ffmpeg                      tetrec-sfm VIDEO and tetrec-render --path run it
 LIST
 }
 

@@ -18,6 +18,7 @@ void CheckRange(const char* option, int value, int min, int max) {
 }  // namespace
 
 void SfmOptions::Check() const {
+  CheckRange("frames", frames, 2, 2000);
   CheckRange("max-features", max_features, 100, 100000);
   CheckRange("retries", retries, 0, 3);
   if (!(max_unreadable >= 0 && max_unreadable < 1)) {

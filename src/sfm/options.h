@@ -35,6 +35,7 @@ struct SfmOptions {
   PairChoice matcher = PairChoice::kAuto;
   CameraSharing camera_sharing = CameraSharing::kAuto;
   SfmLens camera_model = SfmLens::kAuto;
+  int frames = 80;          // at most so many of a video; all pairs of 80 photos are matched
   int max_features = 3072;  // features per photo, those of the largest scales
   // Where photos stay unregistered: further tries, each with more features for the photos
   // concerned.

@@ -20,6 +20,7 @@
 #include "sfm/photos.h"
 #include "sfm/retry.h"
 #include "sfm/thin_views.h"
+#include "sfm/video.h"
 #include "sfm/work_key.h"
 
 #include <fmt/format.h>
@@ -266,13 +267,14 @@ void Retry(const SfmWork& work, const fs::path& database, const std::string& mod
 }
 
 // Features, matches and model, from the cache as far as it has them.
-ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage) {
+ColmapModel RunColmap(const SfmOptions& options, const fs::path& folder,
+                      const std::vector<Photo>& photos, Stage& stage) {
   const ColmapProgram colmap = FindColmap(stage.folder() / "log.txt");
   LogInfo("COLMAP {}: {} photos", colmap.version, photos.size());
   stage.Note("colmap", colmap.version);
   const fs::path scratch = stage.Scratch("work");
   const LinkedPhotos linked =
-      LinkPhotos(stage.Input("PHOTOS"), photos, options.camera_sharing, scratch / "photos");
+      LinkPhotos(folder, photos, options.camera_sharing, scratch / "photos");
   const ExtractOptions extract{CameraModelFor(options, photos.size(), linked.cameras),
                                options.camera_sharing == CameraSharing::kPerImage,
                                options.max_features};
@@ -448,17 +450,26 @@ void Report(const ModelQuality& quality, const Scene& scene,
   stage.Note("resolution", {scene.cameras.front().width, scene.cameras.front().height});
 }
 
+// The folder of photos that was given, or one with frames of the video that was given.
+fs::path PhotosFolder(const SfmOptions& options, Stage& stage) {
+  const fs::path input = stage.Input("PHOTOS");
+  if (!fs::is_regular_file(input)) return input;
+  const fs::path scratch = stage.Scratch("video");
+  WriteVideoFrames(input, size_t(options.frames), scratch / "frames", scratch);
+  return scratch / "frames";
+}
+
 }  // namespace
 
 void RunSfm(const SfmOptions& options, Stage& stage) {
   options.Check();
-  const fs::path folder = stage.Input("PHOTOS");
   Timer timer;
+  const fs::path folder = PhotosFolder(options, stage);
   const auto [photos, unreadable] = FindPhotos(folder, options.max_unreadable);
   stage.Count("unreadable", unreadable.size());
   stage.Note("unreadable", unreadable);
   stage.Seconds("check", timer.seconds());
-  const ColmapModel model = RunColmap(options, photos, stage);
+  const ColmapModel model = RunColmap(options, folder, photos, stage);
   std::vector<std::string> names;
   for (const Photo& photo : photos) names.push_back(photo.name);
   const ModelQuality quality = JudgeModel(model, names);

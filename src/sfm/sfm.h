@@ -1,4 +1,4 @@
-// Structure from motion: a folder of photos becomes a scene folder, by way of COLMAP.
+// Structure from motion: a folder of photos, or a video, becomes a scene folder, by way of COLMAP.
 #pragma once
 
 #include "core/stage.h"
@@ -6,8 +6,8 @@
 
 namespace tetrec {
 
-// Reads the stage's input PHOTOS and writes images/*.png, scene.json and points.ply into its
-// folder.
+// Reads the stage's input PHOTOS, a folder or the file of a video, and writes images/*.png,
+// scene.json and points.ply into its folder.
 void RunSfm(const SfmOptions& options, Stage& stage);
 
 }  // namespace tetrec

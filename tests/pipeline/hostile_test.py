@@ -431,6 +431,7 @@ class HostileTest(StageCase):
             ("bench", "--stop", "nan"), ("bench", "--stop", "0.6"), ("bench", "--size", "0"), ("bench", "--tets", "-1"),
             ("sfm", "--max-size", "99999999999999999999"), ("sfm", "--holdout", "-1"), ("sfm", "--retries", "nan"),
             ("sfm", "--bounds", "0,0,0,1,1,0"), ("sfm", "--max-unreadable", "1"), ("surface", "--extent", "0,0,0,1,1,1"),
+            ("sfm", "--frames", "1"), ("render", "--path", "spiral"), ("render", "--fps", "nan"),
             ("import", "--downscale", "inf"), ("import", "--bounds", "0,0,0,0,0,nan"), ("import", "--spacing", "1x1"),
             ("render", "--samples", "0"), ("render", "--samples", "1e9"), ("render", "--device", ""),
             ("surface", "--smoothing", "-1"), ("surface", "--isovalue", "inf"), ("surface", "--margin", "nan"),
