@@ -23,6 +23,10 @@ int main(int argc, char** argv) {
       "--smoothing", options.smoothing,
       "Rounds in which each vertex is averaged with its neighbours before the surface is "
       "extracted, 0 to 100");
+  app.add_option(
+      "--smooth-normals", options.smooth_normals,
+      "Rounds in which the triangles' normals are averaged with similar ones around them, "
+      "so that ripples go and edges stay, 0 to 100; 0: leave the surface as extracted");
   AddWordOption(app, "--extent", options.extent, "Extract the subject only, or the whole volume");
   app.add_option("--margin", options.margin,
                  "Margin around the subject's bounds, in shares of their sides, 0 to 10");
@@ -66,7 +70,7 @@ int main(int argc, char** argv) {
   app.add_option("--rays", options.rays, "Rays that find the isovalue, 100 or more");
   app.add_option("--seed", options.seed, "Random seed of those rays");
   using tetrec::GroupOptions;
-  GroupOptions(app, "Level", {"--isovalue", "--smoothing", "--rays", "--seed"});
+  GroupOptions(app, "Level", {"--isovalue", "--smoothing", "--smooth-normals", "--rays", "--seed"});
   GroupOptions(
       app, "Part of the surface",
       {"--extent", "--margin", "--min-component-share", "--keep-cavities", "--fill-holes"});

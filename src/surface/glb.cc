@@ -173,7 +173,7 @@ void AppendChunk(ByteWriter& file, const char (&type)[5], std::string_view conte
 void WriteTriangleMeshGlb(const std::filesystem::path& path, const TriangleMesh& mesh,
                           const Image& texture) {
   TETREC_CHECK(!mesh.triangles.empty(), "glTF has no accessors of no elements");
-  TETREC_CHECK(mesh.corner_coordinates.empty() == texture.pixels.empty(), "texture of a mesh");
+  TETREC_CHECK(texture.pixels.empty() || !mesh.corner_coordinates.empty(), "texture of a mesh");
   Buffer buffer;
   const json scene = {{"nodes", json::array({0})}}, node = {{"mesh", 0}};
   json document = {{"asset", {{"version", "2.0"}, {"generator", "Tetrec"}}},

@@ -8,8 +8,8 @@
 
 namespace tetrec {
 
-// Writes glTF 2.0 in one file (.glb): one mesh with vertex colours, or with a texture instead if
-// `mesh` has texture coordinates. Viewers show it unlit, because the photos' light is in its
+// Writes glTF 2.0 in one file (.glb): one mesh with vertex colours, or with a texture instead, for
+// which `mesh` has texture coordinates. Viewers show it unlit, because the photos' light is in its
 // colours. `mesh` has y up, as glTF demands, and at least one triangle; `texture` is RGB.
 void WriteTriangleMeshGlb(const std::filesystem::path& path, const TriangleMesh& mesh,
                           const Image& texture = {});

@@ -16,6 +16,7 @@
 #include "surface/marching_tetrahedra.h"
 #include "surface/occupancy.h"
 #include "surface/simplify.h"
+#include "surface/smooth.h"
 
 #include <fmt/format.h>
 
@@ -27,6 +28,10 @@ namespace {
 // Rays lose half of their light inside a wall. The wall begins where density has risen to this
 // share of its value there; free space has far less.
 constexpr double kWallBegins = 0.02;
+
+// Ripples of a surface that was made from photos are lower than this share of the diagonal of the
+// subject's bounds; what is higher is taken for shape.
+constexpr double kMaxSmoothingMove = 0.003;
 
 float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
                      const SurfaceOptions& options, Stage& stage) {
@@ -79,7 +84,9 @@ TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, dou
   LogInfo("small holes: {} closed by {} triangles", WithThousands(filled.holes),
           WithThousands(filled.triangles));
   stage.Count("filled_holes", filled.holes);
-  TriangleMesh simple = Simplify(filled.mesh, options.max_deviation / 100 * diagonal);
+  const TriangleMesh smooth = SmoothByNormals(
+      filled.mesh, {.rounds = options.smooth_normals, .max_move = kMaxSmoothingMove * diagonal});
+  TriangleMesh simple = Simplify(smooth, options.max_deviation / 100 * diagonal);
   LogInfo("simplification: {} of {} triangles are left, within {:.3g} % of the subject's diagonal",
           WithThousands(simple.triangles.size()), WithThousands(filled.mesh.triangles.size()),
           options.max_deviation);
@@ -129,6 +136,7 @@ void Report(const TriangleMesh& mesh, Stage& stage) {
 void SurfaceOptions::Check() const {
   CheckAtLeast("isovalue", isovalue, 0.0);
   CheckRange("smoothing", smoothing, 0, 100);
+  CheckRange("smooth_normals", smooth_normals, 0, 100);
   CheckRange("margin", margin, 0.0, 10.0);
   CheckRange("fill_holes", fill_holes, 0.0, 1000.0);
   CheckRange("max_deviation", max_deviation, 0.0, 10.0);

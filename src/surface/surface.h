@@ -23,7 +23,8 @@ struct SurfaceOptions {
   // Density of the surface [1 / world unit]; 0: a fiftieth of the typical density where a ray
   // from a camera has lost half of its light (FindHalfTransmittanceLevel).
   double isovalue = 0;
-  int smoothing = 4;  // rounds of SmoothedOccupancy
+  int smoothing = 3;        // rounds of SmoothedOccupancy
+  int smooth_normals = 10;  // rounds of SmoothByNormals
   SurfaceExtent extent = SurfaceExtent::kSubject;
   // Around the subject's bounds, in shares of their sides. Thin parts have few sparse points, so
   // the bounds may end before them.

@@ -26,10 +26,10 @@ def read_ply(path):
     counts = {words[1]: int(words[2]) for words in map(str.split, header.decode().splitlines())
               if words[0] == "element"}
     vertex = struct.Struct("<3f3B" if b"uchar red" in header else "<3f")
-    face = struct.Struct("<B3i")
+    face = struct.Struct("<B3iB6f" if b"texcoord" in header else "<B3i")
     positions = [vertex.unpack_from(body, i * vertex.size)[:3] for i in range(counts["vertex"])]
     start = counts["vertex"] * vertex.size
-    triangles = [face.unpack_from(body, start + i * face.size)[1:] for i in range(counts["face"])]
+    triangles = [face.unpack_from(body, start + i * face.size)[1:4] for i in range(counts["face"])]
     return positions, triangles
 
 
