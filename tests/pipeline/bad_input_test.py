@@ -35,7 +35,10 @@ class BadInputTest(StageCase):
         photos = self.photos(4)
         whole = (photos / "r_2.png").read_bytes()
         (photos / "r_2.png").write_bytes(whole[:len(whole) // 2])
-        self.assert_fails(self.run_stage("sfm", photos, "-o", self.folder / "out"), 3, "r_2.png")
+        strict = self.run_stage("sfm", photos, "-o", self.folder / "out", "--max-unreadable", 0)
+        self.assert_fails(strict, 3, "1 of 4 photos cannot be read, and max-unreadable is 0", "r_2.png")
+        self.assertIn("warning: 1 of 4 photos cannot be read and are left out: ",
+                      self.run_stage("sfm", photos, "-o", self.folder / "out").stderr)
 
     def test_sfm_without_colmap_in_path(self):
         result = self.run_stage("sfm", self.photos(4), "-o", self.folder / "out",
