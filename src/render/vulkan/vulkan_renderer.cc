@@ -2,19 +2,17 @@
 #include "render/vulkan/vulkan_renderer.h"
 
 #include "core/error.h"
-#include "mesh/locate.h"
 #include "render/field_checks.h"
 #include "render/vulkan/device_memory.h"
+#include "render/vulkan/device_sums.h"
 #include "render/vulkan/exposure_gather.h"
 #include "render/vulkan/field_update.h"
 #include "render/vulkan/fixed_point.h"
-#include "render/vulkan/gpu_view.h"
-#include "render/vulkan/march_integrator.h"
+#include "render/vulkan/integrators.h"
 #include "render/vulkan/pass_counters.h"
 #include "render/vulkan/picture_passes.h"
-#include "render/vulkan/ppll_integrator.h"
-#include "render/vulkan/projection_integrator.h"
 #include "render/vulkan/ray_loss.h"
+#include "render/vulkan/training_views.h"
 #include "render/vulkan/view_colors.h"
 
 #include <fmt/format.h>
@@ -25,8 +23,6 @@
 
 namespace tetrec {
 namespace {
-
-using gpu_types::GpuView;
 
 double LargestValue(std::span<const glm::vec4> values) {
   float largest = 0.0f;
@@ -42,25 +38,6 @@ DeviceOptions DeviceOptionsOf(const RendererOptions& options) {
   return device;
 }
 
-// Returns null for the march.
-std::unique_ptr<Integrator> MakeOtherIntegrator(const Device& device,
-                                                const RendererOptions& options,
-                                                const FieldLayout& layout) {
-  if (options.kind == RendererKind::kPpll) {
-    return std::make_unique<PpllIntegrator>(device, options, layout);
-  }
-  if (options.kind == RendererKind::kProjection) {
-    return std::make_unique<ProjectionIntegrator>(device, options, layout);
-  }
-  return nullptr;
-}
-
-// The training views as grids of rays, with one number of rays per pixel.
-struct RayViews {
-  std::vector<GpuView> views;
-  Buffer buffer;  // the same
-};
-
 class VulkanRenderer final : public ProbedRenderer {
  public:
   explicit VulkanRenderer(const RendererOptions& options)
@@ -71,12 +48,12 @@ class VulkanRenderer final : public ProbedRenderer {
         exposures_(*device_),
         counters_(*device_),
         view_colors_(*device_, layout_, options.deterministic),
-        march_(*device_, options),
-        other_(MakeOtherIntegrator(*device_, options, layout_)),
-        integrator_(other_ ? other_.get() : &march_),
+        integrators_(*device_, options, layout_),
         recorders_{std::make_unique<CommandRecorder>(*device_),
                    std::make_unique<CommandRecorder>(*device_)},
         part_recorder_(*device_),
+        views_(*device_),
+        sums_(*device_),
         pictures_(*device_, options_, counters_, view_colors_) {}
 
   // Buffers are destroyed before the recorders, so the device must be done with them.
@@ -89,7 +66,7 @@ class VulkanRenderer final : public ProbedRenderer {
 
   void SetState(TetMesh mesh, const FieldState& state) override {
     CheckRenderable(mesh, state, options_.orientations);
-    integrator_->CheckMesh(mesh);
+    integrators_.rendering().CheckMesh(mesh);
     WaitAll();
     FreeMemory free = MeasureFreeMemory(*device_);
     if (field_.tet_count > 0)
@@ -99,9 +76,8 @@ class VulkanRenderer final : public ProbedRenderer {
     UseLayout(state.layout);
     field_ = UploadField(*device_, std::move(mesh), state, options_.deterministic);
     SpreadParameters();
-    march_.SetField(field_);
-    if (other_) other_->SetField(field_);
-    UploadViews();
+    integrators_.SetField(field_);
+    views_.EnterField(field_);
   }
 
   FieldState ReadState() override {
@@ -120,21 +96,10 @@ class VulkanRenderer final : public ProbedRenderer {
 
   void SetTargets(std::span<const RenderView> views,
                   std::span<const TargetImage> targets) override {
-    TETREC_CHECK(views.size() == targets.size(), "one target per view");
     WaitAll();
-    views_.assign(views.begin(), views.end());
-    first_pixels_.clear();
-    std::vector<uint32_t> pixels;
-    for (size_t i = 0; i < views.size(); ++i) {
-      TETREC_CHECK(
-          views[i].camera.width == targets[i].width && views[i].camera.height == targets[i].height,
-          fmt::format("target {} and its camera differ in size", i));
-      first_pixels_.push_back(uint32_t(pixels.size()));
-      pixels.insert(pixels.end(), targets[i].rgba8.begin(), targets[i].rgba8.end());
-    }
-    targets_ = MakeBuffer(*device_, "target pictures", pixels, VK_FORMAT_R8G8B8A8_UNORM);
+    views_.SetTargets(views, targets);
     if (views.size() != exposures_.views()) ForgetExposures();
-    if (field_.tet_count > 0) UploadViews();
+    if (field_.tet_count > 0) views_.EnterField(field_);
   }
 
   void SetExposures(std::span<const ViewExposure> exposures) override {
@@ -153,15 +118,14 @@ class VulkanRenderer final : public ProbedRenderer {
   // Two steps are in flight: while the device works on one, the host prepares the next.
   StepResult Step(const TrainingBatch& batch, const AdamUpdate& update) override {
     const FixedPoint fixed = FixedPointOf(batch);
-    ExpectSums(fixed);
-    if (batch.parts == GradientParts::kColorDensityPosition) {
-      ExpectPositionSums(fixed);
-    }
-    const StepResult before = InFlightBatch(*integrator_, batch, {ScaleOf(batch)}, fixed,
-                                            [&](CommandRecorder& recorder, const RayPass& pass) {
-                                              RecordLearning(recorder, pass, update, fixed);
-                                            });
-    ForgetSums();
+    sums_.Expect(fixed);
+    if (batch.parts == GradientParts::kColorDensityPosition) ExpectPositionSums(fixed);
+    const StepResult before =
+        InFlightBatch(integrators_.rendering(), batch, {ScaleOf(batch)}, fixed,
+                      [&](CommandRecorder& recorder, const RayPass& pass) {
+                        RecordLearning(recorder, pass, update, fixed);
+                      });
+    sums_.ForgetValues();
     return before;
   }
 
@@ -172,7 +136,8 @@ class VulkanRenderer final : public ProbedRenderer {
     forward_batch_.blocks = forward_blocks_;
     PutBlocks(part_.rays, batch.blocks);
     part_recorder_.Begin();
-    RecordForward(part_recorder_, *integrator_, part_, ForwardPass(), batch, {ScaleOf(batch)});
+    RecordForward(part_recorder_, integrators_.rendering(), part_, ForwardPass(), batch,
+                  {ScaleOf(batch)});
     part_recorder_.EndAndSubmit();
     part_recorder_.Wait();
     has_forward_ = true;
@@ -181,28 +146,26 @@ class VulkanRenderer final : public ProbedRenderer {
 
   void Backward(GradientParts parts) override {
     TETREC_CHECK(has_forward_, "Backward follows Forward");
-    ExpectSums(FixedPointOf(forward_batch_));
+    sums_.Expect(FixedPointOf(forward_batch_));
     AllocateOtherGradients(*device_, field_);
-    if (parts == GradientParts::kColorDensityPosition) ExpectPositionSums(sums_fixed_);
+    if (parts == GradientParts::kColorDensityPosition) ExpectPositionSums(sums_.quanta());
     RayPass pass = ForwardPass();
     pass.parts = parts;
     part_recorder_.Begin();
     RecordBackward(part_recorder_, pass);
     part_recorder_.EndAndSubmit();
     part_recorder_.Wait();
-    has_sums_ = true;
+    sums_.HaveValues();
   }
 
   GradientSums TakeGradients() override {
     WaitAll();
-    return TakeSums(sums_fixed_);
+    return sums_.Take(field_, sums_.quanta());
   }
 
   GradientSums TakePositionGradients() override {
     WaitAll();
-    GradientSums sums;
-    TakePositionSums(sums);
-    return sums;
+    return sums_.TakePositions(field_);
   }
 
   void MoveVertices(std::span<const glm::vec3> positions) override {
@@ -211,38 +174,28 @@ class VulkanRenderer final : public ProbedRenderer {
     has_forward_ = false;
     UploadPositions(field_, positions);
     SpreadParameters();
-    if (other_) other_->FollowVertices(field_);
-    UploadViews();
+    integrators_.FollowVertices(field_);
+    views_.EnterField(field_);
   }
 
   void AddGradients(const GradientSums& sums) override {
     WaitAll();
-    if (!has_quanta_) {
+    if (!sums_.has_quanta()) {
       double largest = 0;
       for (const double value : sums.values) largest = std::max(largest, std::abs(value));
-      ExpectSums(FixedPointOf(largest, 1));
+      sums_.Expect(FixedPointOf(largest, 1));
     }
-    AllocateOtherGradients(*device_, field_);
-    AddToGradients(field_, sums.values, sums_fixed_);
-    has_sums_ = true;
-    if (sums.position.empty()) return;
-    ExpectPositionSums(sums_fixed_);
-    std::vector<double> rows;
-    for (size_t v = 0; v < sums.position.size(); ++v) {
-      for (int i = 0; i < 3; ++i) rows.push_back(sums.position[v][i]);
-      rows.push_back(sums.absolute_position[v]);
-    }
-    AddToPositionGradients(field_, rows, sums_fixed_);
+    sums_.Add(field_, sums);
   }
 
   void Update(const AdamUpdate& update) override {
     WaitAll();
     part_recorder_.Begin();
-    update_.Adam(part_recorder_, field_, update, sums_fixed_);
-    update_.Others(part_recorder_, field_, update, sums_fixed_);
+    update_.Adam(part_recorder_, field_, update, sums_.quanta());
+    update_.Others(part_recorder_, field_, update, sums_.quanta());
     part_recorder_.EndAndSubmit();
     part_recorder_.Wait();
-    ForgetSums();
+    sums_.ForgetValues();
   }
 
   void WriteParameters(std::span<const float> parameters) override {
@@ -258,7 +211,7 @@ class VulkanRenderer final : public ProbedRenderer {
     field_.rate_shares.Upload(shares.data(), shares.size_bytes());
   }
 
-  bool NeedsTiles() const override { return integrator_ != &march_; }
+  bool NeedsTiles() const override { return !integrators_.march_renders(); }
 
   void ClearScores() override {
     WaitAll();
@@ -279,11 +232,11 @@ class VulkanRenderer final : public ProbedRenderer {
     TETREC_CHECK(batch.samples == 1, "scores take one ray per pixel");
     FixedPoint fixed;
     fixed.largest_quanta = float(kLargestScore * kScoreQuanta);
-    return InFlightBatch(march_, by_square, {0.5f, true}, fixed,
+    return InFlightBatch(integrators_.march(), by_square, {0.5f, true}, fixed,
                          [&](CommandRecorder& recorder, const RayPass& pass) {
                            RayPass scored = pass;
                            scored.score = kind;
-                           march_.Score(recorder, scored);
+                           integrators_.march().Score(recorder, scored);
                          });
   }
 
@@ -295,13 +248,13 @@ class VulkanRenderer final : public ProbedRenderer {
   RenderedImage Render(const RenderView& view, int samples) override {
     WaitAll();
     has_forward_ = false;
-    return pictures_.Render(*integrator_, field_, view, samples);
+    return pictures_.Render(integrators_.rendering(), field_, view, samples);
   }
 
   DepthMap RenderDepth(const RenderView& view) override {
     WaitAll();
     has_forward_ = false;
-    return pictures_.RenderDepth(march_, field_, view);
+    return pictures_.RenderDepth(integrators_.march(), field_, view);
   }
 
   FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient,
@@ -311,12 +264,12 @@ class VulkanRenderer final : public ProbedRenderer {
     TETREC_CHECK(pixel_gradient.size() == size_t(view.camera.width) * size_t(view.camera.height),
                  "one gradient per pixel");
     const FixedPoint fixed = FixedPointOf(LargestValue(pixel_gradient), pixel_gradient.size());
-    TETREC_CHECK(!has_sums_, "Backpropagate in the middle of a sum");
+    TETREC_CHECK(!sums_.has_values(), "Backpropagate in the middle of a sum");
     if (with_positions) ExpectPositionSums(fixed);
     AllocateOtherGradients(*device_, field_);
     has_forward_ = false;
-    pictures_.Backpropagate(*integrator_, field_, view, pixel_gradient, parts, fixed);
-    const GradientSums sums = TakeSums(fixed);
+    pictures_.Backpropagate(integrators_.rendering(), field_, view, pixel_gradient, parts, fixed);
+    const GradientSums sums = sums_.Take(field_, fixed);
     FieldGradient result;
     const size_t components = size_t(layout_.Components());
     for (size_t at = 0; at < sums.values.size(); at += components) {
@@ -334,7 +287,7 @@ class VulkanRenderer final : public ProbedRenderer {
                                      std::span<const RayBlock> blocks) override {
     WaitAll();
     has_forward_ = false;
-    return pictures_.MarchBlocks(*integrator_, field_, view, blocks);
+    return pictures_.MarchBlocks(integrators_.rendering(), field_, view, blocks);
   }
 
   RenderCounts counts() const override {
@@ -366,8 +319,8 @@ class VulkanRenderer final : public ProbedRenderer {
   // An upper bound. On a software device the host's copy of the mesh, and the rows that it is
   // uploaded from, count, too.
   uint64_t BytesFor(const TetMesh& mesh, const FieldLayout& layout) const {
-    const uint64_t on_device = FieldBytes(mesh, layout, options_.deterministic) +
-                               march_.BytesFor(mesh) + (other_ ? other_->BytesFor(mesh) : 0);
+    const uint64_t on_device =
+        FieldBytes(mesh, layout, options_.deterministic) + integrators_.BytesFor(mesh);
     const bool on_host = device_->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     const uint64_t copies = mesh.tets.size() * (sizeof(glm::uvec4) * 4) +
                             mesh.positions.size() * (sizeof(glm::vec3) + sizeof(glm::vec4) * 2);
@@ -384,15 +337,14 @@ class VulkanRenderer final : public ProbedRenderer {
     layout_ = layout;
     update_ = FieldUpdate(*device_, layout, options_.deterministic);
     view_colors_ = ViewColors(*device_, layout, options_.deterministic);
-    other_ = MakeOtherIntegrator(*device_, options_, layout);
-    integrator_ = other_ ? other_.get() : &march_;
+    integrators_.UseLayout(layout);
   }
 
   void FreeField() {
     field_ = {};
     view_colors_.Clear();
-    ForgetSums();
-    ForgetPositionSums();
+    sums_.ForgetValues();
+    sums_.ForgetPositions();
     has_forward_ = false;
   }
 
@@ -404,61 +356,8 @@ class VulkanRenderer final : public ProbedRenderer {
     part_recorder_.Wait();
   }
 
-  // Gradients are about to be added that count in these quanta.
-  void ExpectSums(const FixedPoint& fixed) {
-    TETREC_CHECK(!has_sums_ || fixed == sums_fixed_,
-                 "batches summed for one update agree in rays_of_mean, loss and dssim_weight");
-    sums_fixed_ = fixed;
-    has_quanta_ = true;
-  }
-
-  // The sums are zero, or will be when the device is done.
-  void ForgetSums() { has_sums_ = has_quanta_ = false; }
-
-  GradientSums TakeSums(const FixedPoint& fixed) {
-    GradientSums sums;
-    sums.values = DownloadGradients(field_, fixed);
-    ClearGradients(field_);
-    has_sums_ = false;
-    TakePositionSums(sums);
-    return sums;
-  }
-
-  // Gradients by positions are about to be added that count in these quanta. They may be others
-  // than before: sums of positions are of several updates.
-  void ExpectPositionSums(const FixedPoint& fixed) {
-    AllocatePositionGradients(*device_, field_);
-    if (has_position_sums_ && fixed.position_quanta != position_fixed_.position_quanta) {
-      WaitAll();
-      AddPositionSums(counted_positions_);
-    }
-    position_fixed_ = fixed;
-    has_position_sums_ = true;
-  }
-
-  // Adds the sums on the device to `sums` and sets them to zero.
-  void AddPositionSums(GradientSums& sums) {
-    sums.position.resize(field_.vertex_count, glm::dvec3(0.0));
-    sums.absolute_position.resize(field_.vertex_count, 0.0);
-    const std::vector<double> rows = DownloadPositionGradients(field_, position_fixed_);
-    for (size_t v = 0; v < sums.position.size(); ++v) {
-      sums.position[v] += glm::dvec3(rows[4 * v], rows[4 * v + 1], rows[4 * v + 2]);
-      sums.absolute_position[v] += rows[4 * v + 3];
-    }
-    field_.position_gradients.FillZero();
-  }
-
-  void TakePositionSums(GradientSums& sums) {
-    if (!has_position_sums_) return;
-    AddPositionSums(counted_positions_);
-    sums.position = std::move(counted_positions_.position);
-    sums.absolute_position = std::move(counted_positions_.absolute_position);
-    ForgetPositionSums();
-  }
-
-  void ForgetPositionSums() {
-    counted_positions_ = {};
-    has_position_sums_ = false;
+  void ExpectPositionSums(const FixedPoint& quanta) {
+    sums_.ExpectPositions(field_, quanta, [this] { WaitAll(); });
   }
 
   // Records forward and loss of a batch and whatever `then` records, and submits it. Returns the
@@ -492,12 +391,12 @@ class VulkanRenderer final : public ProbedRenderer {
                      const RayGradients& gradients) {
     view_colors_.Record(recorder, pass);
     integrator.Forward(recorder, pass);
-    if (batch.dssim_weight > 0) CheckTiles(batch);
-    loss_.Record(recorder, slot, batch, gradients, RaysOf(batch).buffer, targets_, exposures_);
+    loss_.Record(recorder, slot, batch, gradients, views_.ViewsFor(batch).buffer, views_.targets(),
+                 exposures_);
   }
 
   void RecordBackward(CommandRecorder& recorder, const RayPass& pass) {
-    integrator_->Backward(recorder, pass);
+    integrators_.rendering().Backward(recorder, pass);
     view_colors_.RecordBackward(recorder, pass);
   }
 
@@ -505,11 +404,11 @@ class VulkanRenderer final : public ProbedRenderer {
   // their gradients, unless there are sums from before.
   void RecordLearning(CommandRecorder& recorder, const RayPass& pass, const AdamUpdate& update,
                       const FixedPoint& fixed) {
-    if (has_sums_) {
+    if (sums_.has_values()) {
       RecordBackward(recorder, pass);
       update_.Others(recorder, field_, update, fixed);
     } else {
-      integrator_->Backward(recorder, pass);
+      integrators_.rendering().Backward(recorder, pass);
       view_colors_.RecordStep(recorder, pass, update, fixed);
     }
     update_.Adam(recorder, field_, update, fixed);
@@ -529,24 +428,8 @@ class VulkanRenderer final : public ProbedRenderer {
     return RayLoss::Collect(slot);
   }
 
-  void UploadViews() {
-    for (RayViews& rays : ray_views_) rays.views.clear();
-    uint32_t tet = 0;
-    for (size_t i = 0; i < views_.size(); ++i) {
-      tet = FindTet(field_.mesh, views_[i].cam_from_world.Inverse().translation,
-                    tet == kNoTet ? 0 : tet, field_.not_convex.empty());
-      for (int samples = 1; samples <= kMostTrainingSamples; ++samples) {
-        ray_views_[size_t(samples - 1)].views.push_back(
-            MakeGpuView(views_[i], samples, first_pixels_[i], tet));
-      }
-    }
-    for (RayViews& rays : ray_views_) {
-      rays.buffer = MakeBuffer(*device_, "views", rays.views, VK_FORMAT_R32G32B32A32_UINT);
-    }
-  }
-
   void PutBlocks(RayBatch& rays, std::span<const RayBlock> blocks) {
-    rays.SetBlocks(*device_, blocks, ray_views_[0].views);
+    rays.SetBlocks(*device_, blocks, views_.of_pixels());
     if (view_colors_.NeedsRoom(field_, rays.slots)) {
       WaitAll();  // for the other batch in flight
       view_colors_.MakeRoom(field_, rays.slots);
@@ -568,16 +451,9 @@ class VulkanRenderer final : public ProbedRenderer {
     return ChooseFixedPoint(gradient_scale, rays, field_.most_tets_at_vertex, field_.diagonal);
   }
 
-  const RayViews& RaysOf(const TrainingBatch& batch) const {
-    TETREC_CHECK(batch.samples >= 1 && batch.samples <= kMostTrainingSamples,
-                 "1 or 2 x 2 rays per pixel");
-    TETREC_CHECK(batch.samples == 1 || batch.dssim_weight == 0, "D-SSIM takes one ray per pixel");
-    return ray_views_[size_t(batch.samples - 1)];
-  }
-
   // A pass over a batch of the training views.
   RayPass PassOver(RayBatch& rays, const TrainingBatch& batch, const FixedPoint& fixed) {
-    const RayViews& of_batch = RaysOf(batch);
+    const RayViews& of_batch = views_.ViewsFor(batch);
     RayPass pass =
         MakePass(field_, rays, of_batch.buffer, batch.blocks, of_batch.views[batch.blocks[0].view],
                  counters_.buffer(), options_.stop_transmittance, fixed);
@@ -588,16 +464,6 @@ class VulkanRenderer final : public ProbedRenderer {
     return pass;
   }
 
-  // Windows must not reach beyond an image, where rays have no target.
-  void CheckTiles(const TrainingBatch& batch) const {
-    for (const RayBlock& block : batch.blocks) {
-      const Camera& camera = views_[block.view].camera;
-      TETREC_CHECK(int(block.x) + kRayBlockWidth <= camera.width &&
-                       int(block.y) + kRayBlockHeight <= camera.height,
-                   "a tile of D-SSIM leaves its picture");
-    }
-  }
-
   RendererOptions options_;
   std::unique_ptr<Device> device_;
   FieldLayout layout_;
@@ -605,28 +471,18 @@ class VulkanRenderer final : public ProbedRenderer {
   RayLoss loss_;
   ExposureGather exposures_;  // of the training views
   PassCounters counters_;
-  ViewColors view_colors_;             // made for layout_
-  MarchIntegrator march_;              // for scores, whichever integrator renders
-  std::unique_ptr<Integrator> other_;  // unless the march renders
-  Integrator* integrator_;
+  ViewColors view_colors_;   // made for layout_
+  Integrators integrators_;  // made for layout_
   std::array<std::unique_ptr<CommandRecorder>, 2> recorders_;
   CommandRecorder part_recorder_;
   DeviceField field_;
-  Buffer targets_;
-  std::vector<RenderView> views_;
-  std::array<RayViews, kMostTrainingSamples> ray_views_;  // by TrainingBatch::samples, from 1 on
-  std::vector<uint32_t> first_pixels_;
+  TrainingViews views_;
   std::array<BatchSlot, 2> in_flight_;  // of steps and scores
   BatchSlot part_;                      // for Forward and Backward
   TrainingBatch forward_batch_;         // that of the last Forward, with
   std::vector<RayBlock> forward_blocks_;
-  bool has_forward_ = false;        // and nothing was rendered since
-  bool has_sums_ = false;           // gradients that no update has used
-  bool has_position_sums_ = false;  // nor was taken
-  FixedPoint position_fixed_;       // their quanta
-  GradientSums counted_positions_;  // sums of positions in other quanta
-  bool has_quanta_ = false;         // sums_fixed_ is known since the last update
-  FixedPoint sums_fixed_;
+  bool has_forward_ = false;  // and nothing was rendered since
+  DeviceSums sums_;
   int current_ = 0;
   uint64_t scored_rays_ = 0;  // since ClearScores
   PicturePasses pictures_;
