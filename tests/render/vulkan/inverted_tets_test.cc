@@ -1,6 +1,7 @@
 // Meshes that moves by the article's method have broken: renderers do what they can.
 #include "core/error.h"
 #include "mesh/boundary.h"
+#include "render/reference_loss.h"
 #include "render/scenes.h"
 
 #include <gtest/gtest.h>
