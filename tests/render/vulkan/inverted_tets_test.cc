@@ -46,6 +46,8 @@ TEST_P(InvertedTetsTest, LeaveImagesAndGradientsFinite) {
     const RadianceField field = Jumbled(most);
     RendererOptions options;
     options.AcceptInvertedTets();
+    // No exact order is known once vertices have left the hull.
+    if (GetParam() == RendererKind::kProjection) options.order = VisibilityOrder::kCentroid;
     ProbedRenderer& renderer = MakeRenderer(options);
     renderer.SetField(field);
     for (const RenderView& view : views_) {
