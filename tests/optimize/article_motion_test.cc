@@ -103,6 +103,20 @@ TEST(ArticleMotion, BreaksTheMeshByALargeRateAndLeavesTheBoundary) {
   run.field.Put(run.field.mesh(), run.field.ReadState());
 }
 
+// Even in the middle of an epoch, and with a broken mesh.
+TEST(ArticleMotion, ContinuesAsItWouldHave) {
+  ArticleRun whole(0.05), first(0.05), second(0.05);
+  for (int i = 0; i < 17; ++i) whole.steps.Take(0.5, false);
+  for (int i = 0; i < 8; ++i) first.steps.Take(0.5, false);
+  EXPECT_GT(CountDegenerateTets(first.field.mesh()), 0u);
+  second.steps.Resume(first.steps.iteration(), first.steps.rays());
+  second.field.Put(first.field.mesh(), first.field.ReadState());
+  second.motion.Resume(first.motion.state());
+  for (int i = 0; i < 9; ++i) second.steps.Take(0.5, false);
+  EXPECT_EQ(second.field.mesh().positions, whole.field.mesh().positions);
+  EXPECT_EQ(second.field.ReadState().parameters, whole.field.ReadState().parameters);
+}
+
 TEST(ArticleMotion, EndsARunWhosePositionsAreNotFinite) {
   ArticleRun run(1e-4);
   std::vector<glm::vec3> moves(run.field.mesh().positions.size(), glm::vec3(0.0f));
