@@ -110,8 +110,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                  "Largest number of vertices after refinement; 0: what the time allows");
   tetrec::AddWordOption(
       app, "--refine", options.refine,
-      "Refinement of the mesh: insert (new vertices on the longest edges of the worst tets, empty "
-      "ones dropped, triangulated anew), bisect (the worst tets halved at their longest edges) or "
+      "Refinement of the mesh: insert (new vertices on the longest edges of the worst tets; "
+      "vertices that the pictures do not need are dropped; triangulated anew), bisect (the worst "
+      "tets halved at their longest edges) or "
       "prism (the DiffTetVR article's: all edges at the worst vertices halved)");
   tetrec::AddWordOption(
       app, "--score", options.score,
@@ -165,7 +166,7 @@ int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   Words words;
   tetrec::StageCommand command(
-      "optimize", 8,
+      "optimize", 9,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

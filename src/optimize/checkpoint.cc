@@ -17,7 +17,7 @@ namespace {
 
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'A'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'B'};
 
 constexpr size_t kChecksumBytes = 64;  // hexadecimal SHA-256 of all before it
 
@@ -65,7 +65,7 @@ static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
 static_assert(sizeof(CorrectedPose) == 13 * sizeof(double));
 static_assert(sizeof(MotionCounts) == 3 * sizeof(uint64_t));
 static_assert(sizeof(ErrorSum) == 2 * sizeof(double));
-static_assert(sizeof(GrowthStep) == 9 * sizeof(uint64_t));
+static_assert(sizeof(GrowthStep) == 10 * sizeof(uint64_t));
 static_assert(sizeof(ConvergenceState) == 4 * sizeof(uint64_t));
 
 TrialState ReadTrial(ByteReader& reader, const std::string& name, const char* what) {

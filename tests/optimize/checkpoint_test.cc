@@ -15,14 +15,14 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECKA", u64 iteration, f64 seconds, u64 rays, u32 x 2 and f64 of the
-// rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x 9 of
+// Where the fields start: "TETRECKB", u64 iteration, f64 seconds, u64 rays, u32 x 2 and f64 of the
+// rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x 10 of
 // their growth, u64 x 3 and f64 of the convergence, u64
 // metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64 T, then
 // the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the name, the
 // name, and 3 u32 each. Positions follow.
-constexpr size_t kSecondsAt = 16, kFineRaysAt = 220, kMotionAt = 224, kVertexCountAt = 228,
-                 kTetCountAt = 236, kStorageAt = 244,
+constexpr size_t kSecondsAt = 16, kFineRaysAt = 228, kMotionAt = 232, kVertexCountAt = 236,
+                 kTetCountAt = 244, kStorageAt = 252,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
