@@ -81,7 +81,10 @@ std::vector<float> LookAtErrors(TrainingRenderer& renderer, const TrainingSet& s
 std::vector<float> LookAtLight(TrainingRenderer& renderer, const TrainingSet& set,
                                const BatchDrawer& batches, const OptimizeOptions& options,
                                uint64_t iteration) {
-  return Look(renderer, set, batches, options, iteration, ScoreKind::kVisible);
+  // Fewer rays would miss tets that are seen.
+  OptimizeOptions of_look = options;
+  of_look.score_rays_per_tet = std::max(of_look.score_rays_per_tet, 1.0);
+  return Look(renderer, set, batches, of_look, iteration, ScoreKind::kVisible);
 }
 
 uint64_t CountEmpty(const std::vector<float>& light_of_tets) {

@@ -17,8 +17,8 @@ std::vector<float> LookAtErrors(TrainingRenderer& renderer, const TrainingSet& s
                                 const BatchDrawer& batches, const OptimizeOptions& options,
                                 uint64_t iteration);
 
-// From the same blocks, the light that the rays lose in each tet, of which shares below 1 % of a
-// ray's light are not counted (ScoreKind::kVisible).
+// From the same blocks, or more if there is less than a ray per tet, the light that the rays lose
+// in each tet, of which shares below 1 % of a ray's light are not counted (ScoreKind::kVisible).
 std::vector<float> LookAtLight(TrainingRenderer& renderer, const TrainingSet& set,
                                const BatchDrawer& batches, const OptimizeOptions& options,
                                uint64_t iteration);
