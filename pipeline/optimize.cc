@@ -113,8 +113,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
                  "Largest number of vertices after refinement; 0: what the time allows");
   tetrec::AddWordOption(
       app, "--refine", options.refine,
-      "Refinement of the mesh: insert (new vertices on the longest edges of the worst tets, empty "
-      "ones dropped, triangulated anew), bisect (the worst tets halved at their longest edges) or "
+      "Refinement of the mesh: insert (new vertices on the longest edges of the worst tets; "
+      "vertices that the pictures do not need are dropped; triangulated anew), bisect (the worst "
+      "tets halved at their longest edges) or "
       "prism (the DiffTetVR article's: all edges at the worst vertices halved)");
   tetrec::AddWordOption(
       app, "--score", options.score,

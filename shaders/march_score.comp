@@ -20,8 +20,11 @@ void main() {
   Ray ray = MakeRay(read);
   g_first_color = ray.slot * push.row_count;
   vec3 residual = ray_gradients[read].rgb;
-  float error = push.score == kScoreSquaredResidual ? dot(residual, residual)
-                                                    : dot(abs(residual), vec3(1.0));
+  bool is_visible_score = push.score == kScoreVisible;
+  float least_share = is_visible_score ? kLeastVisibleShare : kLeastScoredShare;
+  float error = is_visible_score                      ? 1.0
+                : push.score == kScoreSquaredResidual ? dot(residual, residual)
+                                                      : dot(abs(residual), vec3(1.0));
   Entry entry = ray_entries[read];
   bool go = exists && ray.valid && (ray.start_tet != kNoTet || entry.x != kMiss);
   MarchState state;
@@ -49,7 +52,7 @@ void main() {
     float tau = 0.5 * (DensityOf(density0) + DensityOf(density1)) * (cut.end - cut.begin) * (z1 - z0);
     float t = exp(-depth);
     float share = t * (1.0 - exp(-tau));
-    if (share > kLeastScoredShare) AddTo(tet_scores[tet], error * share, kScoreQuanta);
+    if (share > least_share) AddTo(tet_scores[tet], error * share, kScoreQuanta);
     depth += tau;
     z0 = z1;
     density0 = density1;

@@ -197,6 +197,7 @@ struct SpreadPush {
 // What a ray adds to the scores of its tets (ScoreKind): sums over the channels.
 #define kScoreSquaredResidual 0
 #define kScoreAbsoluteResidual 1
+#define kScoreVisible 2
 
 // Fixed-point tet scores: a ray adds its error times at most 1, and no more than kLargestScore;
 // kMostScoredRays of them stay below 2^62 quanta.
@@ -206,6 +207,8 @@ struct SpreadPush {
 // Smaller shares of a ray's opacity are not added: additions are what scoring costs, and such
 // shares decide no split.
 #define kLeastScoredShare 1e-3
+// The same for kScoreVisible: light that a picture of 8 bits hardly shows is not counted.
+#define kLeastVisibleShare 1e-2
 
 // What the backward pass of projected tets keeps per ray between stretches (held_vertices.glsl),
 // without and with positions.

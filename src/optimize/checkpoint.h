@@ -34,7 +34,7 @@ struct Checkpoint {
   PoseState poses;
 };
 
-// Own format, little endian: "TETRECKA", u64 iteration, f64 seconds, u64 rays, u32 rounds
+// Own format, little endian: "TETRECKB", u64 iteration, f64 seconds, u64 rays, u32 rounds
 // and u32 ended (0 or 1), f64 best PSNR, u64 judging views and for each f64 squares and rays,
 // u64 growth steps and their fields, 8 bytes each (GrowthStep),
 // of the convergence u64 x 3 and f64 (ConvergenceState),

@@ -47,7 +47,8 @@ std::vector<RayBlock> DrawJudgingBlocks(const TrainingSet& set, const OptimizeOp
 }
 
 std::vector<float> ScoresOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
-                            const BatchDrawer& batches, uint64_t iteration) {
+                            const BatchDrawer& batches, uint64_t iteration,
+                            ScoreKind kind = ScoreKind::kSquaredResidual) {
   renderer.ClearScores();
   for (size_t first = 0, count = 0; first < blocks.size(); first += count) {
     TrainingBatch batch;
@@ -55,9 +56,18 @@ std::vector<float> ScoresOf(TrainingRenderer& renderer, std::span<const RayBlock
                                 : std::min(kBatch, blocks.size() - first);
     batch.blocks = blocks.subspan(first, count);
     batch.background_srgb = batches.Background(iteration + first);
-    renderer.AddScores(batch, ScoreKind::kSquaredResidual);
+    renderer.AddScores(batch, kind);
   }
   return renderer.ReadScores();
+}
+
+std::vector<float> Look(TrainingRenderer& renderer, const TrainingSet& set,
+                        const BatchDrawer& batches, const OptimizeOptions& options,
+                        uint64_t iteration, ScoreKind kind) {
+  std::vector<RayBlock> blocks =
+      DrawJudgingBlocks(set, options, renderer.mesh().tets.size(), iteration);
+  if (batches.few_views()) std::ranges::stable_sort(blocks, {}, &RayBlock::view);
+  return ScoresOf(renderer, blocks, batches, iteration, kind);
 }
 
 }  // namespace
@@ -65,10 +75,20 @@ std::vector<float> ScoresOf(TrainingRenderer& renderer, std::span<const RayBlock
 std::vector<float> LookAtErrors(TrainingRenderer& renderer, const TrainingSet& set,
                                 const BatchDrawer& batches, const OptimizeOptions& options,
                                 uint64_t iteration) {
-  std::vector<RayBlock> blocks =
-      DrawJudgingBlocks(set, options, renderer.mesh().tets.size(), iteration);
-  if (batches.few_views()) std::ranges::stable_sort(blocks, {}, &RayBlock::view);
-  return ScoresOf(renderer, blocks, batches, iteration);
+  return Look(renderer, set, batches, options, iteration, ScoreKind::kSquaredResidual);
+}
+
+std::vector<float> LookAtLight(TrainingRenderer& renderer, const TrainingSet& set,
+                               const BatchDrawer& batches, const OptimizeOptions& options,
+                               uint64_t iteration) {
+  // Fewer rays would miss tets that are seen.
+  OptimizeOptions of_look = options;
+  of_look.score_rays_per_tet = std::max(of_look.score_rays_per_tet, 1.0);
+  return Look(renderer, set, batches, of_look, iteration, ScoreKind::kVisible);
+}
+
+uint64_t CountEmpty(const std::vector<float>& light_of_tets) {
+  return uint64_t(std::ranges::count(light_of_tets, 0.0f));
 }
 
 std::vector<float> LookAtVariances(TrainingRenderer& renderer, const TrainingSet& set,

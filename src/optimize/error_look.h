@@ -17,6 +17,15 @@ std::vector<float> LookAtErrors(TrainingRenderer& renderer, const TrainingSet& s
                                 const BatchDrawer& batches, const OptimizeOptions& options,
                                 uint64_t iteration);
 
+// From the same blocks, or more if there is less than a ray per tet, the light that the rays lose
+// in each tet, of which shares below 1 % of a ray's light are not counted (ScoreKind::kVisible).
+std::vector<float> LookAtLight(TrainingRenderer& renderer, const TrainingSet& set,
+                               const BatchDrawer& batches, const OptimizeOptions& options,
+                               uint64_t iteration);
+
+// The number of tets in which no ray loses 1 % of its light.
+uint64_t CountEmpty(const std::vector<float>& light_of_tets);
+
 // From the same blocks, the variance over the views of the error that each view blames on a tet:
 // large where the views disagree, so that no value of the tet's vertices suits them all.
 std::vector<float> LookAtVariances(TrainingRenderer& renderer, const TrainingSet& set,

@@ -67,6 +67,9 @@ RefineScores LookAtScores(TrainingRenderer& renderer, const TrainingSet& set, Ba
       break;
     case RefineScore::kResidual:
       scores.of_tets = LookAtErrors(renderer, set, batches, options, iteration);
+      if (options.refine == RefineScheme::kInsert) {
+        scores.visible_of_tets = LookAtLight(renderer, set, batches, options, iteration);
+      }
       return scores;
     case RefineScore::kVariance:
       scores.of_tets = LookAtVariances(renderer, set, batches, options, iteration);

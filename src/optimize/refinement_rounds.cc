@@ -6,6 +6,7 @@
 #include "core/progress.h"
 #include "core/timer.h"
 #include "optimize/checkpoint.h"
+#include "optimize/error_look.h"
 #include "optimize/refine_scores.h"
 #include "refine/refine.h"
 #include "render/seen_colors.h"
@@ -108,6 +109,9 @@ void RefinementRounds::RefineOnce() {
   RefineScores scores = LookAtScores(parts_.renderer, parts_.pictures.set(), parts_.batches,
                                      options_, parts_.steps.iteration());
   const double look_seconds = timer.seconds();
+  if (!scores.visible_of_tets.empty()) {
+    state_.steps.back().empty_tets = CountEmpty(scores.visible_of_tets);
+  }
   RefineOptions refine;
   refine.scheme = options_.refine;
   refine.diagonals = options_.prism_diagonals;
@@ -124,11 +128,12 @@ void RefinementRounds::RefineOnce() {
   last_iteration_ = parts_.steps.iteration();
   const TetMesh& mesh = parts_.field.mesh();
   LogInfo(
-      "round {}: {} -> {} vertices, {} tets: {} edges split, {} empty vertices dropped{}; errors "
+      "round {}: {} -> {} vertices, {} tets: {} edges split, {} empty and {} flat vertices "
+      "dropped{}; errors "
       "{:.1f} s, mesh {:.1f} s",
       state_.rounds, WithThousands(vertices_before), WithThousands(mesh.positions.size()),
       WithThousands(mesh.tets.size()), WithThousands(result.split_edges),
-      WithThousands(result.dropped_empty),
+      WithThousands(result.dropped_empty), WithThousands(result.dropped_flat),
       result.refused > 0 ? fmt::format(", {} splits refused", WithThousands(result.refused)) : "",
       look_seconds, timer.seconds() - look_seconds);
 }

@@ -11,6 +11,7 @@
 #include "optimize/batches.h"
 #include "optimize/checkpoint.h"
 #include "optimize/convergence.h"
+#include "optimize/error_look.h"
 #include "optimize/exposure.h"
 #include "optimize/fine_rays.h"
 #include "optimize/fitted_field.h"
@@ -124,6 +125,7 @@ class Trainer {
     Report(history.End(Figures(Done())));
     end_of_growth_ = StepOf(seconds_, steps_.iteration(), field_.mesh());
     end_of_growth_.decision = GrowthDecision::kEnd;
+    CountEmptyTets();
     const FieldState state = field_.ReadState();
     return FieldOf(field_.TakeMesh(), state);
   }
@@ -343,6 +345,14 @@ class Trainer {
         WithThousands(mesh.positions.size()), WithThousands(mesh.tets.size()),
         psnr ? fmt::format("; {:.2f} dB on {} watched views", *psnr, watched_.views.size()) : "");
     LogKernelTimes(options_.renderer, *renderer_);
+  }
+
+  void CountEmptyTets() {
+    end_of_growth_.empty_tets = CountEmpty(
+        LookAtLight(*renderer_, pictures_.set(), batches_, options_, steps_.iteration()));
+    stage_.Count("empty_tets", end_of_growth_.empty_tets);
+    LogInfo("empty tets, in which no ray loses 1 % of its light: {:.0f} %",
+            100.0 * double(end_of_growth_.empty_tets) / double(end_of_growth_.tets));
   }
 
   void ReportMotion() {

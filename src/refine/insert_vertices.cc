@@ -5,6 +5,7 @@
 #include "mesh/boundary.h"
 #include "mesh/delaunay.h"
 #include "mesh/locate.h"
+#include "refine/spare_vertices.h"
 
 #include <algorithm>
 #include <cmath>
@@ -57,28 +58,6 @@ std::vector<Edge> ChooseEdges(const TetMesh& mesh, const std::vector<float>& err
   return edges;
 }
 
-// A vertex is empty if no edge of its tets is opaque enough to be visible.
-std::vector<uint8_t> EmptyVertices(const TetMesh& mesh, const FieldState& state,
-                                   double empty_depth) {
-  std::vector<uint8_t> empty(mesh.positions.size(), 1);
-  const size_t components = size_t(state.layout.Components());
-  for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    const glm::uvec4& tet = mesh.tets[t];
-    double longest = 0.0, densest = 0.0;
-    for (const auto& ends : kTetEdges) {
-      longest = std::max(longest, EdgeLength(mesh, {tet[ends[0]], tet[ends[1]]}));
-    }
-    for (int i = 0; i < 4; ++i) {
-      const size_t row = state.layout.storage == FieldStorage::kCell ? t : tet[i];
-      const float parameter = state.parameters[row * components + kDensityOffset];
-      densest = std::max(densest, double(ValueOf(state.layout.density(), parameter)));
-    }
-    if (longest * densest < empty_depth) continue;
-    for (int i = 0; i < 4; ++i) empty[tet[i]] = 0;
-  }
-  return empty;
-}
-
 glm::dvec3 Centroid(const TetMesh& mesh, const glm::uvec4& tet) {
   glm::dvec3 sum(0.0);
   for (int i = 0; i < 4; ++i) sum += glm::dvec3(mesh.positions[tet[i]]);
@@ -117,22 +96,21 @@ Refinement InsertVertices(TetMesh mesh, const FieldState& state, const RefineSco
                           const RefineOptions& options) {
   const size_t count = mesh.positions.size();
   const std::vector<uint8_t> on_hull = BoundaryVertices(mesh);
-  const std::vector<uint8_t> empty = EmptyVertices(mesh, state, options.empty_depth);
+  const SpareVertices spare = FindSpareVertices(mesh, state, scores, options);
 
   Refinement result;
-  Random random(options.seed, count);
+  result.dropped_empty = spare.empty;
+  result.dropped_flat = spare.flat;
   std::vector<glm::vec3> points;
   std::vector<uint32_t> rows;  // of the points, among old and inserted ones
   for (uint32_t v = 0; v < count; ++v) {
-    if (!on_hull[v] && empty[v] && random.Uniform() < options.drop_share) {
-      ++result.dropped_empty;
-      continue;
-    }
+    if (spare.is_spare[v]) continue;
     points.push_back(mesh.positions[v]);
     rows.push_back(v);
   }
 
   const uint64_t wanted = VertexBudget(count, options);
+  Random random(options.seed ^ 0x51DEull, count);
   const size_t room = wanted > points.size() ? wanted - points.size() : 0;
   for (const Edge edge : ChooseEdges(mesh, scores.of_tets, on_hull, room, options)) {
     // Off the exact middle, so that regular starts do not stay cospherical.

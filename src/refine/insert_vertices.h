@@ -5,11 +5,11 @@
 
 namespace tetrec {
 
-// Splits the longest edge of the tets with the largest scores near its middle, drops some of the
-// vertices whose whole neighbourhood is empty, and triangulates again (Delaunay). The field on the
+// Splits the longest edge of the tets with the largest scores near its middle, drops vertices that
+// the mesh can do without (spare_vertices.h), and triangulates again (Delaunay). The field on the
 // old mesh is reproduced exactly at all vertices; it changes only where the Delaunay mesh has other
-// tets, around new vertices and where vertices have moved. The hull's vertices stay. Unless cells
-// need it, the old mesh is freed before the new one takes memory.
+// tets, around new and dropped vertices and where vertices have moved. The hull's vertices stay.
+// Unless cells need it, the old mesh is freed before the new one takes memory.
 Refinement InsertVertices(TetMesh mesh, const FieldState& state, const RefineScores& scores,
                           const RefineOptions& options);
 

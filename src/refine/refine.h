@@ -41,7 +41,8 @@ struct RefineOptions {
   double min_edge = 1e-3;        // shorter edges are not split [world units]
   int max_splits_at_vertex = 3;  // insert: new points per round on edges that end at one vertex
   double empty_depth = 0.02;     // insert: optical depth over an edge below which a vertex is empty
-  double drop_share = 0.5;       // insert: of the empty vertices, per round
+  double drop_share = 1.0;       // insert: of the empty vertices, per round
+  double flat_error = 0.01;      // insert: share of the squared error that flat vertices may cost
   PrismDiagonals diagonals = PrismDiagonals::kShorter;
   double split_share = 1.0;  // prism: of the vertices, which are split in one round at most
   uint64_t seed = 1;
@@ -52,6 +53,10 @@ struct RefineOptions {
 struct RefineScores {
   std::vector<float> of_tets;      // (T)
   std::vector<float> of_vertices;  // (V)
+  // (T) Where of_tets are squared errors, the light that the same rays lose in each tet
+  // (ScoreKind::kVisible), by which vertices are found that the mesh can do without
+  // (spare_vertices.h). Empty if that is not known.
+  std::vector<float> visible_of_tets;
 };
 
 // Fills the empty one: a vertex gets a quarter of the scores of its tets; a tet gets from each of
@@ -64,7 +69,7 @@ struct Refinement {
   Prolongation of_vertices;
   // (T) For a field with a row per tet only: the old tet that contains each new tet's centroid.
   std::vector<uint32_t> old_tets;
-  uint64_t split_edges = 0, dropped_empty = 0;
+  uint64_t split_edges = 0, dropped_empty = 0, dropped_flat = 0;
   uint64_t refused = 0;  // splits that would have harmed the mesh
 };
 

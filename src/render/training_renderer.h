@@ -112,6 +112,7 @@ struct GradientSums {
 enum class ScoreKind {
   kSquaredResidual,   // squares of the residual (of what the view shows), over the channels
   kAbsoluteResidual,  // absolute values
+  kVisible,           // 1, where the share is at least kLeastVisibleShare: 0 for tets not seen
 };
 
 // The field is on the device between SetState and ReadState.

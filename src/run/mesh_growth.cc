@@ -27,6 +27,10 @@ uint64_t ReadCount(const CheckedJson& field) {
   return uint64_t(field.IntegerIn(0, int64_t(kLargest)));
 }
 
+uint64_t CountOrNone(const CheckedJson& field) {
+  return field.IsNull() ? kNotCounted : ReadCount(field);
+}
+
 double NumberOrZero(const CheckedJson& field) { return field.IsNull() ? 0.0 : field.Number(); }
 
 json ToJson(const GrowthStep& step) {
@@ -35,6 +39,7 @@ json ToJson(const GrowthStep& step) {
           {"seconds", step.seconds},
           {"vertices", step.vertices},
           {"tets", step.tets},
+          {"empty_tets", step.empty_tets != kNotCounted ? json(step.empty_tets) : json()},
           {"peak_rss_bytes", step.peak_rss_bytes},
           {"psnr", judged(step.psnr)},
           {"gain", judged(step.gain)},
@@ -75,8 +80,8 @@ std::vector<GrowthStep> ParseMeshGrowth(const json& value, const std::string& na
     const CheckedJson row = rows.Item(i);
     steps.push_back({ReadCount(row.Field("iteration")), row.Field("seconds").NumberIn(0, kLargest),
                      ReadCount(row.Field("vertices")), ReadCount(row.Field("tets")),
-                     ReadCount(row.Field("peak_rss_bytes")), NumberOrZero(row.Field("psnr")),
-                     NumberOrZero(row.Field("gain")),
+                     CountOrNone(row.Field("empty_tets")), ReadCount(row.Field("peak_rss_bytes")),
+                     NumberOrZero(row.Field("psnr")), NumberOrZero(row.Field("gain")),
                      NumberOrZero(row.Field("gain_standard_error")),
                      ReadDecision(row.Field("decision")),
                      row.Has("degenerate_tets") ? ReadCount(row.Field("degenerate_tets")) : 0});

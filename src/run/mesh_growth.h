@@ -20,15 +20,18 @@ enum class GrowthDecision : uint64_t {
   kEnd,         // the run ended
 };
 
+inline constexpr uint64_t kNotCounted = ~uint64_t{0};
+
 // What was known of a mesh when it was decided about.
 struct GrowthStep {
   uint64_t iteration = 0;
-  double seconds = 0;               // of optimisation
-  uint64_t vertices = 0, tets = 0;  // of the mesh that was decided about
-  uint64_t peak_rss_bytes = 0;      // until then
-  double psnr = 0;                  // of the judging pictures [dB]; 0 if nothing judged
-  double gain = 0;                  // since the step before [dB]
-  double gain_standard_error = 0;   // over the views [dB]
+  double seconds = 0;                 // of optimisation
+  uint64_t vertices = 0, tets = 0;    // of the mesh that was decided about
+  uint64_t empty_tets = kNotCounted;  // in which no training ray loses 1 % of its light
+  uint64_t peak_rss_bytes = 0;        // until then
+  double psnr = 0;                    // of the judging pictures [dB]; 0 if nothing judged
+  double gain = 0;                    // since the step before [dB]
+  double gain_standard_error = 0;     // over the views [dB]
   GrowthDecision decision = GrowthDecision::kRefine;
   uint64_t degenerate_tets = 0;  // flat or inside out
   bool operator==(const GrowthStep&) const = default;
@@ -37,9 +40,10 @@ struct GrowthStep {
 // For people: "refined", "returned to the mesh before: ...".
 std::string ReasonOf(const GrowthStep& step);
 
-// {"schema": 1, "steps": [{"iteration", "seconds", "vertices", "tets", "peak_rss_bytes", "psnr",
-// "gain", "gain_standard_error", "degenerate_tets", "decision", "reason"}]}; psnr and what follows
-// from it is null where nothing judged. Throws DataError naming file and field.
+// {"schema": 1, "steps": [{"iteration", "seconds", "vertices", "tets", "empty_tets",
+// "peak_rss_bytes", "psnr", "gain", "gain_standard_error", "degenerate_tets", "decision",
+// "reason"}]}; empty_tets is null where they were not counted, psnr and what follows from it where
+// nothing judged. Throws DataError naming file and field.
 void WriteMeshGrowth(const std::filesystem::path& path, const std::vector<GrowthStep>& steps);
 std::vector<GrowthStep> ReadMeshGrowth(const std::filesystem::path& path);
 std::vector<GrowthStep> ParseMeshGrowth(const nlohmann::json& value, const std::string& name);

@@ -83,6 +83,18 @@ TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {
   EXPECT_FALSE(rounds_.IsDue(2.0));
 }
 
+// The box is opaque: rays lose their light near its sides.
+TEST_F(RefinementRoundsTest, DropWhatNoRaySeesAndRecordIt) {
+  run_.PutField(0.2);
+  const size_t tets = run_.field.mesh().tets.size();
+  rounds_.Advance(0.0);
+  const GrowthStep& step = rounds_.state().steps.back();
+  EXPECT_GT(step.empty_tets, tets / 10);
+  EXPECT_LT(step.empty_tets, tets);
+  CheckTetMesh(run_.field.mesh());
+  CheckConvexDomain(run_.field.mesh());
+}
+
 TEST_F(RefinementRoundsTest, TakeNothingBackWhereNothingJudges) {
   run_.pictures.EndJudgingIfDue(1.0);
   rounds_.Advance(0.0);

@@ -11,10 +11,11 @@ namespace tetrec {
 namespace {
 
 std::vector<GrowthStep> Example() {
-  return {{150, 3.5, 1000, 6000, 300000000, 24.5, 0.0, 0.0, GrowthDecision::kRefine},
-          {900, 20.25, 1500, 9100, 310000000, 26.0, 1.5, 0.125, GrowthDecision::kRefine},
-          {2000, 50.0, 2200, 13000, 320000000, 26.0, 0.0, 0.25, GrowthDecision::kFineEnough},
-          {3000, 80.0, 2200, 13000, 320000000, 0.0, 0.0, 0.0, GrowthDecision::kEnd}};
+  return {{150, 3.5, 1000, 6000, 4000, 300000000, 24.5, 0.0, 0.0, GrowthDecision::kRefine},
+          {900, 20.25, 1500, 9100, 3000, 310000000, 26.0, 1.5, 0.125, GrowthDecision::kRefine},
+          {2000, 50.0, 2200, 13000, kNotCounted, 320000000, 26.0, 0.0, 0.25,
+           GrowthDecision::kFineEnough},
+          {3000, 80.0, 2200, 13000, 2500, 320000000, 0.0, 0.0, 0.0, GrowthDecision::kEnd}};
 }
 
 TEST(MeshGrowth, WhatWasWrittenIsReadBack) {
@@ -24,6 +25,8 @@ TEST(MeshGrowth, WhatWasWrittenIsReadBack) {
   const nlohmann::json value = ReadJson(folder / kMeshGrowthFile);
   EXPECT_EQ(value["steps"][1]["reason"], "refined");
   EXPECT_TRUE(value["steps"][3]["psnr"].is_null());
+  EXPECT_EQ(value["steps"][3]["empty_tets"], 2500);
+  EXPECT_TRUE(value["steps"][2]["empty_tets"].is_null());
 }
 
 TEST(MeshGrowth, WhatIsWrongIsNamed) {

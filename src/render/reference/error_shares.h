@@ -21,19 +21,21 @@ void AddErrorShares(const RadianceField& field, const TetBoxes& boxes, Real stop
     uint32_t tet;
     Real value;
   };
+  const double least_share = kind == ScoreKind::kVisible ? kLeastVisibleShare : kLeastScoredShare;
   std::vector<std::vector<Share>> lists((batch.count() + kRaysPerTask - 1) / kRaysPerTask);
   ParallelFor(batch.count(), kRaysPerTask, [&](size_t first, size_t last) {
     for (size_t i = first; i < last; ++i) {
       if (!batch.InPicture(i)) continue;
       const Vec3<Real> residual(residuals[i]);
-      const Real error = kind == ScoreKind::kSquaredResidual
+      const Real error = kind == ScoreKind::kVisible ? Real(1)
+                         : kind == ScoreKind::kSquaredResidual
                              ? glm::dot(residual, residual)
                              : glm::dot(glm::abs(residual), Vec3<Real>(Real(1)));
       Real transmittance(1);
       for (const auto& segment : CutMesh<Real>(field, boxes, RayOf<Real>(batch, i), stop_depth)) {
         const Real opacity = Real(1) - std::exp(-EndsOf(field, segment).depth());
         const Real share = transmittance * opacity;
-        if (share > Real(kLeastScoredShare)) {
+        if (double(share) > least_share) {
           lists[first / kRaysPerTask].push_back({segment.tet, error * share});
         }
         transmittance *= Real(1) - opacity;

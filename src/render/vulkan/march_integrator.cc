@@ -12,6 +12,18 @@ namespace {
 // A step's own loops, those of rare branches, and the sums of the vertex that leaves.
 constexpr LoopCost kStepCost{.rounds = 6, .sums = 8};
 
+uint32_t NumberOf(ScoreKind kind) {
+  switch (kind) {
+    case ScoreKind::kSquaredResidual:
+      return kScoreSquaredResidual;
+    case ScoreKind::kAbsoluteResidual:
+      return kScoreAbsoluteResidual;
+    case ScoreKind::kVisible:
+      return kScoreVisible;
+  }
+  return kScoreSquaredResidual;
+}
+
 }  // namespace
 
 MarchIntegrator::MarchIntegrator(const Device& device, const RendererOptions& options)
@@ -63,9 +75,7 @@ void MarchIntegrator::Dispatch(CommandRecorder& recorder, const Program& program
                                   .tree_leaves = pass.field.tree_leaves,
                                   .mesh_ball = pass.field.ball,
                                   .max_steps = max_steps_,
-                                  .score = pass.score == ScoreKind::kSquaredResidual
-                                               ? uint32_t(kScoreSquaredResidual)
-                                               : uint32_t(kScoreAbsoluteResidual),
+                                  .score = NumberOf(pass.score),
                                   .row_count = pass.field.row_count};
   recorder.Dispatch(program, buffers, push, pass.push.ray_count);
 }

@@ -386,5 +386,23 @@ TEST_P(TrainingPartsTest, ScoresCanShareOutAbsoluteResiduals) {
   }
 }
 
+TEST_P(TrainingPartsTest, ScoresCanCountTheLightThatRaysLose) {
+  ProbedRenderer& renderer = MakeLearner(true);
+  double light = 0, rays = 0;
+  for (const glm::vec4& ray : renderer.MarchBlocks(views_[1], AllBlocks(views_[1].camera))) {
+    light += -std::expm1(-double(ray.a));
+    ++rays;
+  }
+  renderer.ClearScores();
+  renderer.AddScores({.blocks = blocks_}, ScoreKind::kVisible);
+  const std::vector<float> scores = renderer.ReadScores();
+  const double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
+  EXPECT_LE(sum, light * (1.0 + 1e-4));
+  // Shares below 1e-2 are left out; a ray meets 40 tets at most.
+  EXPECT_GE(sum, light - 40 * 1e-2 * rays);
+  EXPECT_GT(sum, 0.7 * light);
+  for (const float score : scores) EXPECT_TRUE(score == 0.0f || score > 0.0099f);
+}
+
 }  // namespace
 }  // namespace tetrec::test
