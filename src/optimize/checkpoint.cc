@@ -65,7 +65,7 @@ static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
 static_assert(sizeof(CorrectedPose) == 13 * sizeof(double));
 static_assert(sizeof(MotionCounts) == 3 * sizeof(uint64_t));
 static_assert(sizeof(ErrorSum) == 2 * sizeof(double));
-static_assert(sizeof(GrowthStep) == 10 * sizeof(uint64_t));
+static_assert(sizeof(GrowthStep) == 11 * sizeof(uint64_t));
 static_assert(sizeof(ConvergenceState) == 4 * sizeof(uint64_t));
 
 TrialState ReadTrial(ByteReader& reader, const std::string& name, const char* what) {

@@ -137,7 +137,7 @@ class TrainingRenderer : public Renderer {
   // Gives the mesh away and frees the field, so that it takes no memory while another is made.
   // The renderer has no field until the next SetState.
   virtual TetMesh TakeMesh() = 0;
-  // Whether every batch of blocks must be one tile.
+  // Whether every batch that is learned from must be one tile. Forward alone takes any blocks.
   virtual bool NeedsTiles() const = 0;
 
   // Forward, loss, backward, update in one go; returns before the device is done. The result is

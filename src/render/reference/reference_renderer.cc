@@ -32,7 +32,8 @@ constexpr uint64_t kBytesPerTet = 100, kBytesPerComponent = 40, kBytesPerRow = 4
 template <class Real>
 class ReferenceRenderer final : public ProbedRenderer {
  public:
-  explicit ReferenceRenderer(const RendererOptions& options) : caster_(options) {}
+  explicit ReferenceRenderer(const RendererOptions& options)
+      : orientations_(options.orientations), caster_(options) {}
 
   // Keeps the field's own densities instead of converting them to logarithms and back.
   void SetField(const RadianceField& field) override {
@@ -42,7 +43,7 @@ class ReferenceRenderer final : public ProbedRenderer {
   }
 
   void SetState(TetMesh mesh, const FieldState& state) override {
-    CheckRenderable(mesh, state, options_.orientations);
+    CheckRenderable(mesh, state, orientations_);
     const size_t rows = state.rows(), components = size_t(state.layout.Components());
     CheckMemory(
         mesh,
@@ -256,6 +257,7 @@ class ReferenceRenderer final : public ProbedRenderer {
     return std::exchange(results_[current_], result);
   }
 
+  Orientations orientations_;
   RayCaster<Real> caster_;
   RadianceField field_;  // the values of the parameters in state_
   TetBoxes boxes_;

@@ -136,8 +136,9 @@ class VulkanRenderer final : public ProbedRenderer {
     forward_batch_.blocks = forward_blocks_;
     PutBlocks(part_.rays, batch.blocks);
     part_recorder_.Begin();
-    RecordForward(part_recorder_, integrators_.rendering(), part_, ForwardPass(), batch,
-                  {ScaleOf(batch)});
+    RecordForward(part_recorder_,
+                  part_.rays.columns > 0 ? integrators_.rendering() : integrators_.march(), part_,
+                  ForwardPass(), batch, {ScaleOf(batch)});
     part_recorder_.EndAndSubmit();
     part_recorder_.Wait();
     has_forward_ = true;
@@ -146,6 +147,7 @@ class VulkanRenderer final : public ProbedRenderer {
 
   void Backward(GradientParts parts) override {
     TETREC_CHECK(has_forward_, "Backward follows Forward");
+    TETREC_CHECK(part_.rays.columns > 0 || !NeedsTiles(), "the batch of Backward is one tile");
     sums_.Expect(FixedPointOf(forward_batch_));
     AllocateOtherGradients(*device_, field_);
     if (parts == GradientParts::kColorDensityPosition) ExpectPositionSums(sums_.quanta());
