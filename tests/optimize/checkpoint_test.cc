@@ -21,8 +21,8 @@ namespace {
 // metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64 T, then
 // the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the name, the
 // name, and 3 u32 each. Positions follow.
-constexpr size_t kSecondsAt = 16, kFineRaysAt = 228, kMotionAt = 232, kVertexCountAt = 236,
-                 kTetCountAt = 244, kStorageAt = 252,
+constexpr size_t kSecondsAt = 16, kFineRaysAt = 236, kMotionAt = 240, kVertexCountAt = 244,
+                 kTetCountAt = 252, kStorageAt = 260,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -171,6 +172,21 @@ TEST_P(TrainingPartsTest, HalvesAndOneUpdateMakeTheBitsOfOneDeterministicStep) {
   }
   ExpectSameBits(halves.ReadState(), whole.ReadState());
   EXPECT_NE(whole.ReadState().parameters, StateOf(field_).parameters);
+}
+
+TEST_P(TrainingPartsTest, ForwardTakesAnyBlocks) {
+  ProbedRenderer& renderer = MakeLearner(true);
+  TrainingBatch batch = Whole();
+  batch.jitter_px = 0;
+  const std::array<RayBlock, 2> apart{batch.blocks.front(), batch.blocks.back()};
+  double sum = 0;
+  for (const RayBlock& block : apart) {
+    batch.blocks = std::span(&block, 1);
+    sum += renderer.Forward(batch).squared_error;
+  }
+  batch.blocks = apart;
+  EXPECT_NEAR(renderer.Forward(batch).squared_error, sum / 2, 1e-5 * sum);
+  EXPECT_GT(sum, 1e-4);
 }
 
 TEST_P(TrainingPartsTest, TilesOfDssimCanBeSummedToo) {
