@@ -51,7 +51,7 @@ class StabilityTest(StageCase):
                     chart = out / "charts" / f"{parameter}-{measure}.{kind}"
                     self.assertGreater(chart.stat().st_size, 1000)
         self.assertIn("broken", (out / "charts" / "position-rate-psnr.svg").read_text())
-        self.assertIn("article&#39;s motion", (out / "sweep.html").read_text())
+        self.assertIn("article's motion", (out / "sweep.html").read_text())
 
     def test_a_scene_without_points_skips_their_cases_and_is_not_run_again(self):
         out = self.folder / "stability"
