@@ -85,8 +85,8 @@ ViewScore ScoreView(const RenderedView& view) {
     score.ssim = Ssim(render, truth);
   }
   score.psnr = PsnrFromMse(score.mse);
-  score.render_contrast = Contrast(render);
-  score.truth_contrast = Contrast(truth);
+  score.render_contrast = Contrast(render, view.seen ? &seen : nullptr);
+  score.truth_contrast = Contrast(truth, view.seen ? &seen : nullptr);
   if (const auto halves = ScoreHalves(render, truth, view.seen ? &seen : nullptr)) {
     score.right_half_psnr = PsnrFromMse(halves->raw_mse);
     score.corrected_psnr = PsnrFromMse(halves->corrected_mse);

@@ -111,17 +111,19 @@ Image PaintedOver(const Image& image, const Image& other, const Image& mask) {
   return painted;
 }
 
-double Contrast(const Image& rgb) {
-  double sum = 0, squares = 0;
-  const double pixels = double(rgb.width) * rgb.height;
+double Contrast(const Image& rgb, const Image* mask) {
+  double sum = 0, squares = 0, pixels = 0;
   for (int y = 0; y < rgb.height; ++y) {
     for (int x = 0; x < rgb.width; ++x) {
+      if (mask && IsHidden(*mask, x, y)) continue;
+      ++pixels;
       const uint8_t* p = rgb.At(x, y);
       const double brightness = (double(p[0]) + p[1] + p[2]) / 3;
       sum += brightness;
       squares += brightness * brightness;
     }
   }
+  if (pixels == 0) return 0;
   return std::sqrt(std::max(0.0, squares / pixels - sum / pixels * (sum / pixels)));
 }
 

@@ -20,9 +20,9 @@ std::optional<double> MaskedSsim(const Image& render, const Image& truth, const 
 // `image` with the pixels of `other` wherever the mask selects none.
 Image PaintedOver(const Image& image, const Image& other, const Image& mask);
 
-// The standard deviation of the brightness, the mean of the channels, over all pixels [8-bit
-// levels]; 0 for an image of one colour.
-double Contrast(const Image& rgb);
+// The standard deviation of the brightness, the mean of the channels, over all pixels or those
+// that the mask selects [8-bit levels]; 0 for an image of one colour.
+double Contrast(const Image& rgb, const Image* mask = nullptr);
 
 // Mean absolute difference of the three channels times kErrorMapGain, clipped at 1, as colours from
 // black over purple and orange to pale yellow (inferno: even steps, safe for the colour-blind).

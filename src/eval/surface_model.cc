@@ -57,8 +57,11 @@ SurfaceModel MakeSurfaceModel(const StageFacts& surface_stage, const TriangleMes
     fs::create_directories(scratch);
     WriteTriangleMeshGlb(file, shown);
     model.glb = ReadBytes(file, 2 * kMostBytes);
+    if (bytes > kMostBytes && !mesh.corner_coordinates.empty()) {
+      model.note = "Shown in the colours of its vertices, because its texture is too large here. ";
+    }
     if (shown.triangles.size() < mesh.triangles.size()) {
-      model.note =
+      model.note +=
           fmt::format("Shown with {} of its {} triangles.", WithThousands(shown.triangles.size()),
                       WithThousands(mesh.triangles.size()));
     }

@@ -32,6 +32,7 @@ glm::dvec3 TextureColor(const Image& texture, const glm::dvec2& coordinates) {
 
 glm::dvec3 ColorOf(const TriangleMesh& mesh, const Image& texture, uint32_t triangle,
                    const glm::dvec3& weights) {
+  if (texture.pixels.empty() && mesh.colors_srgb.empty()) return glm::dvec3(128);
   glm::dvec3 color(0.0);
   glm::dvec2 coordinates(0.0);
   for (int k = 0; k < 3; ++k) {

@@ -11,7 +11,9 @@ constexpr uint64_t kTrialSteps = 20;
 constexpr uint64_t kFewestSteps = 3 * kTrialSteps;
 // Rates stay if lower ones are not clearly better: a trial shows only the beginning [dB].
 constexpr double kClearGain = 1;
-constexpr double kLeastShare = 1e-6;
+// A good start may lose a little by any step, and wins it back.
+constexpr double kSmallLoss = 0.2;
+constexpr double kLeastShare = 1e-4;
 
 }  // namespace
 
@@ -22,9 +24,9 @@ bool RateTrial::Advance() {
   const FieldState before = field_.ReadState();
   const double given = TrialPsnr(1);
   double share = 1, psnr = given;
-  if (given < start) {
+  if (given < start - kClearGain) {
     const FieldState after = field_.ReadState();
-    while (psnr < start && share > kLeastShare) {
+    while (psnr < start - kSmallLoss && share > kLeastShare) {
       field_.PutState(before);
       share /= 10;
       psnr = TrialPsnr(share);
@@ -39,8 +41,8 @@ bool RateTrial::Advance() {
   if (share < 1) {
     LogWarning(
         "the learning rates are too high: after {} steps with them the judging pictures show "
-        "{:.1f} "
-        "dB, and {:.1f} dB before; a share of {:.0e} of the rates of colour and density is used, "
+        "{:.1f} dB, and {:.1f} dB before; a share of {:.0e} of the rates of colour and density is "
+        "used, "
         "which shows {:.1f} dB",
         kTrialSteps, given, start, share, psnr);
   }

@@ -16,9 +16,9 @@ class RateTrial {
       : options_(options), field_(field), pictures_(pictures), steps_(steps) {}
 
   // Before the first step, if there are pictures that judge: takes a few steps. If the judging
-  // pictures lose by them, it starts again with a tenth of the rates, and again, until they do not
-  // lose, with a warning; or goes on with the rates as they are, if lower ones are not clearly
-  // better. Returns whether it took any step.
+  // pictures lose clearly by them, it starts again with a tenth of the rates, and again, until they
+  // lose next to nothing, with a warning; or continues with the rates as they are, if lower ones
+  // are not clearly better. Returns whether it took any step.
   bool Advance();
 
  private:

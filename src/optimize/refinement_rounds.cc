@@ -112,6 +112,7 @@ void RefinementRounds::RefineOnce() {
   if (!scores.visible_of_tets.empty()) {
     state_.steps.back().empty_tets = CountEmpty(scores.visible_of_tets);
   }
+  for (const float room : parts_.field.RoomOfVertices()) scores.is_kept.push_back(room <= 0.0f);
   RefineOptions refine;
   refine.scheme = options_.refine;
   refine.diagonals = options_.prism_diagonals;

@@ -13,20 +13,22 @@ StepResult TrainingSteps::Take(double progress, bool sums_exposures) {
   return TakeStep(iteration_++, progress, progress, sums_exposures);
 }
 
-void TrainingSteps::Try(uint64_t count, double as_at, double motion_as_at) {
+void TrainingSteps::Try(uint64_t count, double as_at, std::optional<double> motion_as_at) {
   for (uint64_t iteration = iteration_; iteration < iteration_ + count; ++iteration) {
     TakeStep(iteration, as_at, motion_as_at, false);
   }
 }
 
-StepResult TrainingSteps::TakeStep(uint64_t iteration, double progress, double motion_as_at,
-                                   bool sums_exposures) {
+StepResult TrainingSteps::TakeStep(uint64_t iteration, double progress,
+                                   std::optional<double> motion_as_at, bool sums_exposures) {
   TrainingBatch batch = Draw(iteration, progress);
   batch.sums_exposures = sums_exposures;
   const uint64_t steps = iteration + 1;
-  batch.parts = motion_.PartsOf(steps, motion_as_at);
+  batch.parts = motion_as_at ? motion_.PartsOf(steps, *motion_as_at) : GradientParts::kColorDensity;
   const StepResult result = renderer_.Step(batch, UpdateOf(steps, progress));
-  motion_.AfterStep(steps, motion_as_at, RateShare(options_.schedule, motion_as_at, steps));
+  if (motion_as_at) {
+    motion_.AfterStep(steps, *motion_as_at, RateShare(options_.schedule, *motion_as_at, steps));
+  }
   return result;
 }
 

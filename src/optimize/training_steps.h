@@ -7,6 +7,7 @@
 #include "render/training_renderer.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace tetrec {
 
@@ -38,9 +39,9 @@ class TrainingSteps {
   StepResult Take(double progress, bool sums_exposures);
   // Takes the next `count` steps without counting them: the same steps can be taken again, from
   // another state of the field. Rates and rays per pixel are those of the progress `as_at`;
-  // vertices move, if they do, as at the progress `motion_as_at`.
-  void Try(uint64_t count, double as_at, double motion_as_at);
-  void Try(uint64_t count, double as_at) { Try(count, as_at, as_at); }
+  // vertices move, if they do, as at the progress `motion_as_at`, or stay, because another state of
+  // the field does not bring them back.
+  void Try(uint64_t count, double as_at, std::optional<double> motion_as_at = {});
   void CountTried(uint64_t count) { iteration_ += count; }
 
   // Of the rates of colour, density and harmonics, from the next step on (rate_trial.h).
@@ -49,7 +50,7 @@ class TrainingSteps {
 
  private:
   // Step `iteration`, from 0.
-  StepResult TakeStep(uint64_t iteration, double progress, double motion_as_at,
+  StepResult TakeStep(uint64_t iteration, double progress, std::optional<double> motion_as_at,
                       bool sums_exposures);
   TrainingBatch Draw(uint64_t iteration, double progress);
   // The update that ends step `step`, counted from 1.

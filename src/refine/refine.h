@@ -57,6 +57,9 @@ struct RefineScores {
   // (ScoreKind::kVisible), by which vertices are found that the mesh can do without
   // (spare_vertices.h). Empty if that is not known.
   std::vector<float> visible_of_tets;
+  // (V) Not 0 for vertices that must stay, whatever the images show: those that keep the space of
+  // the cameras empty. Empty if there are none.
+  std::vector<uint8_t> is_kept;
 };
 
 // Fills the empty one: a vertex gets a quarter of the scores of its tets; a tet gets from each of

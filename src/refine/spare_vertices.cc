@@ -190,7 +190,8 @@ void TakeFlat(const TetMesh& mesh, const std::vector<double>& errors, double mos
 SpareVertices FindSpareVertices(const TetMesh& mesh, const FieldState& state,
                                 const RefineScores& scores, const RefineOptions& options) {
   const size_t count = mesh.positions.size();
-  const std::vector<uint8_t> on_hull = BoundaryVertices(mesh);
+  std::vector<uint8_t> stays = BoundaryVertices(mesh);
+  for (size_t v = 0; v < scores.is_kept.size(); ++v) stays[v] |= scores.is_kept[v];
   const bool knows_light = !scores.visible_of_tets.empty();
   SpareVertices spare{std::vector<uint8_t>(count, 0)};
   std::vector<double> light;
@@ -203,13 +204,13 @@ SpareVertices FindSpareVertices(const TetMesh& mesh, const FieldState& state,
   }
   Random random(options.seed, count);
   for (size_t v = 0; v < count; ++v) {
-    if (on_hull[v] || !is_empty[v] || !(random.Uniform() < options.drop_share)) continue;
+    if (stays[v] || !is_empty[v] || !(random.Uniform() < options.drop_share)) continue;
     spare.is_spare[v] = 1;
     ++spare.empty;
   }
   if (!knows_light || state.layout.storage == FieldStorage::kCell) return spare;
   std::vector<uint8_t> is_fixed = AtOrNextTo(mesh, spare.is_spare);
-  for (size_t v = 0; v < count; ++v) is_fixed[v] |= on_hull[v];
+  for (size_t v = 0; v < count; ++v) is_fixed[v] |= stays[v];
   const double error = std::accumulate(scores.of_tets.begin(), scores.of_tets.end(), 0.0);
   TakeFlat(mesh, ErrorsWithout(mesh, state, light), options.flat_error * error, std::move(is_fixed),
            spare);

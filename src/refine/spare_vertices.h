@@ -13,7 +13,7 @@ struct SpareVertices {
   uint64_t empty = 0, flat = 0;   // their numbers
 };
 
-// Vertices of the hull are never spare. Of the others these are:
+// Vertices of the hull and those of scores.is_kept are never spare. Of the others these are:
 // Empty ones: no ray loses light in any tet around them, which are empty or hidden inside what is
 // opaque. Where scores.visible_of_tets is not known, vertices without visible density around them,
 // of which options.drop_share are taken by the seed.

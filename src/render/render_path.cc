@@ -93,9 +93,11 @@ void RunRenderPath(const RenderPathOptions& options, const RenderViewsOptions& v
   const std::vector<Rigid3> path = PathOf(options, views, scene, scene_folder);
   const Camera camera = VideoCamera(scene.cameras.front(), options.size);
   const Background background = ChooseBackground(scene, views.background);
-  const std::unique_ptr<TrainingRenderer> renderer = CreateRenderer(views.renderer);
+  const RadianceField field = ReadField(field_folder / "field.tetf", Orientations::kAny);
+  const std::unique_ptr<TrainingRenderer> renderer =
+      CreateRenderer(RendererFor(field.mesh, views.renderer, stage));
   stage.Device(renderer->DescribeDevice());
-  renderer->SetField(ReadField(field_folder / "field.tetf"));
+  renderer->SetField(field);
 
   const fs::path frames = stage.Scratch("frames");
   fs::create_directories(frames);

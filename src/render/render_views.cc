@@ -91,18 +91,6 @@ void RenderRefined(Renderer& renderer, const RenderViewsOptions& options, const 
   entry.refined_shift_px = ShiftOf(view, fit);
 }
 
-// Checks the rays, and accepts what moves by the article's method may have left.
-RendererOptions RendererFor(const TetMesh& mesh, const RendererOptions& options, Stage& stage) {
-  RendererOptions result = CheckingRays(options);
-  const uint64_t degenerate = CountDegenerateTets(mesh);
-  stage.Count("degenerate_tets", degenerate);
-  if (degenerate == 0) return result;
-  LogWarning("{} of {} tets are inside out or flat: the images show parts of space twice or not",
-             WithThousands(degenerate), WithThousands(mesh.tets.size()));
-  result.AcceptInvertedTets();
-  return result;
-}
-
 }  // namespace
 
 std::vector<int> ChooseViews(const Scene& scene, const std::string& choice) {
@@ -116,6 +104,17 @@ std::vector<int> ChooseViews(const Scene& scene, const std::string& choice) {
 Background ChooseBackground(const Scene& scene, const std::string& choice) {
   if (choice == "white") return Background::kWhite;
   return choice == "black" ? Background::kBlack : scene.background;
+}
+
+RendererOptions RendererFor(const TetMesh& mesh, const RendererOptions& options, Stage& stage) {
+  RendererOptions result = CheckingRays(options);
+  const uint64_t degenerate = CountDegenerateTets(mesh);
+  stage.Count("degenerate_tets", degenerate);
+  if (degenerate == 0) return result;
+  LogWarning("{} of {} tets are inside out or flat: the images show parts of space twice or not",
+             WithThousands(degenerate), WithThousands(mesh.tets.size()));
+  result.AcceptInvertedTets();
+  return result;
 }
 
 void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {

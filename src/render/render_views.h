@@ -33,6 +33,10 @@ struct RenderViewsOptions {
 std::vector<int> ChooseViews(const Scene& scene, const std::string& choice);
 Background ChooseBackground(const Scene& scene, const std::string& choice);
 
+// The options of a renderer of this mesh, which checks its rays, and accepts the tets inside out
+// that motion by the article's method may have left; with a warning.
+RendererOptions RendererFor(const TetMesh& mesh, const RendererOptions& options, Stage& stage);
+
 // Writes renders/NAME.png, depth/NAME.exr (Renderer::RenderDepth, in world units), gt/NAME.png
 // (over the same background), masks/NAME.png if the scene has alpha or seen/NAME.png if it has
 // masks, refined/NAME.png if cameras are refined (FitPose, to the true image and its exposure, with

@@ -80,8 +80,9 @@ std::vector<GrowthStep> ParseMeshGrowth(const json& value, const std::string& na
     const CheckedJson row = rows.Item(i);
     steps.push_back({ReadCount(row.Field("iteration")), row.Field("seconds").NumberIn(0, kLargest),
                      ReadCount(row.Field("vertices")), ReadCount(row.Field("tets")),
-                     CountOrNone(row.Field("empty_tets")), ReadCount(row.Field("peak_rss_bytes")),
-                     NumberOrZero(row.Field("psnr")), NumberOrZero(row.Field("gain")),
+                     row.Has("empty_tets") ? CountOrNone(row.Field("empty_tets")) : kNotCounted,
+                     ReadCount(row.Field("peak_rss_bytes")), NumberOrZero(row.Field("psnr")),
+                     NumberOrZero(row.Field("gain")),
                      NumberOrZero(row.Field("gain_standard_error")),
                      ReadDecision(row.Field("decision")),
                      row.Has("degenerate_tets") ? ReadCount(row.Field("degenerate_tets")) : 0});

@@ -119,6 +119,12 @@ PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable) {
     }
   }
   WarnOrRefuse(folder, found.unreadable, reasons, names.size(), max_unreadable);
+  if (found.photos.size() < 2) {
+    throw DataError(
+        fmt::format("{}: only {} of {} photos can be read; take at least 3 of the same scene, "
+                    "better 20 or more",
+                    folder.string(), found.photos.size(), names.size()));
+  }
   return found;
 }
 

@@ -423,7 +423,8 @@ void MoveToBounds(const SfmOptions& options, const Subject& subject, Scene& scen
 }
 
 void Report(const ModelQuality& quality, const Scene& scene,
-            const std::vector<std::string>& unregistered, const Subject& subject, Stage& stage) {
+            const std::vector<std::string>& unregistered, const Subject& subject,
+            bool bounds_are_given, Stage& stage) {
   LogInfo(
       "{} of {} photos registered, {} points, mean reprojection error {:.3f} px, mean track "
       "length {:.2f}",
@@ -435,13 +436,14 @@ void Report(const ModelQuality& quality, const Scene& scene,
   }
   const glm::dvec3 size = scene.subject_bounds.Size();
   LogInfo(
-      "subject: {:.2f} x {:.2f} x {:.2f} units, from {} points; {} views to train on, {} held out",
-      size.x, size.y, size.z, WithThousands(subject.points), scene.ViewsOf(Split::kTrain).size(),
-      scene.ViewsOf(Split::kTest).size());
+      "subject: {:.2f} x {:.2f} x {:.2f} units, {}; {} views to train on, {} held out", size.x,
+      size.y, size.z,
+      bounds_are_given ? "as given" : fmt::format("from {} points", WithThousands(subject.points)),
+      scene.ViewsOf(Split::kTrain).size(), scene.ViewsOf(Split::kTest).size());
   stage.Count("photos", quality.photos);
   stage.Count("registered", quality.registered);
   stage.Count("points", quality.points);
-  stage.Count("subject_points", subject.points);
+  if (!bounds_are_given) stage.Count("subject_points", subject.points);
   stage.Count("train_views", scene.ViewsOf(Split::kTrain).size());
   stage.Count("test_views", scene.ViewsOf(Split::kTest).size());
   stage.Count("mean_reprojection_error_px", quality.mean_error_px);
@@ -490,7 +492,8 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
   stage.Output("scene.json");
   stage.Output("points.ply");
   stage.Seconds("undistort", timer.seconds());
-  Report(quality, scene, UnregisteredPhotos(model, names), subject, stage);
+  Report(quality, scene, UnregisteredPhotos(model, names), subject,
+         options.bounds_in_found_world.has_value(), stage);
 }
 
 }  // namespace tetrec

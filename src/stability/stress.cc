@@ -2,6 +2,7 @@
 #include "stability/stress.h"
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/manifest.h"
 #include "core/stage_input.h"
 #include "core/stage_run.h"
@@ -40,12 +41,14 @@ std::vector<StressCase> ChosenCases(const StressOptions& options) {
 void WriteDamagedStart(const StressCase& stress, const Scene& scene, const fs::path& clean_start,
                        const fs::path& scene_folder, const fs::path& folder) {
   const StageInput input = ReadStageInput("scene", scene_folder, {"sfm", "import"}, folder);
-  const StageRequest request = {.stage = "tetrahedralize",
-                                .folder = folder,
-                                .options = {{"damage", stress.name}},
-                                .options_with_effect = {{"damage", stress.name}},
-                                .inputs = {input},
-                                .command_line = "tetrec-stability"};
+  const StageRequest request = {
+      .stage = "tetrahedralize",
+      .folder = folder,
+      .options = {{"damage", stress.name}},
+      .options_with_effect = {{"damage", stress.name},
+                              {"start", Sha256OfFile(clean_start / "field.tetf")}},
+      .inputs = {input},
+      .command_line = "tetrec-stability"};
   RunStage(request, [&](Stage& stage) {
     RadianceField field = ReadField(clean_start / "field.tetf");
     stress.damage_start(field, scene);
@@ -71,7 +74,7 @@ void StressOptions::Check() const {
     if (std::ranges::find(all, name, &StressCase::name) != all.end()) continue;
     std::vector<std::string> names;
     for (const StressCase& stress : all) names.push_back(stress.name);
-    throw UsageError(fmt::format("cases: there is no case '{}'; expected some of {}", name,
+    throw UsageError(fmt::format("case: there is no case '{}'; expected some of {}", name,
                                  fmt::join(names, ", ")));
   }
 }

@@ -111,10 +111,20 @@ TexturedMesh Textured(TriangleMesh mesh_in_world, const SurfaceOptions& options,
   const auto scene = SceneFolder(options.texture, stage);
   if (!scene) return {std::move(mesh_in_world), {}};
   const Timer timer;
-  const auto photos = ReadTexturePhotos(*scene, stage.Input("field"), mesh_in_world);
-  TexturedMesh textured = MakeTexture(std::move(mesh_in_world), photos, options.texture, stage);
-  stage.Seconds("texture", timer.seconds());
-  return textured;
+  try {
+    const auto photos = ReadTexturePhotos(*scene, stage.Input("field"), mesh_in_world);
+    TexturedMesh textured = MakeTexture(mesh_in_world, photos, options.texture, stage);
+    stage.Seconds("texture", timer.seconds());
+    return textured;
+  } catch (const DataError& error) {
+    if (options.texture.size > 0) throw;
+    LogWarning("no texture, only vertex colours: {}", error.what());
+  } catch (const UsageError& error) {
+    // Too many charts for the largest texture, whose size the user did not ask for.
+    if (options.texture.size > 0) throw;
+    LogWarning("no texture, only vertex colours: {}", error.what());
+  }
+  return {std::move(mesh_in_world), {}};
 }
 
 void Report(const TriangleMesh& mesh, Stage& stage) {

@@ -16,7 +16,7 @@ namespace tetrec {
 namespace {
 
 // Where the fields start: "TETRECKB", u64 iteration, f64 seconds, u64 rays, u32 x 2 and f64 of the
-// rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x 10 of
+// rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x 11 of
 // their growth, u64 x 3 and f64 of the convergence, u64
 // metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64 T, then
 // the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the name, the

@@ -29,6 +29,12 @@ class EstimateTest(StageCase):
         # 600 + 60 x 2 + 30 s; 660 + 60 x 5 + 60 s.
         self.assertIn("about 12 to 17 minutes, of which 10.0 are optimisation", self.estimate(photos.parent))
         self.assertIn("about 4 to 9 minutes, of which 2.0", self.estimate(photos.parent, PRESET="fast"))
+        # Of a video, 80 frames are taken. A folder that leads back to itself is no reason to stop.
+        video = self.folder / "walk.MPG"
+        video.write_bytes(b"")
+        self.assertIn("about 5 to 10 minutes, of which 2.0", self.estimate(video, PRESET="fast"))
+        (photos.parent / "back").symlink_to(photos.parent)
+        self.assertIn("minutes, of which", self.estimate(photos.parent))
         (photos.parent / "transforms.json").touch()
         self.assertIn("about 10 to 12 minutes", self.estimate(photos.parent))
 

@@ -70,7 +70,7 @@ class StabilityTest(StageCase):
 
     def test_wrong_options_are_one_clear_line(self):
         out = self.folder / "stability"
-        for words, code, part in ((("--case", "flood"), 2, "flood"),
+        for words, code, part in ((("--case", "flood"), 2, "--case: there is no case 'flood'"),
                                   (("--sweep", "--case", "clean"), 2, "--sweep"),
                                   (("--scene", self.folder), 3, "manifest.json")):
             with self.subTest(part):

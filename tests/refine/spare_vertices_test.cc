@@ -59,6 +59,20 @@ TEST(SpareVertices, AreThoseAroundWhichNoRayLosesLight) {
   EXPECT_EQ(spare.flat, 0u);
 }
 
+TEST(SpareVertices, AreNotThoseThatMustStay) {
+  const TetMesh mesh = JitteredBox();
+  const FieldState state = RandomState(mesh, FieldStorage::kVertex);
+  RefineScores scores = Scores(mesh, 1e-6f, 0.0f);
+  const uint64_t all = FindSpareVertices(mesh, state, scores, DropAll()).empty;
+  for (const glm::vec3& p : mesh.positions) scores.is_kept.push_back(p.x > 0.0f);
+  const SpareVertices spare = FindSpareVertices(mesh, state, scores, DropAll());
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    EXPECT_FALSE(spare.is_spare[v] && scores.is_kept[v]);
+  }
+  EXPECT_GT(spare.empty, 0u);
+  EXPECT_LT(spare.empty, all);
+}
+
 // An affine field is what the neighbours predict, up to the rounding of float.
 TEST(SpareVertices, OfAnAffineFieldAreFlatAndNoNeighbours) {
   const TetMesh mesh = JitteredBox();
