@@ -130,8 +130,8 @@ TEST(ContrastTest, IsTheDeviationOfTheBrightness) {
   // Brightness 100 and 200: 50 from their mean.
   image.pixels = {0, 100, 200, 200, 200, 200};
   EXPECT_NEAR(Contrast(image), 50, 1e-9);
-  Image mask = MakeImage(2, 1, 1);
-  mask.pixels = {255, 0};
+  Image mask = MakeImage(2, 1, 3);
+  mask.pixels = {255, 255, 255, 0, 0, 0};
   EXPECT_NEAR(Contrast(image, &mask), 0, 1e-4);
 }
 
