@@ -60,7 +60,10 @@ std::string ProtocolOf(const fs::path& field_folder) {
       width = std::max(width, camera.width);
       height = std::max(height, camera.height);
     }
-    parts = {fmt::format("{} held-out views", scene.HeldOutViews().size()),
+    // A run watches some of the held-out views only, and its curve is the mean of these.
+    const nlohmann::json watched = facts.stages.back().Count("watched_views");
+    parts = {watched.is_number() ? fmt::format("{} held-out views", watched.get<size_t>())
+                                 : std::string("some held-out views"),
              fmt::format("{}x{} px", width, height),
              fmt::format("background {}", Name(scene.background))};
   }

@@ -12,7 +12,7 @@ namespace tetrec {
 struct RunCurve {
   std::string name;  // the run folder's
   std::filesystem::path metrics_csv;
-  std::string protocol;           // "4 held-out views, 270x480 px, ..., llvmpipe"; empty if unknown
+  std::string protocol;           // "4 held-out views, 270x480 px, ..."; empty if unknown
   std::vector<TrainingRow> rows;  // only those with a held-out PSNR
 };
 

@@ -336,6 +336,7 @@ class Trainer {
     stage_.Count("harmonics_degree", field_.harmonics_degree());
     stage_.Count("fine_rays", int(fine_rays_.state() == TrialState::kUsed));
     stage_.Seconds("optimize", seconds_);
+    stage_.Count("watched_views", watched_.views.size());
     if (psnr) stage_.Count("watched_psnr", *psnr);
     ReportRays();
     ReportMotion();

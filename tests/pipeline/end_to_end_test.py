@@ -93,6 +93,8 @@ class EndToEndTest(StageCase):
         self.assert_done(self.run_stage("chart", run, "-o", self.folder / "chart"))
         self.assertTrue((self.folder / "chart" / "chart.svg").exists())
         self.assertTrue((self.folder / "chart" / "chart.png").exists())
+        chart = json.loads((self.folder / "chart" / "chart.json").read_text())
+        self.assertRegex(chart["runs"][0]["protocol"], r"^\d+ held-out views")
 
     def test_points_are_triangulated_on_lego(self):
         lego = DATASETS / "lego"
