@@ -17,9 +17,7 @@ namespace fs = std::filesystem;
 std::string StageOf(const fs::path& folder) {
   for (const char* name : {kManifestFile, kStatusFile}) {
     const nlohmann::json facts = ReadManifestOrStatus(folder / name);
-    if (facts.is_object() && facts.contains("stage") && facts["stage"].is_string()) {
-      return facts["stage"];
-    }
+    if (!facts.is_null()) return facts["stage"];
   }
   return "";
 }

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/manifest.h"
 #include "expect_error.h"
 #include "scratch_folder.h"
 
@@ -45,10 +46,10 @@ TEST(NewestField, OfAStageFolderIsTheOneOfItsRun) {
   Touch(run / "1_scene" / "scene.json", 9s);
   Touch(run / "2_tetrahedra" / "field.tetf", 8s);
   Touch(run / "3_field" / "field.tetf", 7s);
-  WriteText(run / "3_field" / "status.json", R"({"schema": 1, "stage": "optimize"})");
+  WriteJson(run / "3_field" / kStatusFile, StatusOfNewRun("optimize", "key", {}, ""));
   EXPECT_EQ(NewestField(FindRun(run / "3_field")).kind, Kind::kFitted);
   EXPECT_EQ(FindRun(run / "3_field").scene, run / "1_scene");
-  WriteText(run / "2_tetrahedra" / "status.json", R"({"schema": 1, "stage": "tetrahedralize"})");
+  WriteJson(run / "2_tetrahedra" / kStatusFile, StatusOfNewRun("tetrahedralize", "key", {}, ""));
   EXPECT_EQ(NewestField(FindRun(run / "2_tetrahedra")).kind, Kind::kStart);
 }
 
