@@ -30,6 +30,8 @@ libcgal-dev                 mesh: Delaunay tetrahedralization
 libopenmesh-dev             surface: clean-up
 libnanoflann-dev            eval: nearest points
 libjs-three                 eval: the report's 3-D scene
+pkg-config                  build: finds cpp-httplib
+libcpp-httplib-dev          view: the web server
 libvulkan-dev               gpu: headers and loader
 mesa-vulkan-drivers         gpu: lavapipe, a Vulkan device for machines without a GPU
 glslang-tools               shaders: GLSL to SPIR-V

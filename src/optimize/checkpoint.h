@@ -16,6 +16,9 @@
 
 namespace tetrec {
 
+// In the folder of the run, until it is done.
+inline constexpr const char* kCheckpointFile = "checkpoint.bin";
+
 struct Checkpoint {
   uint64_t iteration = 0;  // steps done
   double seconds = 0;      // of optimisation

@@ -108,7 +108,7 @@ class Trainer {
         rounds_(options, PlanRounds(options, start_vertices, max_vertices_, pictures_.set().pixels),
                 {field_, motion_, pictures_, batches_, steps_, *renderer_},
                 stage.Scratch("best.bin")),
-        checkpoint_path_(stage.Scratch("checkpoint.bin")) {}
+        checkpoint_path_(stage.Scratch(kCheckpointFile)) {}
 
   RadianceField Run(const RadianceField& start) {
     Introduce(start);

@@ -71,4 +71,5 @@ def look(page, width):
         browser.quit()
 
 
-print(json.dumps({width: look("file://" + sys.argv[1], width) for width in (400, 1280)}))
+if __name__ == "__main__":
+    print(json.dumps({width: look("file://" + sys.argv[1], width) for width in (400, 1280)}))

@@ -1,0 +1,97 @@
+// Folders and files of a run.
+#include "view/newest_field.h"
+
+#include "core/error.h"
+#include "core/manifest.h"
+#include "optimize/checkpoint.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+namespace tetrec {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string StageOf(const fs::path& folder) {
+  for (const char* name : {kManifestFile, kStatusFile}) {
+    const nlohmann::json facts = ReadManifestOrStatus(folder / name);
+    if (!facts.is_null()) return facts["stage"];
+  }
+  return "";
+}
+
+// An unfinished stage has no manifest, which would name the folder before it.
+fs::path SceneOf(const fs::path& folder, const fs::path& run) {
+  if (fs::exists(folder / kManifestFile)) return PreviousStage(folder, {"sfm", "import"});
+  return run / "1_scene";
+}
+
+std::optional<FieldFile> FileIfThere(FieldFile::Kind kind, const fs::path& path) {
+  std::error_code error;
+  const fs::file_time_type written = fs::last_write_time(path, error);
+  if (error) return std::nullopt;
+  return FieldFile{kind, path, written};
+}
+
+}  // namespace
+
+ViewedRun FindRun(const fs::path& folder) {
+  if (!fs::is_directory(folder)) {
+    throw UsageError(
+        fmt::format("RUN is '{}', which is not a folder; give a run folder", folder.string()));
+  }
+  const fs::path here = fs::absolute(folder / "").lexically_normal().parent_path();
+  const std::string stage = StageOf(here);
+  ViewedRun run;
+  if (stage == "optimize") {
+    run = {SceneOf(here, here.parent_path()), here.parent_path() / "2_tetrahedra", here};
+  } else if (stage == "tetrahedralize") {
+    run = {SceneOf(here, here.parent_path()), here, {}};
+  } else {
+    const fs::path field = here / "3_field", start = here / "2_tetrahedra";
+    run = {SceneOf(fs::exists(field / kManifestFile) ? field : start, here), start, field};
+  }
+  if (!fs::exists(run.scene / "scene.json")) {
+    throw DataError(
+        fmt::format("{}: contains no run: there is no {}; give the folder that "
+                    "contains 1_scene and 3_field, or that of tetrec-optimize",
+                    folder.string(), (run.scene / "scene.json").string()));
+  }
+  return run;
+}
+
+FieldFile NewestField(const ViewedRun& run) {
+  using Kind = FieldFile::Kind;
+  if (!run.field.empty()) {
+    const auto fitted = FileIfThere(Kind::kFitted, run.field / "field.tetf");
+    const auto checkpoint = FileIfThere(Kind::kCheckpoint, run.field / kCheckpointFile);
+    if (checkpoint && (!fitted || checkpoint->written > fitted->written)) return *checkpoint;
+    if (fitted) return *fitted;
+  }
+  if (const auto start = FileIfThere(Kind::kStart, run.start / "field.tetf")) return *start;
+  throw DataError(
+      fmt::format("{}: contains no field yet; run tetrec-tetrahedralize or tetrec-optimize first",
+                  (run.field.empty() ? run.start : run.field).string()));
+}
+
+RadianceField ReadFieldFile(const FieldFile& file) {
+  if (file.kind != FieldFile::Kind::kCheckpoint) return ReadField(file.path, Orientations::kAny);
+  Checkpoint checkpoint = ReadCheckpoint(file.path);
+  return FieldOf(std::move(checkpoint.mesh), checkpoint.state);
+}
+
+std::string Describe(const FieldFile& file) {
+  switch (file.kind) {
+    case FieldFile::Kind::kCheckpoint:
+      return "last checkpoint of an unfinished fit";
+    case FieldFile::Kind::kFitted:
+      return "fitted field";
+    case FieldFile::Kind::kStart:
+      break;
+  }
+  return "start, before any fit";
+}
+
+}  // namespace tetrec

@@ -1,0 +1,248 @@
+// One function for each mode.
+#include "view/paint.h"
+
+#include "core/quantile.h"
+#include "mesh/locate.h"
+#include "render/create_renderer.h"
+#include "render/picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+// Rays between two questions whether to give up; some 20 ms on two cores.
+constexpr int kBandPixels = 30'000;
+// An error of this much of the range of a channel is the brightest that the colours distinguish.
+constexpr double kLargestError = 0.25;
+constexpr glm::dvec3 kNothing(0.5);  // where there is no surface, tet or pixel that counts
+
+// Calls body(camera of the band, first row) for bands of rows from top to bottom. False if given
+// up.
+template <class Body>
+bool ForBands(const Camera& camera, const std::function<bool()>& give_up, const Body& body) {
+  const int rows = std::max(1, kBandPixels / camera.width);
+  for (int y = 0; y < camera.height; y += rows) {
+    if (y > 0 && give_up()) return false;
+    Camera band = camera;
+    band.height = std::min(rows, camera.height - y);
+    band.cy -= y;
+    body(band, y);
+  }
+  return true;
+}
+
+void PutPixel(Image& image, int x, int y, const glm::dvec3& color) {
+  for (int c = 0; c < 3; ++c) {
+    image.At(x, y)[c] = uint8_t(std::lround(255 * std::clamp(color[c], 0.0, 1.0)));
+  }
+}
+
+// Black, red, yellow, white for 0 to 1.
+glm::dvec3 HeatColor(double heat) {
+  return glm::clamp(glm::dvec3(3 * heat, 3 * heat - 1, 3 * heat - 2), 0.0, 1.0);
+}
+
+// The same number in [0, 1) for a tet each time, and another one for its neighbours.
+double TintOf(uint32_t tet) { return double((tet * 2654435761u) >> 8) / double(1u << 24); }
+
+double SizeOf(const TetMesh& mesh, uint32_t tet) {
+  return std::cbrt(std::abs(TetVolume(mesh, mesh.tets[tet])));
+}
+
+std::optional<Image> PaintColor(ShownField& shown, Background background, const RenderView& from,
+                                const std::function<bool()>& give_up) {
+  Image image = MakeImage(from.camera.width, from.camera.height, 3);
+  const bool is_done = ForBands(from.camera, give_up, [&](const Camera& band, int y) {
+    const Image part =
+        ToPicture(shown.renderer->Render({band, from.cam_from_world}, 1), background);
+    std::copy(part.pixels.begin(), part.pixels.end(), image.At(0, y));
+  });
+  return is_done ? std::optional(std::move(image)) : std::nullopt;
+}
+
+std::optional<DepthMap> FindDepth(ShownField& shown, const RenderView& from,
+                                  const std::function<bool()>& give_up) {
+  DepthMap map = MakeDepthMap(from.camera.width, from.camera.height);
+  const bool is_done = ForBands(from.camera, give_up, [&](const Camera& band, int y) {
+    const DepthMap part = shown.renderer->RenderDepth({band, from.cam_from_world});
+    std::copy(part.depth.begin(), part.depth.end(), &map.At(0, y));
+  });
+  return is_done ? std::optional(std::move(map)) : std::nullopt;
+}
+
+// Searches for the tets of points, of which each is near the one before. The domain of a fitted
+// field is convex.
+class TetFinder {
+ public:
+  explicit TetFinder(const TetMesh& mesh) : mesh_(mesh) {}
+  uint32_t At(const glm::dvec3& point) {
+    const uint32_t tet = FindTet(mesh_, point, last_, true);
+    if (tet != kNoTet) last_ = tet;
+    return tet;
+  }
+
+ private:
+  const TetMesh& mesh_;
+  uint32_t last_ = 0;
+};
+
+// Large tets are blue, small ones yellow; neighbours differ in brightness.
+Image PaintTets(const ShownField& shown, const RenderView& from, const DepthMap& depth) {
+  const TetMesh& mesh = shown.field.mesh;
+  const Rigid3 world_from_cam = from.cam_from_world.Inverse();
+  const double range = std::log(std::max(shown.large_tet / shown.small_tet, 1.01));
+  Image image = MakeImage(depth.width, depth.height, 3);
+  TetFinder finder(mesh);
+  for (int y = 0; y < depth.height; ++y) {
+    for (int x = 0; x < depth.width; ++x) {
+      const double z = depth.At(x, y);
+      const uint32_t tet =
+          z == kNoDepth
+              ? kNoTet
+              : finder.At(world_from_cam * (z * from.camera.CamFromImage(glm::dvec2(x, y) + 0.5)));
+      if (tet == kNoTet) {
+        PutPixel(image, x, y, kNothing);
+        continue;
+      }
+      const double coarseness = std::log(SizeOf(mesh, tet) / shown.small_tet) / range;
+      const glm::dvec3 color = glm::mix(glm::dvec3(1, 0.86, 0.25), glm::dvec3(0.1, 0.25, 0.75),
+                                        std::clamp(coarseness, 0.0, 1.0));
+      PutPixel(image, x, y, (0.6 + 0.4 * TintOf(tet)) * color);
+    }
+  }
+  return image;
+}
+
+// Weights of the tet's vertices at a point inside it.
+glm::dvec4 WeightsAt(const TetMesh& mesh, const glm::uvec4& tet, const glm::dvec3& point) {
+  const glm::dvec3 origin(mesh.positions[tet[0]]);
+  const glm::dmat3 edges(glm::dvec3(mesh.positions[tet[1]]) - origin,
+                         glm::dvec3(mesh.positions[tet[2]]) - origin,
+                         glm::dvec3(mesh.positions[tet[3]]) - origin);
+  const double volume = glm::determinant(edges);
+  if (volume == 0) return glm::dvec4(0.25);
+  const glm::dvec3 weights = glm::inverse(edges) * (point - origin);
+  return {1 - weights.x - weights.y - weights.z, weights};
+}
+
+struct Sample {
+  double density = 0;
+  glm::dvec3 color_srgb{0};
+};
+
+Sample SampleAt(const RadianceField& field, uint32_t tet, const glm::dvec3& point) {
+  if (field.storage == FieldStorage::kCell) {
+    return {field.density[tet], glm::dvec3(field.color_srgb[tet])};
+  }
+  const glm::uvec4& ids = field.mesh.tets[tet];
+  const glm::dvec4 weights = WeightsAt(field.mesh, ids, point);
+  Sample sample;
+  for (int i = 0; i < 4; ++i) {
+    sample.density += weights[i] * field.density[ids[i]];
+    sample.color_srgb += weights[i] * glm::dvec3(field.color_srgb[ids[i]]);
+  }
+  sample.density = std::max(sample.density, 0.0);
+  return sample;
+}
+
+// The field in a plane across the view: its colour, as opaque as a slab of a fiftieth of the
+// subject's size is, over the tets in shades of grey.
+Image PaintSlice(const ShownField& shown, const Scene& scene, const PictureRequest& request) {
+  const RadianceField& field = shown.field;
+  const glm::dvec3 size = scene.subject_bounds.Size();
+  const double slab = 0.02 * std::max({size.x, size.y, size.z});
+  const Camera& camera = request.from.camera;
+  const Rigid3 world_from_cam = request.from.cam_from_world.Inverse();
+  Image image = MakeImage(camera.width, camera.height, 3);
+  TetFinder finder(field.mesh);
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const glm::dvec3 point =
+          world_from_cam * (request.slice_depth * camera.CamFromImage(glm::dvec2(x, y) + 0.5));
+      const uint32_t tet = finder.At(point);
+      if (tet == kNoTet) {
+        PutPixel(image, x, y, kNothing);
+        continue;
+      }
+      const Sample sample = SampleAt(field, tet, point);
+      const double opacity = 1 - std::exp(-sample.density * slab);
+      PutPixel(image, x, y,
+               glm::mix(glm::dvec3(0.15 + 0.15 * TintOf(tet)), sample.color_srgb, opacity));
+    }
+  }
+  return image;
+}
+
+// The stored image of the view, with its own alpha.
+Image PhotoOf(const ShownScene& scene, const PictureRequest& request) {
+  const View& view = scene.scene.views[size_t(*request.view)];
+  const Camera& camera = request.from.camera;
+  return ResizeByArea(ReadImage(scene.folder / view.image), camera.width, camera.height);
+}
+
+// The mean absolute difference over the channels.
+Image PaintError(const Image& photo, const Image& rendered, const Scene& scene) {
+  const Image truth = OverBackground(photo, scene.background);
+  Image image = MakeImage(rendered.width, rendered.height, 3);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (scene.has_masks && photo.channels == 4 && photo.At(x, y)[3] < kSeenAlpha) {
+        PutPixel(image, x, y, kNothing);
+        continue;
+      }
+      double sum = 0;
+      for (int c = 0; c < 3; ++c) sum += std::abs(truth.At(x, y)[c] - rendered.At(x, y)[c]);
+      PutPixel(image, x, y, HeatColor(sum / (3 * 255) / kLargestError));
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+ShownField MakeShownField(RadianceField field, RendererOptions options) {
+  if (CountDegenerateTets(field.mesh) > 0) options.AcceptInvertedTets();
+  ShownField shown;
+  shown.renderer = CreateRenderer(options);
+  shown.renderer->SetField(field);
+  std::vector<double> sizes(field.mesh.tets.size());
+  for (uint32_t i = 0; i < sizes.size(); ++i) sizes[i] = SizeOf(field.mesh, i);
+  if (!sizes.empty()) {
+    shown.small_tet = std::max(Quantile(sizes, 0.02), 1e-12);
+    shown.large_tet = Quantile(std::move(sizes), 0.98);
+  }
+  shown.field = std::move(field);
+  return shown;
+}
+
+std::optional<Image> Paint(ShownField& shown, const ShownScene& scene,
+                           const PictureRequest& request, const std::function<bool()>& give_up) {
+  const RenderView& from = request.from;
+  const Background background = scene.scene.background;
+  switch (request.mode) {
+    case PictureMode::kColor:
+      return PaintColor(shown, background, from, give_up);
+    case PictureMode::kSlice:
+      return PaintSlice(shown, scene.scene, request);
+    case PictureMode::kPhoto:
+      return OverBackground(PhotoOf(scene, request), background);
+    case PictureMode::kError: {
+      const std::optional<Image> rendered = PaintColor(shown, background, from, give_up);
+      if (!rendered) return std::nullopt;
+      return PaintError(PhotoOf(scene, request), *rendered, scene.scene);
+    }
+    case PictureMode::kDepth:
+    case PictureMode::kNormals:
+    case PictureMode::kTets:
+      break;
+  }
+  const std::optional<DepthMap> depth = FindDepth(shown, from, give_up);
+  if (!depth) return std::nullopt;
+  if (request.mode == PictureMode::kDepth) return ColoredDepth(*depth, RangeOf(*depth));
+  if (request.mode == PictureMode::kNormals) return NormalPicture(*depth, from.camera);
+  return PaintTets(shown, from, *depth);
+}
+
+}  // namespace tetrec

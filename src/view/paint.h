@@ -1,0 +1,37 @@
+// Pictures of a field that the viewer shows.
+#pragma once
+
+#include "field/radiance_field.h"
+#include "image/image.h"
+#include "render/training_renderer.h"
+#include "view/picture_request.h"
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+
+namespace tetrec {
+
+// A field and its renderer.
+struct ShownField {
+  RadianceField field;
+  std::unique_ptr<TrainingRenderer> renderer;
+  // The 2nd and 98th percentile of the tets' sizes (the cube root of the volume) [world units].
+  double small_tet = 0, large_tet = 1;
+};
+
+ShownField MakeShownField(RadianceField field, RendererOptions options);
+
+// What photos are compared with: the scene and its folder.
+struct ShownScene {
+  std::filesystem::path folder;
+  Scene scene;
+};
+
+// RGB. Rendered in bands of rows; between two of them `give_up` is asked whether something else is
+// more urgent: then there is no picture.
+std::optional<Image> Paint(ShownField& shown, const ShownScene& scene,
+                           const PictureRequest& request, const std::function<bool()>& give_up);
+
+}  // namespace tetrec

@@ -1,0 +1,92 @@
+"""Opens the viewer's page in headless Chromium and prints as JSON how it answers. Runs under Debian's
+Python, for which python3-selenium is installed: open_viewer.py ADDRESS [FOLDER for screenshots]"""
+import hashlib
+import json
+import pathlib
+import sys
+import time
+
+from selenium.webdriver import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+from open_report import start
+
+WAIT_S = 60
+
+
+def wait_for_full_picture(browser):
+    """The page's facts once it is at rest: no new picture for a while, and the last one a full one."""
+    deadline, last, since = time.monotonic() + WAIT_S, None, time.monotonic()
+    while time.monotonic() < deadline:
+        facts = browser.execute_script("return {...document.body.dataset}")
+        if facts.get("pictures") != last:
+            last, since = facts.get("pictures"), time.monotonic()
+        if facts.get("kind") == "full" and time.monotonic() - since > 0.6:
+            return facts
+        time.sleep(0.05)
+    raise TimeoutError("no full picture: " + browser.find_element(By.CSS_SELECTOR, "[role=status]").text)
+
+
+def picture(browser):
+    """Hash and number of colours of what the canvas shows."""
+    wait_for_full_picture(browser)
+    pixels = browser.execute_script("""
+        const canvas = document.querySelector('canvas'), {width, height} = canvas;
+        const copy = new OffscreenCanvas(width, height).getContext('2d', {willReadFrequently: true});
+        copy.drawImage(canvas, 0, 0);
+        return [...copy.getImageData(0, 0, width, height).data]""")
+    colors = {tuple(pixels[i:i + 3]) for i in range(0, len(pixels), 4 * 17)}
+    return hashlib.sha256(bytes(pixels)).hexdigest(), len(colors)
+
+
+def drag(browser, canvas):
+    """Drags in small steps; returns how long the answers to drafts took [ms]."""
+    times = []
+    chain = ActionChains(browser, duration=20).click_and_hold(canvas)
+    chain.perform()
+    for _ in range(12):
+        ActionChains(browser, duration=20).move_by_offset(6, 2).perform()
+        time.sleep(0.1)
+        facts = browser.execute_script("return {...document.body.dataset}")
+        if facts.get("kind") == "draft":
+            times.append(int(facts["draftMs"]))
+    ActionChains(browser).release().perform()
+    return times
+
+
+def look(page, width, scheme, screenshots):
+    browser = start(width)
+    try:
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {
+            "features": [{"name": "prefers-color-scheme", "value": scheme}]})
+        browser.get(page)
+        canvas = browser.find_element(By.TAG_NAME, "canvas")
+        pictures = [picture(browser)]
+        times = drag(browser, canvas)
+        pictures.append(picture(browser))
+        canvas.send_keys(Keys.ARROW_LEFT * 3)
+        pictures.append(picture(browser))
+        canvas.send_keys("n")
+        pictures.append(picture(browser))
+        if screenshots:
+            browser.save_screenshot(str(screenshots / f"viewer_{width}_{scheme}.png"))
+        for mode in ("depth", "size of tets", "slice", "error", "photo"):
+            browser.find_element(By.NAME, "mode").send_keys(mode)
+            pictures.append(picture(browser))
+            if screenshots and scheme == "light":
+                browser.save_screenshot(str(screenshots / f"viewer_{width}_{mode.split()[-1]}.png"))
+        return {
+            "pictures": pictures, "draft_ms": times,
+            "message": browser.find_element(By.CSS_SELECTOR, "[role=status]").text,
+            "too_wide_px": browser.execute_script(
+                "return document.documentElement.scrollWidth - innerWidth"),
+            "console": [entry["message"] for entry in browser.get_log("browser")]}
+    finally:
+        browser.quit()
+
+
+if __name__ == "__main__":
+    folder = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else None
+    print(json.dumps({f"{width} {scheme}": look(sys.argv[1], width, scheme, folder)
+                      for width, scheme in ((400, "dark"), (1280, "light"))}))
