@@ -109,6 +109,15 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   app.add_option("--last-round", options.schedule.last_round,
                  "Share of the run before the last refinement")
       ->check(CLI::Range(0.01, 1.0));
+  tetrec::AddWordOption(
+      app, "--budget", options.budget,
+      "Size of the mesh: auto (what the time affords, and no more once the judging pictures gain "
+      "nothing by it) or full (up to --budget-tets, --budget-mb or --max-vertices)");
+  app.add_option("--budget-tets", options.budget_tets,
+                 "Number of tets that the mesh never exceeds; 0: no such bound");
+  app.add_option("--budget-mb", options.budget_mb,
+                 "Peak of resident memory that the mesh keeps to, by a prediction [MB = 10^6 "
+                 "bytes]; 0: no such bound");
   app.add_option("--max-vertices", options.max_vertices,
                  "Largest number of vertices after refinement; 0: what the time allows");
   tetrec::AddWordOption(
@@ -158,8 +167,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   GroupOptions(app, "Photos and cameras", {"--exposure", "--poses"});
   GroupOptions(app, "Mesh",
                {"--move", "--quality-weight", "--quality-sharpness", "--rounds", "--last-round",
-                "--max-vertices", "--refine", "--score", "--prism-diagonals", "--split-share",
-                "--score-rays"});
+                "--budget", "--budget-tets", "--budget-mb", "--max-vertices", "--refine", "--score",
+                "--prism-diagonals", "--split-share", "--score-rays"});
   AddRendererOptions(command, options.renderer);
 }
 
@@ -169,7 +178,7 @@ int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   Words words;
   tetrec::StageCommand command(
-      "optimize", 9,
+      "optimize", 10,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

@@ -11,6 +11,7 @@
 #include "eval/color_correction.h"
 #include "eval/evaluate_depth.h"
 #include "eval/evaluate_surface.h"
+#include "eval/growth_plot.h"
 #include "eval/image_metrics.h"
 #include "eval/metrics_json.h"
 #include "eval/plot.h"
@@ -290,6 +291,10 @@ void DrawConvergence(const RunFacts& run, Stage& stage, ReportContent& content) 
       DrawPlot(plot, svg, scratch);
       content.curves_svg.push_back(ReadText(svg));
     }
+    if (const std::optional<Plot> plot = GrowthPlot(content.growth)) {
+      DrawPlot(*plot, scratch / "growth.svg", scratch);
+      content.growth_svg = ReadText(scratch / "growth.svg");
+    }
   } catch (const Interrupted&) {
     throw;
   } catch (const Error& error) {
@@ -381,8 +386,8 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
   metrics.update(RunMetrics(content.run));
   metrics["surface"] = content.surface ? SurfaceJson(*content.surface, options) : json();
   metrics["depth"] = content.depth ? DepthJson(*content.depth) : json();
-  DrawConvergence(content.run, stage, content);
   ReadEstimates(content.run, content);
+  DrawConvergence(content.run, stage, content);
   metrics["uneven_photos"] = CountIf(content.exposures, IsUneven);
   metrics["moved_cameras"] = CountIf(content.cameras, MovedMuch);
 

@@ -473,6 +473,14 @@ std::string GrowthRow(const GrowthStep& step) {
          "</td></tr>";
 }
 
+std::string GrowthChart(const ReportContent& content) {
+  if (content.growth_svg.empty()) return "";
+  return fmt::format(
+      "<div class=\"plot\"><img src=\"{}\" alt=\"judged PSNR over the number of tets, with the "
+      "size of the result\"></div>",
+      SvgDataUri(content.growth_svg));
+}
+
 std::string Growth(const ReportContent& content) {
   if (content.growth.empty()) return "";
   std::string rows;
@@ -487,7 +495,7 @@ std::string Growth(const ReportContent& content) {
          "class=\"n\">judged dB</th>"
          "<th class=\"n\">gain dB</th><th class=\"n\">± dB</th><th>decision</th></tr></thead>"
          "<tbody>" +
-         rows + "</tbody></table></div>";
+         rows + "</tbody></table></div>" + GrowthChart(content);
 }
 
 std::string Strip(const std::vector<Image>& pictures, const std::string& what) {

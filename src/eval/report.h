@@ -42,6 +42,7 @@ struct ReportContent {
   std::optional<SurfaceResult> surface;
   std::optional<DepthScores> depth;
   std::vector<GrowthStep> growth;       // of the mesh; empty if unknown
+  std::string growth_svg;               // size against gain; empty if there is none
   std::vector<std::string> curves_svg;  // convergence; if empty, no_curves_reason is shown
   std::string no_curves_reason;
   nlohmann::json metrics;  // as in metrics.json: the numbers of the page

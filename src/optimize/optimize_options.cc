@@ -11,6 +11,8 @@ namespace {
 // A tile of 16 x 16 pixels, with room for windows of 11 x 11.
 constexpr int kLeastDssimRays = 256;
 
+constexpr uint64_t kMostMegabytes = 1000000000;
+
 }  // namespace
 
 void OptimizeOptions::Check() const {
@@ -26,6 +28,14 @@ void OptimizeOptions::Check() const {
   if (renderer.deterministic && time_limit_s > 0) {
     throw UsageError(
         "deterministic: a run by time ends where the machine's speed takes it; set 'time_limit' 0");
+  }
+  if (budget_tets > 0 && budget_mb > 0) {
+    throw UsageError("budget_tets and 'budget_mb' bound the same mesh: give one of them");
+  }
+  if (budget_mb > kMostMegabytes) fail("budget_mb", double(budget_mb), "at most 1e9 MB");
+  if (budget == BudgetChoice::kFull && budget_tets == 0 && budget_mb == 0 && max_vertices == 0) {
+    throw UsageError(
+        "budget is full, but nothing bounds the mesh: set 'budget_tets' or 'budget_mb'");
   }
   const OptimizeOptions defaults;
   if (refine != RefineScheme::kPrism) {

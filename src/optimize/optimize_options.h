@@ -75,6 +75,15 @@ inline constexpr auto kWords<RefineScore> =
                                       {RefineScore::kPosition, "position"},
                                       {RefineScore::kVariance, "variance"}});
 
+// How the size of the mesh is chosen, up to any bound that is given.
+enum class BudgetChoice {
+  kAuto,  // as the time affords; growth ends once the judging pictures gain no more by it
+  kFull,  // up to the bound, whatever is gained
+};
+template <>
+inline constexpr auto kWords<BudgetChoice> = std::to_array<Word<BudgetChoice>>(
+    {{BudgetChoice::kAuto, "auto"}, {BudgetChoice::kFull, "full"}});
+
 // What a trial has decided. Checkpoints contain the numbers.
 enum class TrialState : uint32_t { kNotTried, kNotUsed, kUsed };
 
@@ -105,6 +114,9 @@ struct OptimizeOptions {
   HarmonicsChoice harmonics = HarmonicsChoice::kAuto;
   FineRaysChoice fine_rays = FineRaysChoice::kAuto;
   MoveChoice move = MoveChoice::kAuto;
+  BudgetChoice budget = BudgetChoice::kAuto;
+  uint64_t budget_tets = 0;   // bound on tets; 0: none
+  uint64_t budget_mb = 0;     // bound on the predicted peak of memory [10^6 bytes]; 0: none
   uint64_t max_vertices = 0;  // 0: as many as the time affords
   RefineScheme refine = RefineScheme::kInsert;
   PrismDiagonals prism_diagonals = PrismDiagonals::kShorter;

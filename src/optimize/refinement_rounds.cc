@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace tetrec {
@@ -27,8 +28,13 @@ GrowthStep StepOf(double seconds, uint64_t iteration, const TetMesh& mesh) {
 }
 
 RefinementRounds::RefinementRounds(const OptimizeOptions& options, std::vector<PlannedRound> plan,
-                                   const RefinedParts& parts, std::filesystem::path best_file)
-    : options_(options), plan_(std::move(plan)), parts_(parts), best_file_(std::move(best_file)) {}
+                                   const RefinedParts& parts, std::filesystem::path best_file,
+                                   uint64_t max_tets)
+    : options_(options),
+      plan_(std::move(plan)),
+      parts_(parts),
+      best_file_(std::move(best_file)),
+      max_tets_(max_tets) {}
 
 void RefinementRounds::Resume(RoundsState state) {
   state_ = std::move(state);
@@ -66,7 +72,7 @@ bool RefinementRounds::IsWorthRefining(GrowthStep& step) {
       gain.standard_error);
   if (step.decision == GrowthDecision::kReturn) ReturnToBest(now.psnr);
   if (step.decision == GrowthDecision::kFineEnough) {
-    LogInfo("the mesh is fine enough: that is no more than the standard error");
+    LogInfo("the mesh is fine enough: rounds gain no more than the standard error");
   }
   state_.ended = step.decision != GrowthDecision::kRefine;
   if (state_.ended != 0) return false;
@@ -80,9 +86,19 @@ GrowthDecision RefinementRounds::Decide(const Judgement& now, const JudgedGain& 
   if (!(now.psnr > state_.best_psnr - options_.schedule.judged_loss)) {
     return GrowthDecision::kReturn;
   }
-  const bool is_late = plan_[state_.rounds].is_late;
-  return is_late && !(gain.gain > gain.standard_error) ? GrowthDecision::kFineEnough
-                                                       : GrowthDecision::kRefine;
+  if (options_.budget == BudgetChoice::kFull || options_.schedule.rounds) {
+    return GrowthDecision::kRefine;
+  }
+  // One early round may gain nothing by the noise of high learning rates; two in a row do not.
+  const bool must_gain = plan_[state_.rounds].is_late || !LastRoundGained();
+  return must_gain && !(gain.gain > gain.standard_error) ? GrowthDecision::kFineEnough
+                                                         : GrowthDecision::kRefine;
+}
+
+// True for the first judgement, too, which has none before it to be compared with.
+bool RefinementRounds::LastRoundGained() const {
+  if (state_.steps.size() < 2 || !(state_.steps.end()[-2].psnr > 0)) return true;
+  return state_.steps.back().gain > state_.steps.back().gain_standard_error;
 }
 
 void RefinementRounds::SaveBest(double psnr) {
@@ -101,6 +117,29 @@ void RefinementRounds::ReturnToBest(double psnr) {
       state_.rounds, state_.best_psnr - psnr, WithThousands(best.mesh.positions.size()));
   parts_.field.Put(std::move(best.mesh),
                    WithHarmonics(best.state, parts_.field.harmonics_degree()));
+}
+
+// None if no refined mesh was found that the budget allows; the field is then as before. The number
+// of tets is known only once the points are triangulated, so a few numbers of vertices are tried.
+std::optional<RefineResult> RefinementRounds::RefineWithinBudget(const FieldState& before,
+                                                                 const RefineScores& scores,
+                                                                 RefineOptions refine) {
+  if (max_tets_ == kNoBudget) return Refine(parts_.field.TakeMesh(), before, scores, refine);
+  constexpr int kMostTries = 4;
+  constexpr double kMargin = 0.99;
+  TetMesh mesh = parts_.field.TakeMesh();
+  uint64_t tets = mesh.tets.size(), vertices = mesh.positions.size();
+  for (int i = 0; i < kMostTries; ++i) {
+    const double affordable = double(max_tets_) / double(tets) * double(vertices);
+    const double allowed = i == 0 ? affordable : kMargin * affordable;
+    refine.max_vertices = std::min(refine.max_vertices, uint64_t(allowed));
+    RefineResult result = Refine(mesh, before, scores, refine);
+    tets = result.mesh.tets.size();
+    vertices = result.mesh.positions.size();
+    if (tets <= max_tets_) return result;
+  }
+  parts_.field.Put(std::move(mesh), before);
+  return {};
 }
 
 void RefinementRounds::RefineOnce() {
@@ -122,7 +161,15 @@ void RefinementRounds::RefineOnce() {
   refine.max_vertices = round.vertices;
   refine.seed = options_.seed + state_.rounds;
   const FieldState before = parts_.field.ReadState();
-  RefineResult result = Refine(parts_.field.TakeMesh(), before, std::move(scores), refine);
+  std::optional<RefineResult> refined = RefineWithinBudget(before, scores, refine);
+  if (!refined) {
+    state_.steps.back().decision = GrowthDecision::kBudget;
+    state_.ended = 1;
+    LogInfo("the mesh stays as it is: any refined one would exceed the budget of {} tets",
+            WithThousands(max_tets_));
+    return;
+  }
+  RefineResult& result = *refined;
   parts_.field.Put(std::move(result.mesh), std::move(result.state));
   parts_.motion.Follow(result.of_vertices);
   ++state_.rounds;

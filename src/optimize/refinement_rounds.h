@@ -4,6 +4,7 @@
 
 #include "optimize/batches.h"
 #include "optimize/fitted_field.h"
+#include "optimize/mesh_budget.h"
 #include "optimize/optimize_options.h"
 #include "optimize/training_pictures.h"
 #include "optimize/training_steps.h"
@@ -13,6 +14,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace tetrec {
@@ -42,9 +44,10 @@ struct RefinedParts {
 
 class RefinementRounds {
  public:
-  // `best_file`: keeps the best field on disk.
+  // `best_file`: keeps the best field on disk. The mesh never exceeds `max_tets`.
   RefinementRounds(const OptimizeOptions& options, std::vector<PlannedRound> plan,
-                   const RefinedParts& parts, std::filesystem::path best_file);
+                   const RefinedParts& parts, std::filesystem::path best_file,
+                   uint64_t max_tets = kNoBudget);
 
   // Once steps() has been resumed.
   void Resume(RoundsState state);
@@ -55,8 +58,8 @@ class RefinementRounds {
   // True if the mesh is refined no more.
   bool IsOver() const { return state_.ended != 0 || state_.rounds >= plan_.size(); }
   // Refines the mesh. If the judging pictures lost since the round before, the run returns to the
-  // field before that one and refines no more; nor does it if a late round would follow one that
-  // gained no more than the standard error.
+  // field before that one and refines no more; nor does it once growth has gained no more than the
+  // standard error: by one late round or by two rounds in a row, unless the options ask for all.
   // `seconds`: of the run so far, for the record.
   void Advance(double seconds);
   // The judging pictures gained by something else than the field [dB].
@@ -65,7 +68,10 @@ class RefinementRounds {
  private:
   bool IsTaught() const;
   GrowthDecision Decide(const Judgement& now, const JudgedGain& gain) const;
+  bool LastRoundGained() const;
   bool IsWorthRefining(GrowthStep& step);
+  std::optional<RefineResult> RefineWithinBudget(const FieldState& before,
+                                                 const RefineScores& scores, RefineOptions refine);
   void SaveBest(double psnr);
   void ReturnToBest(double psnr);
   void RefineOnce();
@@ -74,6 +80,7 @@ class RefinementRounds {
   std::vector<PlannedRound> plan_;
   RefinedParts parts_;
   std::filesystem::path best_file_;
+  uint64_t max_tets_;
   RoundsState state_;
   uint64_t last_iteration_ = 0;  // at the last round, or when the run was resumed
 };

@@ -16,6 +16,7 @@
 #include "optimize/fine_rays.h"
 #include "optimize/fitted_field.h"
 #include "optimize/harmonics_trials.h"
+#include "optimize/mesh_budget.h"
 #include "optimize/motion_trial.h"
 #include "optimize/pose_sweeps.h"
 #include "optimize/rate_trial.h"
@@ -55,9 +56,15 @@ double ExpectedSeconds(const OptimizeOptions& options, uint64_t pixels) {
   return std::min(by_iterations, options.time_limit_s);
 }
 
-uint64_t MaxVertices(const OptimizeOptions& options, uint64_t pixels) {
-  return options.max_vertices > 0 ? options.max_vertices
-                                  : AffordableVertices(ExpectedSeconds(options, pixels), pixels);
+// `max_tets`: never exceeded.
+uint64_t MaxVertices(const OptimizeOptions& options, uint64_t pixels, uint64_t max_tets) {
+  uint64_t vertices = options.max_vertices;
+  if (vertices == 0 && options.budget == BudgetChoice::kAuto) {
+    vertices = AffordableVertices(ExpectedSeconds(options, pixels), pixels);
+  }
+  if (max_tets == kNoBudget) return vertices;
+  const uint64_t in_budget = uint64_t(double(max_tets) / kTetsPerVertex);
+  return vertices == 0 ? in_budget : std::min(vertices, in_budget);
 }
 
 std::vector<PlannedRound> PlanRounds(const OptimizeOptions& options, uint64_t start_vertices,
@@ -85,12 +92,13 @@ bool CamerasWereEstimated(const fs::path& scene_folder) {
 class Trainer {
  public:
   Trainer(const OptimizeOptions& options, const fs::path& scene_folder, const Scene& scene,
-          TrainingSet set, uint64_t start_vertices, Stage& stage)
+          TrainingSet set, const TetMesh& start, Stage& stage)
       : options_(options),
         scene_folder_(scene_folder),
         scene_(scene),
         stage_(stage),
-        max_vertices_(MaxVertices(options, set.pixels)),
+        max_tets_(TetBudget(options, set.pixels, start.tets.size())),
+        max_vertices_(MaxVertices(options, set.pixels, max_tets_)),
         renderer_(CreateRenderer(RendererOptionsOf(options))),
         watched_{*renderer_, scene_folder_, scene,
                  ChooseWatchedViews(scene, options.watched_views)},
@@ -105,9 +113,10 @@ class Trainer {
         harmonics_(options, field_, pictures_, steps_),
         fine_rays_(options, field_, pictures_, steps_),
         motion_trial_(options, field_, pictures_, steps_, motion_),
-        rounds_(options, PlanRounds(options, start_vertices, max_vertices_, pictures_.set().pixels),
+        rounds_(options,
+                PlanRounds(options, start.positions.size(), max_vertices_, pictures_.set().pixels),
                 {field_, motion_, pictures_, batches_, steps_, *renderer_},
-                stage.Scratch("best.bin")),
+                stage.Scratch("best.bin"), max_tets_),
         checkpoint_path_(stage.Scratch(kCheckpointFile)) {}
 
   RadianceField Run(const RadianceField& start) {
@@ -144,6 +153,11 @@ class Trainer {
     LogInfo("{} training views, {} pixels; device {}; up to {} vertices",
             pictures_.set().views.size(), WithThousands(pictures_.set().pixels),
             renderer_->DescribeDevice()["name"].get<std::string>(), WithThousands(max_vertices_));
+    if (max_tets_ != kNoBudget) {
+      LogInfo("the budget allows {} tets; predicted peak of memory {:.0f} MB",
+              WithThousands(max_tets_),
+              PredictedPeakBytes(double(max_tets_), pictures_.set().pixels) / 1e6);
+    }
     if (options_.max_vertices > 0 && options_.max_vertices < start.mesh.positions.size()) {
       LogWarning(
           "at most {} vertices are allowed, but the mesh starts with {}: it is not refined; allow "
@@ -407,6 +421,7 @@ class Trainer {
   fs::path scene_folder_;
   const Scene& scene_;
   Stage& stage_;
+  uint64_t max_tets_;
   uint64_t max_vertices_;
   std::unique_ptr<TrainingRenderer> renderer_;
   WatchedViews watched_;
@@ -438,7 +453,7 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   const RadianceField start = ReadField(start_folder / "field.tetf");
   CheckConvexDomain(start.mesh);  // refinement fills it with new tets
   TrainingSet set = LoadTrainingSet(scene_folder, scene, scene.ViewsOf(Split::kTrain));
-  Trainer trainer(options, scene_folder, scene, std::move(set), start.mesh.positions.size(), stage);
+  Trainer trainer(options, scene_folder, scene, std::move(set), start.mesh, stage);
   WriteField(stage.Output("field.tetf"), trainer.Run(start));
   trainer.WriteEstimates();
   WriteWorld(scene, scene_folder, stage);

@@ -14,12 +14,13 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<const char*, 4> kDecisions = {"refine", "return", "fine-enough", "end"};
+constexpr std::array<const char*, 5> kDecisions = {"refine", "return", "fine-enough", "end",
+                                                   "budget"};
 constexpr double kLargest = 1e18;
 
 GrowthDecision ReadDecision(const CheckedJson& field) {
   const auto found = std::find(kDecisions.begin(), kDecisions.end(), field.Text());
-  if (found == kDecisions.end()) field.Fail("is none of refine, return, fine-enough, end");
+  if (found == kDecisions.end()) field.Fail("is none of refine, return, fine-enough, end, budget");
   return GrowthDecision(found - kDecisions.begin());
 }
 
@@ -61,6 +62,8 @@ std::string ReasonOf(const GrowthStep& step) {
       return "fine enough: the judging pictures gained no more than the standard error";
     case GrowthDecision::kEnd:
       return "the mesh of the result";
+    case GrowthDecision::kBudget:
+      return "stayed: a refined mesh would exceed the budget";
   }
   return "";
 }

@@ -18,6 +18,7 @@ enum class GrowthDecision : uint64_t {
   kReturn,      // the run went back to the mesh before the last refinement
   kFineEnough,  // the mesh stays as it is
   kEnd,         // the run ended
+  kBudget,      // the mesh stays as it is, because a refined one would exceed the budget
 };
 
 inline constexpr uint64_t kNotCounted = ~uint64_t{0};

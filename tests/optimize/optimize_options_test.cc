@@ -32,6 +32,9 @@ TEST(OptimizeOptions, AreRefusedWhereTheyContradictEachOther) {
         o.judging_pictures = JudgingPictures::kLearned;
       }),
       With([](OptimizeOptions& o) { o.renderer.deterministic = true; }),
+      With([](OptimizeOptions& o) { o.budget_tets = o.budget_mb = 1000; }),
+      With([](OptimizeOptions& o) { o.budget_mb = 2000000000; }),
+      With([](OptimizeOptions& o) { o.budget = BudgetChoice::kFull; }),
       With([](OptimizeOptions& o) { o.rays_per_step = 0; }),
       With([](OptimizeOptions& o) {
         o.density = DensityForm::kSigned;

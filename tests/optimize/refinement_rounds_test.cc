@@ -45,12 +45,13 @@ TEST_F(RefinementRoundsTest, GoOnWithAFieldThatGained) {
 }
 
 TEST_F(RefinementRoundsTest, EndLateWhereTheJudgingPicturesGainNothing) {
+  float density = 0.2f;
   for (uint32_t round = 1; round <= 3; ++round) {
-    run_.PutField(0.3);
+    run_.PutField(density += 0.05f);
     rounds_.Advance(0.0);
     ASSERT_EQ(rounds_.state().rounds, round);
   }
-  run_.PutField(0.3);
+  run_.PutField(density);
   const size_t before = vertices();
   ASSERT_TRUE(rounds_.IsDue(1.2));
   rounds_.Advance(0.0);
@@ -64,6 +65,67 @@ TEST_F(RefinementRoundsTest, EndLateWhereTheJudgingPicturesGainNothing) {
   EXPECT_EQ(steps[3].decision, GrowthDecision::kFineEnough);
   EXPECT_EQ(steps[3].vertices, before);
   EXPECT_GT(steps[3].psnr, 0.0);
+}
+
+TEST_F(RefinementRoundsTest, EndEarlyOnceTwoInARowGainNothing) {
+  for (uint32_t round = 1; round <= 2; ++round) {
+    run_.PutField(0.3);
+    rounds_.Advance(0.0);
+    ASSERT_EQ(rounds_.state().rounds, round);
+  }
+  run_.PutField(0.3);
+  const size_t before = vertices();
+  rounds_.Advance(0.0);
+  EXPECT_EQ(vertices(), before);
+  EXPECT_TRUE(rounds_.IsOver());
+  EXPECT_EQ(rounds_.state().steps.back().decision, GrowthDecision::kFineEnough);
+}
+
+TEST_F(RefinementRoundsTest, AreAllDoneWhereTheOptionsAskForThem) {
+  for (const bool is_full : {true, false}) {
+    OptimizeOptions options = SmallRunOptions();
+    if (is_full) {
+      options.budget = BudgetChoice::kFull;
+    } else {
+      options.schedule.rounds = 4;
+    }
+    const ScratchFolder folder;
+    SmallRun run(options);
+    RefinementRounds rounds(
+        run.options, plan_,
+        {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
+        folder / "best.bin");
+    for (uint32_t round = 1; round <= plan_.size(); ++round) {
+      run.PutField(0.3);
+      rounds.Advance(0.0);
+      EXPECT_EQ(rounds.state().rounds, round);
+    }
+  }
+}
+
+// Bounds between the first mesh and what the plan asks for, and just above the first mesh.
+TEST_F(RefinementRoundsTest, NeverExceedTheBudget) {
+  for (const RefineScheme scheme :
+       {RefineScheme::kInsert, RefineScheme::kPrism, RefineScheme::kBisect}) {
+    for (const double share : {1.0, 1.001, 1.3}) {
+      OptimizeOptions options = SmallRunOptions();
+      options.refine = scheme;
+      options.budget = BudgetChoice::kFull;
+      const ScratchFolder folder;
+      SmallRun run(options);
+      run.PutField(0.2);
+      const uint64_t bound = uint64_t(share * double(run.field.mesh().tets.size()));
+      RefinementRounds rounds(
+          run.options, {{0.1, 2000}, {0.2, 4000}},
+          {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
+          folder / "best.bin", bound);
+      while (!rounds.IsOver()) {
+        rounds.Advance(0.0);
+        EXPECT_LE(run.field.mesh().tets.size(), bound);
+        CheckTetMesh(run.field.mesh());
+      }
+    }
+  }
 }
 
 TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {

@@ -427,6 +427,8 @@ class HostileTest(StageCase):
         refused = (
             ("optimize", "--iterations", "99999999999999999999"), ("optimize", "--max-density", "1e300"),
             ("optimize", "--max-density", "nan"), ("optimize", "--rays", "-1"), ("optimize", "--rounds", "nan"),
+            ("optimize", "--budget-tets", "-1"), ("optimize", "--budget-mb", "99999999999"),
+            ("optimize", "--budget", "full"),
             ("optimize", "--time-limit", "5min"), ("optimize", "--color-rate", "0"), ("optimize", "--seed", "-1"),
             ("bench", "--stop", "nan"), ("bench", "--stop", "0.6"), ("bench", "--size", "0"), ("bench", "--tets", "-1"),
             ("sfm", "--max-size", "99999999999999999999"), ("sfm", "--holdout", "-1"), ("sfm", "--retries", "nan"),

@@ -15,6 +15,7 @@ std::vector<GrowthStep> Example() {
           {900, 20.25, 1500, 9100, 3000, 310000000, 26.0, 1.5, 0.125, GrowthDecision::kRefine},
           {2000, 50.0, 2200, 13000, kNotCounted, 320000000, 26.0, 0.0, 0.25,
            GrowthDecision::kFineEnough},
+          {2500, 60.0, 2200, 13000, 2600, 320000000, 26.5, 0.5, 0.25, GrowthDecision::kBudget},
           {3000, 80.0, 2200, 13000, 2500, 320000000, 0.0, 0.0, 0.0, GrowthDecision::kEnd}};
 }
 
@@ -24,8 +25,8 @@ TEST(MeshGrowth, WhatWasWrittenIsReadBack) {
   EXPECT_TRUE(ReadMeshGrowth(folder / kMeshGrowthFile) == Example());
   const nlohmann::json value = ReadJson(folder / kMeshGrowthFile);
   EXPECT_EQ(value["steps"][1]["reason"], "refined");
-  EXPECT_TRUE(value["steps"][3]["psnr"].is_null());
-  EXPECT_EQ(value["steps"][3]["empty_tets"], 2500);
+  EXPECT_TRUE(value["steps"][4]["psnr"].is_null());
+  EXPECT_EQ(value["steps"][4]["empty_tets"], 2500);
   EXPECT_TRUE(value["steps"][2]["empty_tets"].is_null());
 }
 

@@ -1,0 +1,48 @@
+#include "optimize/mesh_budget.h"
+
+#include "core/error.h"
+#include "expect_error.h"
+
+#include <gtest/gtest.h>
+
+namespace tetrec {
+namespace {
+
+constexpr uint64_t kPixels = 4000000, kStartTets = 5000;
+
+TEST(TetBudget, IsNoneUnlessTheOptionsGiveOne) {
+  EXPECT_EQ(TetBudget({}, kPixels, kStartTets), kNoBudget);
+}
+
+TEST(TetBudget, IsTheGivenNumberOfTets) {
+  OptimizeOptions options;
+  options.budget_tets = kStartTets;
+  EXPECT_EQ(TetBudget(options, kPixels, kStartTets), kStartTets);
+  ExpectError<UsageError>([&] { TetBudget(options, kPixels, kStartTets + 1); },
+                          {"--budget-tets", "5,000", "5,001"});
+}
+
+TEST(TetBudget, OfMemoryIsWhatThePredictionFitsIntoIt) {
+  OptimizeOptions options;
+  options.budget_mb = 500;
+  const uint64_t tets = TetBudget(options, kPixels, kStartTets);
+  EXPECT_LE(PredictedPeakBytes(double(tets), kPixels), 500e6);
+  EXPECT_GT(PredictedPeakBytes(double(tets + 1), kPixels), 500e6);
+  EXPECT_LT(TetBudget(options, 2 * kPixels, kStartTets), tets);
+}
+
+TEST(TetBudget, OfTooLittleMemoryIsRefusedWithWhatIsNeeded) {
+  OptimizeOptions options;
+  options.budget_mb = 100;
+  ExpectError<UsageError>([&] { TetBudget(options, kPixels, kStartTets); },
+                          {"--budget-mb is 100", "313 MB"});
+}
+
+// The largest run on lego that the prediction was fitted to: 904 k tets, 466 MB.
+TEST(PredictedPeakBytes, IsABoundOfWhatWasMeasured) {
+  EXPECT_GT(PredictedPeakBytes(903654, kPixels), 466e6);
+  EXPECT_LT(PredictedPeakBytes(903654, kPixels), 540e6);
+}
+
+}  // namespace
+}  // namespace tetrec
