@@ -1,0 +1,38 @@
+"""The budget of tets bounds the mesh, and a simple scene needs few of them."""
+import json
+import unittest
+
+from stage_case import StageCase
+from tiny_dataset import uniform
+
+OPTIMIZE = ("--iterations", 600, "--time-limit", 0, "--rays", 2048)
+BUDGET = 3000  # tets
+
+
+class BudgetTest(StageCase):
+
+    def coarse_tetrahedra(self):
+        tetrahedra = self.folder / "run" / "2_tetrahedra"
+        self.assert_done(self.run_stage("tetrahedralize", self.tiny_scene(paint=uniform), "-o", tetrahedra,
+                                        "--resolution", 7, "--outer-points", 20))
+        return tetrahedra
+
+    def test_a_ball_of_one_colour_is_sharp_within_a_small_budget(self):
+        field = self.folder / "run" / "3_field"
+        self.assert_done(self.run_stage("optimize", self.coarse_tetrahedra(), "-o", field, *OPTIMIZE,
+                                        "--budget-tets", BUDGET))
+        self.assertLessEqual(max(step["tets"] for step in json.loads((field / "growth.json").read_text())["steps"]),
+                             BUDGET)
+        self.assertGreater(self.manifest(field)["counts"]["watched_psnr"], 38)
+
+    def test_a_start_mesh_beyond_the_budget_is_a_usage_error(self):
+        tetrahedra = self.coarse_tetrahedra()
+        for option, value in (("--budget-tets", 100), ("--budget-mb", 100)):
+            result = self.run_stage("optimize", tetrahedra, "-o", self.folder / "run" / "3_field", *OPTIMIZE,
+                                    option, value)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn(f"{option} is {value}, but the start mesh", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
