@@ -1,4 +1,4 @@
-// tetrec-surface: the level set of a field's density as a coloured triangle mesh.
+// tetrec-surface: the level set of a field's opacity or density as a coloured triangle mesh.
 #include "surface/surface.h"
 
 #include "command/help.h"
@@ -16,12 +16,17 @@ int main(int argc, char** argv) {
   tetrec::SurfaceOptions options;
   command.InputStage("field", "Folder that tetrec-optimize wrote", {"optimize"});
   CLI::App& app = command.app();
-  app.add_option("--isovalue", options.isovalue,
-                 "Density of the surface [1 / world unit]; 0: a fiftieth of the typical density "
-                 "where a ray from a camera has lost half of its light");
+  AddWordOption(app, "--level", options.level,
+                "What the surface is a level of: opacity (where the training cameras' rays have "
+                "lost half of their light), density, or auto (opacity, but density with --isovalue "
+                "or where the scene or Vulkan is missing)");
+  app.add_option(
+      "--isovalue", options.isovalue,
+      "density: density of the surface [1 / world unit]; 0: a fiftieth of the typical density "
+      "where a ray from a camera has lost half of its light");
   app.add_option(
       "--smoothing", options.smoothing,
-      "Rounds in which each vertex is averaged with its neighbours before the surface is "
+      "density: rounds in which each vertex is averaged with its neighbours before the surface is "
       "extracted, 0 to 100");
   app.add_option(
       "--smooth-normals", options.smooth_normals,
@@ -67,10 +72,15 @@ int main(int argc, char** argv) {
          "PLY file; --extent all lets it reach beyond the subject")
       ->delimiter(',')
       ->expected(6);
-  app.add_option("--rays", options.rays, "Rays that find the isovalue, 100 or more");
+  app.add_option("--rays", options.rays, "density: rays that find the isovalue, 100 or more");
   app.add_option("--seed", options.seed, "Random seed of those rays");
+  command.DoesNotChangeResults(
+      app.add_option("--device", options.device.device,
+                     "opacity: Vulkan device that renders depths: auto, cpu, gpu or a number"));
   using tetrec::GroupOptions;
-  GroupOptions(app, "Level", {"--isovalue", "--smoothing", "--smooth-normals", "--rays", "--seed"});
+  GroupOptions(
+      app, "Level",
+      {"--level", "--isovalue", "--smoothing", "--smooth-normals", "--rays", "--seed", "--device"});
   GroupOptions(
       app, "Part of the surface",
       {"--extent", "--margin", "--min-component-share", "--keep-cavities", "--fill-holes"});

@@ -1,6 +1,7 @@
 // Bilateral filtering of normals, and vertices that follow.
 #include "surface/smooth.h"
 
+#include "surface/step_back.h"
 #include "surface/vertex_normals.h"
 
 #include <algorithm>
@@ -107,8 +108,9 @@ TriangleMesh SmoothByNormals(TriangleMesh mesh, const SmoothOptions& options) {
       positions[v] = start[v] + offset;
     }
   }
-  for (size_t v = 0; v < positions.size(); ++v) mesh.positions[v] = glm::vec3(positions[v]);
-  return mesh;
+  TriangleMesh moved = mesh;
+  for (size_t v = 0; v < positions.size(); ++v) moved.positions[v] = glm::vec3(positions[v]);
+  return StepBackFromCrossings(mesh, std::move(moved));
 }
 
 }  // namespace tetrec

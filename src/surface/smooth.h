@@ -15,9 +15,10 @@ struct SmoothOptions {
 
 // Averages the triangles' normals where they are alike, so that edges of the shape stay, and then
 // moves vertices until the triangles have these normals. Along the normals alone: outlines and
-// volume stay, unlike with averaged positions. Vertices at borders stay where they are. Methods:
-// Zheng et al., Bilateral Normal Filtering for Mesh Denoising, 2011 (local scheme, weights by
-// area); Sun et al., Fast and Effective Feature-Preserving Mesh Denoising, 2007 (vertices).
+// volume stay, unlike with averaged positions. Vertices at borders stay where they are, and moves
+// are shortened where the surface would cross itself (StepBackFromCrossings). Methods: Zheng et
+// al., Bilateral Normal Filtering for Mesh Denoising, 2011 (local scheme, weights by area); Sun et
+// al., Fast and Effective Feature-Preserving Mesh Denoising, 2007 (vertices).
 TriangleMesh SmoothByNormals(TriangleMesh mesh, const SmoothOptions& options);
 
 }  // namespace tetrec

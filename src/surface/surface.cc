@@ -15,6 +15,8 @@
 #include "surface/level.h"
 #include "surface/marching_tetrahedra.h"
 #include "surface/occupancy.h"
+#include "surface/opacity_level.h"
+#include "surface/seen_depths.h"
 #include "surface/simplify.h"
 #include "surface/smooth.h"
 
@@ -50,6 +52,49 @@ float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
   stage.Count("isovalue_rays",
               {{"cast", level.rays}, {"opaque", level.opaque_rays}, {"lost", level.lost_rays}});
   return float(isovalue);
+}
+
+LevelSet DensitySet(const RadianceField& stored, const FieldWorld& world,
+                    const SurfaceOptions& options, Stage& stage) {
+  // The level function is linear in each tet: densities of cells become means at their vertices.
+  const RadianceField field = WithStorage(stored, FieldStorage::kVertex);
+  const float isovalue = ChooseIsovalue(field, world, options, stage);
+  stage.Note("isovalue", isovalue);
+  return MarchTetrahedra(field.mesh,
+                         SmoothedOccupancy(field.mesh, field.density, isovalue, options.smoothing),
+                         kSurfaceOccupancy);
+}
+
+// Nothing where the level is chosen automatically and there are no cameras to see it.
+std::optional<LevelSet> OpacitySet(const RadianceField& stored, const SurfaceOptions& options,
+                                   Stage& stage) {
+  if (options.level == SurfaceLevel::kDensity) return std::nullopt;
+  if (options.level == SurfaceLevel::kAuto && options.isovalue > 0) return std::nullopt;
+  const std::filesystem::path field_folder = stage.Input("field");
+  std::optional<std::string> why_not;
+  try {
+    const auto scene_folder = PreviousStage(field_folder, {"sfm", "import"});
+    const std::vector<SeenDepth> views =
+        RenderSeenDepths(stored, scene_folder, field_folder, options.device);
+    LogInfo("level: where the rays of {} training views have lost half of their light",
+            views.size());
+    return MarchToOpacity(stored.mesh, views);
+  } catch (const DataError& error) {
+    if (options.level == SurfaceLevel::kOpacity) throw;
+    why_not = error.what();
+  } catch (const EnvironmentError& error) {
+    if (options.level == SurfaceLevel::kOpacity) throw;
+    why_not = error.what();
+  }
+  LogWarning("the surface is a level of density instead of opacity: {}", *why_not);
+  return std::nullopt;
+}
+
+LevelSet ChosenSet(const RadianceField& stored, const FieldWorld& world,
+                   const SurfaceOptions& options, Stage& stage) {
+  std::optional<LevelSet> by_opacity = OpacitySet(stored, options, stage);
+  stage.Note("level", Name(by_opacity ? SurfaceLevel::kOpacity : SurfaceLevel::kDensity));
+  return by_opacity ? std::move(*by_opacity) : DensitySet(stored, world, options, stage);
 }
 
 LevelSet Cropped(const LevelSet& set, const ExportOptions& options, const FieldWorld& world,
@@ -145,6 +190,11 @@ void Report(const TriangleMesh& mesh, Stage& stage) {
 
 void SurfaceOptions::Check() const {
   CheckAtLeast("isovalue", isovalue, 0.0);
+  if (level == SurfaceLevel::kOpacity && isovalue > 0) {
+    throw UsageError(fmt::format(
+        "isovalue is {}, but the level is opacity; choose density as level, or no isovalue",
+        isovalue));
+  }
   CheckRange("smoothing", smoothing, 0, 100);
   CheckRange("smooth_normals", smooth_normals, 0, 100);
   CheckRange("margin", margin, 0.0, 10.0);
@@ -156,20 +206,14 @@ void SurfaceOptions::Check() const {
 }
 
 void RunSurface(const SurfaceOptions& options, Stage& stage) {
-  // The level function is linear in each tet: densities of cells become means at their vertices.
   const RadianceField stored = ReadField(stage.Input("field") / "field.tetf", Orientations::kAny);
   if (const uint64_t degenerate = CountDegenerateTets(stored.mesh); degenerate > 0) {
     LogWarning("{} of {} tets are inside out or flat: the surface may cross itself there",
                degenerate, stored.mesh.tets.size());
   }
-  const RadianceField field = WithStorage(stored, FieldStorage::kVertex);
   const FieldWorld world = ReadFieldWorld(stage.Input("field") / kFieldWorldFile);
   const Timer timer;
-  const float isovalue = ChooseIsovalue(field, world, options, stage);
-  stage.Note("isovalue", isovalue);
-  LevelSet set = MarchTetrahedra(
-      field.mesh, SmoothedOccupancy(field.mesh, field.density, isovalue, options.smoothing),
-      kSurfaceOccupancy);
+  LevelSet set = ChosenSet(stored, world, options, stage);
   const size_t triangles = set.triangles.size();
   if (options.extent == SurfaceExtent::kSubject) {
     set = CropTo(set, world.subject_bounds.Scaled(1 + 2 * options.margin));
@@ -178,12 +222,12 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
           WithThousands(triangles), WithThousands(triangles - set.triangles.size()));
   stage.Count("triangles_out_of_bounds", triangles - set.triangles.size());
   if (set.triangles.empty()) {
-    throw DataError(fmt::format(
-        "no surface at isovalue {:.4g}; choose another isovalue, or all as extent", isovalue));
+    throw DataError("no surface there; choose another level or isovalue, or all as extent");
   }
   set = Cropped(set, options.exports, world, stage);
   const TriangleMesh cleaned =
-      Cleaned(ColoredSurface(set, field), options, world.subject_bounds.Diagonal(), stage);
+      Cleaned(ColoredSurface(set, WithStorage(stored, FieldStorage::kVertex)), options,
+              world.subject_bounds.Diagonal(), stage);
   stage.Seconds("surface", timer.seconds());
   TexturedMesh surface = Textured(cleaned, options, stage);
   surface.mesh = Transformed(std::move(surface.mesh),

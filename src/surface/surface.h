@@ -1,8 +1,10 @@
-// The surface of a field: a level set of its density as a coloured triangle mesh.
+// The surface of a field: a level set of its opacity, or of its density, as a coloured triangle
+// mesh.
 #pragma once
 
 #include "core/stage.h"
 #include "core/words.h"
+#include "gpu/device_options.h"
 #include "surface/clean.h"
 #include "surface/export.h"
 #include "surface/texture.h"
@@ -19,11 +21,23 @@ template <>
 inline constexpr auto kWords<SurfaceExtent> = std::to_array<Word<SurfaceExtent>>(
     {{SurfaceExtent::kSubject, "subject"}, {SurfaceExtent::kAll, "all"}});
 
+enum class SurfaceLevel {
+  kAuto,     // opacity if the scene is there and no isovalue is given, otherwise density
+  kOpacity,  // where the training cameras' rays have lost half of their light (MarchToOpacity)
+  kDensity,  // a level of density (SmoothedOccupancy)
+};
+template <>
+inline constexpr auto kWords<SurfaceLevel> =
+    std::to_array<Word<SurfaceLevel>>({{SurfaceLevel::kAuto, "auto"},
+                                       {SurfaceLevel::kOpacity, "opacity"},
+                                       {SurfaceLevel::kDensity, "density"}});
+
 struct SurfaceOptions {
+  SurfaceLevel level = SurfaceLevel::kAuto;
   // Density of the surface [1 / world unit]; 0: a fiftieth of the typical density where a ray
   // from a camera has lost half of its light (FindHalfTransmittanceLevel).
   double isovalue = 0;
-  int smoothing = 3;        // rounds of SmoothedOccupancy
+  int smoothing = 3;        // rounds of SmoothedOccupancy, for the density
   int smooth_normals = 10;  // rounds of SmoothByNormals
   SurfaceExtent extent = SurfaceExtent::kSubject;
   // Around the subject's bounds, in shares of their sides. Thin parts have few sparse points, so
@@ -38,6 +52,7 @@ struct SurfaceOptions {
   uint64_t max_faces = 0;  // simplify to this many triangles, however far they move; 0: keep all
   int rays = 10000;        // that find the isovalue
   uint64_t seed = 1;       // of those rays
+  DeviceOptions device;    // that renders depths for the opacity
 
   void Check() const;  // throws UsageError naming the option and its value
 };

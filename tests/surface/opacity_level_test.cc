@@ -1,0 +1,75 @@
+#include "surface/opacity_level.h"
+
+#include "mesh/mesh_facts.h"
+#include "surface/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace tetrec {
+namespace {
+
+constexpr double kCameraDistance = 4;
+
+// The unit ball from a camera on the z axis, turned about the y axis; exact depths.
+SeenDepth BallSeenFrom(double turn, double radius = 1) {
+  SeenDepth view;
+  view.camera = {100, 100, 150, 150, 50, 50};
+  const double c = std::cos(turn), s = std::sin(turn);
+  view.cam_from_world = {glm::dmat3(c, 0, -s, 0, 1, 0, s, 0, c), glm::dvec3(0, 0, kCameraDistance)};
+  view.depth = MakeDepthMap(100, 100);
+  for (int y = 0; y < 100; ++y) {
+    for (int x = 0; x < 100; ++x) {
+      const glm::dvec3 d = view.camera.CamFromImage({x + 0.5, y + 0.5});
+      const double a = glm::dot(d, d), b = kCameraDistance;
+      const double root = b * b - a * (b * b - radius * radius);
+      if (root > 0) view.depth.At(x, y) = float((b - std::sqrt(root)) / a);
+    }
+  }
+  return view;
+}
+
+std::vector<SeenDepth> BallFromAround() {
+  std::vector<SeenDepth> views;
+  for (int i = 0; i < 8; ++i) views.push_back(BallSeenFrom(i * M_PI / 4));
+  return views;
+}
+
+TEST(Opacity, SignChangesAtTheDepthWhereRaysAreStopped) {
+  const std::vector<SeenDepth> views = BallFromAround();
+  EXPECT_GT(SolidityAt({0, 0, -0.97}, views), 0);
+  EXPECT_LT(SolidityAt({0, 0, -1.03}, views), 0);
+  EXPECT_EQ(SolidityAt({0, 0, 0}, views), 1);     // hidden from all
+  EXPECT_EQ(SolidityAt({0, 1.2, 0}, views), -1);  // free in all: these rays are never stopped
+  EXPECT_EQ(SolidityAt({0, 50, 0}, views), -1);   // in no image
+  EXPECT_EQ(SolidityAt({0, 0, 0}, {}), -1);
+}
+
+TEST(Opacity, ASingleViewThatErrsMakesNoHole) {
+  std::vector<SeenDepth> views = BallFromAround();
+  views.push_back(views[0]);
+  views.push_back(BallSeenFrom(0, 0.9));
+  EXPECT_GT(SolidityAt({0, 0, -0.95}, views), 0);
+}
+
+TEST(Opacity, CutsOfACoarseMeshLieOnTheSurface) {
+  const std::vector<SeenDepth> views = BallFromAround();
+  const LevelSet set = MarchToOpacity(JitteredBox(10), views);
+  ASSERT_GT(set.cuts.size(), 300u);
+  EXPECT_TRUE(MeasureMesh(AsTriangles(set)).IsClosedManifold());
+  // Near the poles, which all cameras see at a slant, depths are less exact than a pixel.
+  double sum = 0;
+  size_t count = 0;
+  for (const glm::vec3& p : set.positions) {
+    if (std::abs(p.y) > 0.7) continue;
+    sum += std::abs(glm::length(glm::dvec3(p)) - 1);
+    ++count;
+  }
+  const double pixel = 1 / 50.0;
+  EXPECT_LT(sum / double(count), 0.3 * pixel);
+}
+
+}  // namespace
+}  // namespace tetrec
