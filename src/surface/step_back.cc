@@ -1,18 +1,22 @@
 // Moves of a surface's vertices, shortened where they would make it cross itself.
 #include "surface/step_back.h"
 
-#include "core/parallel.h"
 #include "geometry/orientation.h"
 
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+
 #include <algorithm>
+#include <compare>
 #include <cstdint>
 #include <vector>
 
 namespace tetrec {
 namespace {
 
-constexpr int kHalvings = 1;     // of a vertex's move before it is undone
-constexpr int kMaxRounds = 100;  // each takes vertices back, so a few suffice
+constexpr int kHalvings = 1;          // of a vertex's move before it is undone
+constexpr uint32_t kMostCells = 128;  // along each axis
+constexpr int kMaxRounds = 100;       // each takes vertices back, so a few suffice
 
 int SharedVertices(const glm::uvec3& a, const glm::uvec3& b) {
   int shared = 0;
@@ -20,49 +24,88 @@ int SharedVertices(const glm::uvec3& a, const glm::uvec3& b) {
   return shared;
 }
 
+// A grid of cells as wide as most triangles are: only triangles whose boxes meet in a cell can
+// cross.
 class Crossings {
  public:
   explicit Crossings(const TriangleMesh& mesh) : mesh_(mesh) {
-    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) order_.push_back(t);
-    std::sort(order_.begin(), order_.end(),
-              [&](uint32_t a, uint32_t b) { return Low(a).x < Low(b).x; });
-    for (const uint32_t t : order_) {
-      lows_.push_back(Low(t));
-      highs_.push_back(High(t));
+    if (mesh.triangles.empty()) return;
+    low_ = Low(0), high_ = High(0);
+    double widths = 0;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const glm::vec3 size = High(t) - Low(t);
+      widths += std::max({size.x, size.y, size.z});
+      low_ = glm::min(low_, Low(t));
+      high_ = glm::max(high_, High(t));
     }
+    const glm::vec3 size = high_ - low_;
+    const float mean = float(widths / double(mesh.triangles.size()));
+    cell_size_ =
+        std::max({2 * mean, size.x / kMostCells, size.y / kMostCells, size.z / kMostCells});
   }
 
-  // Whether each triangle crosses another.
-  std::vector<uint8_t> Find() const {
-    std::vector<std::vector<uint32_t>> found(order_.size());
-    ParallelFor(order_.size(), 256, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) found[i] = CrossedBy(i);
-    });
-    std::vector<uint8_t> crosses(order_.size(), 0);
-    for (size_t i = 0; i < found.size(); ++i) {
-      for (const uint32_t other : found[i]) crosses[order_[i]] = crosses[other] = 1;
+  // Whether each triangle crosses another, among the pairs in which one is `of_interest`.
+  std::vector<uint8_t> Find(const std::vector<uint8_t>& of_interest) const {
+    std::vector<uint8_t> crosses(mesh_.triangles.size(), 0);
+    if (crosses.empty() || !(cell_size_ > 0)) return crosses;
+    const std::vector<Entry> entries = SortedEntries();
+    for (size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
+      bool has_interest = false;
+      for (end = begin; end < entries.size() && entries[end].cell == entries[begin].cell; ++end) {
+        has_interest |= of_interest[entries[end].triangle] != 0;
+      }
+      if (!has_interest) continue;
+      for (size_t i = begin; i < end; ++i) {
+        for (size_t j = i + 1; j < end; ++j) {
+          const uint32_t a = entries[i].triangle, b = entries[j].triangle;
+          if (!of_interest[a] && !of_interest[b]) continue;
+          if (crosses[a] && crosses[b]) continue;
+          if (Cross(a, b)) crosses[a] = crosses[b] = 1;
+        }
+      }
     }
     return crosses;
   }
 
  private:
+  struct Entry {
+    uint64_t cell;
+    uint32_t triangle;
+    auto operator<=>(const Entry&) const = default;
+  };
+
+  // One for each cell that a triangle's box meets.
+  std::vector<Entry> SortedEntries() const {
+    std::vector<Entry> entries;
+    for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      const glm::uvec3 from = CellOf(Low(t)), to = CellOf(High(t));
+      for (uint32_t z = from.z; z <= to.z; ++z) {
+        for (uint32_t y = from.y; y <= to.y; ++y) {
+          for (uint32_t x = from.x; x <= to.x; ++x) {
+            entries.push_back({(uint64_t{z} * kMostCells + y) * kMostCells + x, t});
+          }
+        }
+      }
+    }
+    std::sort(entries.begin(), entries.end());
+    return entries;
+  }
+
+  glm::uvec3 CellOf(const glm::vec3& place) const {
+    return glm::min(glm::uvec3((place - low_) / cell_size_), glm::uvec3(kMostCells - 1));
+  }
   glm::vec3 At(uint32_t t, int k) const { return mesh_.positions[mesh_.triangles[t][k]]; }
   glm::vec3 Low(uint32_t t) const { return glm::min(At(t, 0), glm::min(At(t, 1), At(t, 2))); }
   glm::vec3 High(uint32_t t) const { return glm::max(At(t, 0), glm::max(At(t, 1), At(t, 2))); }
 
-  // Among the triangles that come later in order, which begin farther along x.
-  std::vector<uint32_t> CrossedBy(size_t i) const {
-    const uint32_t a = order_[i];
-    const glm::vec3 low = lows_[i], high = highs_[i];
-    std::vector<uint32_t> crossed;
-    for (size_t j = i + 1; j < order_.size() && lows_[j].x <= high.x; ++j) {
-      const glm::vec3 low_b = lows_[j], high_b = highs_[j];
-      if (low_b.y > high.y || high_b.y < low.y || low_b.z > high.z || high_b.z < low.z) continue;
-      const uint32_t b = order_[j];
-      if (SharedVertices(mesh_.triangles[a], mesh_.triangles[b]) >= 2) continue;
-      if (AnEdgePierces(a, b) || AnEdgePierces(b, a)) crossed.push_back(b);
+  // False for triangles with an edge in common, which cannot cross unless they are folded flat.
+  bool Cross(uint32_t a, uint32_t b) const {
+    if (glm::any(glm::greaterThan(Low(a), High(b))) ||
+        glm::any(glm::greaterThan(Low(b), High(a)))) {
+      return false;
     }
-    return crossed;
+    if (SharedVertices(mesh_.triangles[a], mesh_.triangles[b]) >= 2) return false;
+    return AnEdgePierces(a, b) || AnEdgePierces(b, a);
   }
 
   // Whether an edge of `a` that has no vertex in common with `b` goes through it.
@@ -83,29 +126,41 @@ class Crossings {
   }
 
   const TriangleMesh& mesh_;
-  std::vector<uint32_t> order_;          // by lowest x
-  std::vector<glm::vec3> lows_, highs_;  // of the triangles' boxes, in this order
+  glm::vec3 low_{0}, high_{0};
+  float cell_size_ = 0;
 };
+
+// Triangles with such a vertex.
+std::vector<uint8_t> TrianglesAt(const std::vector<uint8_t>& vertices, const TriangleMesh& mesh) {
+  std::vector<uint8_t> triangles;
+  for (const glm::uvec3& t : mesh.triangles) {
+    triangles.push_back(vertices[t.x] | vertices[t.y] | vertices[t.z]);
+  }
+  return triangles;
+}
 
 }  // namespace
 
 TriangleMesh StepBackFromCrossings(const TriangleMesh& start, TriangleMesh moved) {
   std::vector<int> halvings(start.positions.size(), 0);
+  std::vector<uint8_t> changed(start.positions.size());
+  for (size_t v = 0; v < changed.size(); ++v) {
+    changed[v] = moved.positions[v] != start.positions[v];
+  }
   for (int round = 0; round < kMaxRounds; ++round) {
-    const std::vector<uint8_t> crosses = Crossings(moved).Find();
+    const std::vector<uint8_t> crosses = Crossings(moved).Find(TrianglesAt(changed, moved));
     std::vector<uint8_t> goes_back(start.positions.size(), 0);
     for (size_t t = 0; t < crosses.size(); ++t) {
       for (int k = 0; k < 3 && crosses[t]; ++k) goes_back[moved.triangles[t][k]] = 1;
     }
-    bool changed = false;
     for (size_t v = 0; v < goes_back.size(); ++v) {
-      if (!goes_back[v] || moved.positions[v] == start.positions[v]) continue;
+      changed[v] = goes_back[v] && moved.positions[v] != start.positions[v];
+      if (!changed[v]) continue;
       const bool half = ++halvings[v] <= kHalvings;
       moved.positions[v] =
           half ? 0.5f * (moved.positions[v] + start.positions[v]) : start.positions[v];
-      changed = true;
     }
-    if (!changed) break;
+    if (std::none_of(changed.begin(), changed.end(), [](uint8_t c) { return c != 0; })) break;
   }
   return moved;
 }
