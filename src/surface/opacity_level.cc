@@ -29,10 +29,11 @@ double DepthAt(const SeenDepth& view, const glm::dvec2& pixel, double jump) {
   const int width = view.depth.width, height = view.depth.height;
   const glm::dvec2 place =
       glm::clamp(pixel - 0.5, glm::dvec2(0), glm::dvec2(width - 1.0, height - 1.0));
-  const int x = std::min(int(place.x), width - 2), y = std::min(int(place.y), height - 2);
+  const int x = int(place.x), y = int(place.y);
+  const int x_right = std::min(x + 1, width - 1), y_below = std::min(y + 1, height - 1);
   const double right = place.x - x, down = place.y - y;
-  const std::array<double, 4> depths = {view.depth.At(x, y), view.depth.At(x + 1, y),
-                                        view.depth.At(x, y + 1), view.depth.At(x + 1, y + 1)};
+  const std::array<double, 4> depths = {view.depth.At(x, y), view.depth.At(x_right, y),
+                                        view.depth.At(x, y_below), view.depth.At(x_right, y_below)};
   const auto [low, high] = std::minmax_element(depths.begin(), depths.end());
   if (*low != kNoDepth && *high - *low < jump) {
     return glm::mix(glm::mix(depths[0], depths[1], right), glm::mix(depths[2], depths[3], right),
