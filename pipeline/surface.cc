@@ -28,6 +28,8 @@ int main(int argc, char** argv) {
       "--smoothing", options.smoothing,
       "density: rounds in which each vertex is averaged with its neighbours before the surface is "
       "extracted, 0 to 100");
+  app.add_flag("--close", options.close,
+               "Opacity: keep what closes the surface through space that no camera sees");
   app.add_option(
       "--smooth-normals", options.smooth_normals,
       "Rounds in which the triangles' normals are averaged with similar ones around them, "
@@ -81,9 +83,9 @@ int main(int argc, char** argv) {
   GroupOptions(
       app, "Level",
       {"--level", "--isovalue", "--smoothing", "--smooth-normals", "--rays", "--seed", "--device"});
-  GroupOptions(
-      app, "Part of the surface",
-      {"--extent", "--margin", "--min-component-share", "--keep-cavities", "--fill-holes"});
+  GroupOptions(app, "Part of the surface",
+               {"--extent", "--margin", "--min-component-share", "--close", "--keep-cavities",
+                "--fill-holes"});
   GroupOptions(app, "Simplification", {"--max-deviation", "--max-faces"});
   GroupOptions(
       app, "Files",

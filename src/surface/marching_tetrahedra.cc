@@ -108,29 +108,38 @@ LevelSet MarchTetrahedra(const TetMesh& mesh, std::span<const float> level, floa
   return extraction.Take();
 }
 
+LevelSet KeepTriangles(const LevelSet& set, std::span<const uint8_t> marks) {
+  TETREC_CHECK(marks.size() == set.triangles.size(), "one mark per triangle");
+  LevelSet kept;
+  std::vector<uint32_t> new_vertex(set.positions.size(), kNoTet);
+  for (size_t f = 0; f < set.triangles.size(); ++f) {
+    if (marks[f] == 0) continue;
+    glm::uvec3 triangle = set.triangles[f];
+    for (int k = 0; k < 3; ++k) {
+      uint32_t& id = new_vertex[triangle[k]];
+      if (id == kNoTet) {
+        id = uint32_t(kept.cuts.size());
+        kept.cuts.push_back(set.cuts[triangle[k]]);
+        kept.positions.push_back(set.positions[triangle[k]]);
+      }
+      triangle[k] = id;
+    }
+    kept.triangles.push_back(triangle);
+    kept.tets.push_back(set.tets[f]);
+  }
+  return kept;
+}
+
 LevelSet CropTo(const LevelSet& set, const Bounds3& bounds, const Similarity3& bounds_from_world) {
   std::vector<uint8_t> is_inside(set.positions.size());
   for (size_t v = 0; v < set.positions.size(); ++v) {
     is_inside[v] = bounds.Contains(bounds_from_world * glm::dvec3(set.positions[v]));
   }
-  LevelSet cropped;
-  std::vector<uint32_t> new_vertex(set.positions.size(), kNoTet);
-  for (size_t f = 0; f < set.triangles.size(); ++f) {
-    glm::uvec3 triangle = set.triangles[f];
-    if (!is_inside[triangle.x] || !is_inside[triangle.y] || !is_inside[triangle.z]) continue;
-    for (int k = 0; k < 3; ++k) {
-      uint32_t& id = new_vertex[triangle[k]];
-      if (id == kNoTet) {
-        id = uint32_t(cropped.cuts.size());
-        cropped.cuts.push_back(set.cuts[triangle[k]]);
-        cropped.positions.push_back(set.positions[triangle[k]]);
-      }
-      triangle[k] = id;
-    }
-    cropped.triangles.push_back(triangle);
-    cropped.tets.push_back(set.tets[f]);
+  std::vector<uint8_t> marks;
+  for (const glm::uvec3& t : set.triangles) {
+    marks.push_back(is_inside[t.x] & is_inside[t.y] & is_inside[t.z]);
   }
-  return cropped;
+  return KeepTriangles(set, marks);
 }
 
 TriangleMesh ColoredSurface(const LevelSet& set, const RadianceField& field) {

@@ -37,6 +37,10 @@ struct LevelSet {
 // surfaces by using tetrahedral cells, 1991.
 LevelSet MarchTetrahedra(const TetMesh& mesh, std::span<const float> level, float isovalue);
 
+// The triangles whose mark is not 0, and the vertices they use.
+//   marks   (M)
+LevelSet KeepTriangles(const LevelSet& set, std::span<const uint8_t> marks);
+
 // Keeps the triangles whose three vertices are inside the bounds, and the vertices they use. The
 // bounds may be those of another frame.
 LevelSet CropTo(const LevelSet& set, const Bounds3& bounds,

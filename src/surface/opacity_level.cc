@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <numeric>
+#include <optional>
 #include <vector>
 
 namespace tetrec {
@@ -43,6 +46,16 @@ double DepthAt(const SeenDepth& view, const glm::dvec2& pixel, double jump) {
   return nearest == kNoDepth ? std::numeric_limits<double>::infinity() : nearest;
 }
 
+// How far a point is behind where the ray through it is stopped, in bands. Nothing if it is outside
+// of the image.
+std::optional<double> BandsBehind(const glm::dvec3& point_in_world, const SeenDepth& view) {
+  const glm::dvec3 in_cam = view.cam_from_world * point_in_world;
+  if (!view.camera.Shows(in_cam)) return std::nullopt;
+  const double footprint = in_cam.z / view.camera.fx;
+  const double depth = DepthAt(view, view.camera.ImageFromCam(in_cam), kJump_px * footprint);
+  return (in_cam.z - depth) / (kBand_px * footprint);
+}
+
 // Bisects between a solid and a free end.
 double CutBetween(const glm::dvec3& solid, const glm::dvec3& free,
                   std::span<const SeenDepth> views) {
@@ -54,6 +67,38 @@ double CutBetween(const glm::dvec3& solid, const glm::dvec3& free,
   return std::clamp(0.5 * (low + high), kKeep, 1 - kKeep);
 }
 
+// The smallest id of the set of vertices that `v` belongs to, if sets are joined by JoinSets.
+uint32_t SetOf(std::vector<uint32_t>& parents, uint32_t v) {
+  while (parents[v] != v) v = parents[v] = parents[parents[v]];
+  return v;
+}
+
+void JoinSets(std::vector<uint32_t>& parents, uint32_t a, uint32_t b) {
+  a = SetOf(parents, a), b = SetOf(parents, b);
+  parents[std::max(a, b)] = std::min(a, b);
+}
+
+// Marks the triangles without a mark whose connected patch fits into a box of this diagonal.
+void MarkSmallPatches(const LevelSet& set, double largest_diagonal, std::vector<uint8_t>& marks) {
+  std::vector<uint32_t> parents(set.positions.size());
+  std::iota(parents.begin(), parents.end(), 0u);
+  for (size_t f = 0; f < marks.size(); ++f) {
+    if (marks[f]) continue;
+    JoinSets(parents, set.triangles[f].x, set.triangles[f].y);
+    JoinSets(parents, set.triangles[f].x, set.triangles[f].z);
+  }
+  std::vector<glm::vec3> lows = set.positions, highs = set.positions;
+  for (uint32_t v = 0; v < parents.size(); ++v) {
+    const uint32_t root = SetOf(parents, v);
+    lows[root] = glm::min(lows[root], set.positions[v]);
+    highs[root] = glm::max(highs[root], set.positions[v]);
+  }
+  for (size_t f = 0; f < marks.size(); ++f) {
+    const uint32_t root = SetOf(parents, set.triangles[f].x);
+    if (!marks[f]) marks[f] = glm::distance(lows[root], highs[root]) <= largest_diagonal;
+  }
+}
+
 }  // namespace
 
 double SolidityAt(const glm::dvec3& point_in_world, std::span<const SeenDepth> views) {
@@ -61,14 +106,11 @@ double SolidityAt(const glm::dvec3& point_in_world, std::span<const SeenDepth> v
   int counted = 0;
   bool is_in_an_image = false;
   for (const SeenDepth& view : views) {
-    const glm::dvec3 in_cam = view.cam_from_world * point_in_world;
-    if (!view.camera.Shows(in_cam)) continue;
+    const std::optional<double> behind = BandsBehind(point_in_world, view);
+    if (!behind) continue;
     is_in_an_image = true;
-    const double footprint = in_cam.z / view.camera.fx;
-    const double depth = DepthAt(view, view.camera.ImageFromCam(in_cam), kJump_px * footprint);
-    const double behind = (in_cam.z - depth) / (kBand_px * footprint);
-    if (behind > 1) continue;
-    sum += std::max(behind, -1.0);
+    if (*behind > 1) continue;
+    sum += std::max(*behind, -1.0);
     ++counted;
   }
   if (!is_in_an_image) return -1;
@@ -93,6 +135,24 @@ LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views) {
     }
   });
   return set;
+}
+
+LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double largest_gap) {
+  std::vector<uint8_t> is_seen(set.positions.size(), 0);
+  ParallelFor(is_seen.size(), kGrain, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v) {
+      is_seen[v] = std::any_of(views.begin(), views.end(), [&](const SeenDepth& view) {
+        const std::optional<double> behind = BandsBehind(glm::dvec3(set.positions[v]), view);
+        return behind && std::abs(*behind) < 1;
+      });
+    }
+  });
+  std::vector<uint8_t> marks;
+  for (const glm::uvec3& t : set.triangles) {
+    marks.push_back(is_seen[t.x] + is_seen[t.y] + is_seen[t.z] >= 2);
+  }
+  MarkSmallPatches(set, largest_gap, marks);
+  return KeepTriangles(set, marks);
 }
 
 }  // namespace tetrec

@@ -31,6 +31,10 @@ namespace {
 // share of its value there; free space has far less.
 constexpr double kWallBegins = 0.02;
 
+// Gaps in what the cameras see are smaller than this share of the diagonal of the subject's bounds:
+// on the demo 4 %, beside a mug.
+constexpr double kLargestGap = 0.08;
+
 // Ripples of a surface that was made from photos are lower than this share of the diagonal of the
 // subject's bounds; what is higher is taken for shape.
 constexpr double kMaxSmoothingMove = 0.003;
@@ -66,8 +70,8 @@ LevelSet DensitySet(const RadianceField& stored, const FieldWorld& world,
 }
 
 // Nothing where the level is chosen automatically and there are no cameras to see it.
-std::optional<LevelSet> OpacitySet(const RadianceField& stored, const SurfaceOptions& options,
-                                   Stage& stage) {
+std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld& world,
+                                   const SurfaceOptions& options, Stage& stage) {
   if (options.level == SurfaceLevel::kDensity) return std::nullopt;
   if (options.level == SurfaceLevel::kAuto && options.isovalue > 0) return std::nullopt;
   const std::filesystem::path field_folder = stage.Input("field");
@@ -78,7 +82,14 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const SurfaceOpt
         RenderSeenDepths(stored, scene_folder, field_folder, options.device);
     LogInfo("level: where the rays of {} training views have lost half of their light",
             views.size());
-    return MarchToOpacity(stored.mesh, views);
+    const LevelSet all = MarchToOpacity(stored.mesh, views);
+    if (options.close) return all;
+    LevelSet seen = SeenPart(all, views, kLargestGap * glm::length(world.subject_bounds.Size()));
+    const size_t unseen = all.triangles.size() - seen.triangles.size();
+    LogInfo("no view sees {} of {} triangles, which are left out", WithThousands(unseen),
+            WithThousands(all.triangles.size()));
+    stage.Count("unseen_triangles", unseen);
+    return seen;
   } catch (const DataError& error) {
     if (options.level == SurfaceLevel::kOpacity) throw;
     why_not = error.what();
@@ -92,7 +103,7 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const SurfaceOpt
 
 LevelSet ChosenSet(const RadianceField& stored, const FieldWorld& world,
                    const SurfaceOptions& options, Stage& stage) {
-  std::optional<LevelSet> by_opacity = OpacitySet(stored, options, stage);
+  std::optional<LevelSet> by_opacity = OpacitySet(stored, world, options, stage);
   stage.Note("level", Name(by_opacity ? SurfaceLevel::kOpacity : SurfaceLevel::kDensity));
   return by_opacity ? std::move(*by_opacity) : DensitySet(stored, world, options, stage);
 }
@@ -194,6 +205,10 @@ void SurfaceOptions::Check() const {
     throw UsageError(fmt::format(
         "isovalue is {}, but the level is opacity; choose density as level, or no isovalue",
         isovalue));
+  }
+  if (close && (level == SurfaceLevel::kDensity || isovalue > 0)) {
+    throw UsageError(
+        "close has an effect on the level of opacity only; leave it out, or level and isovalue");
   }
   CheckRange("smoothing", smoothing, 0, 100);
   CheckRange("smooth_normals", smooth_normals, 0, 100);

@@ -34,6 +34,8 @@ inline constexpr auto kWords<SurfaceLevel> =
 
 struct SurfaceOptions {
   SurfaceLevel level = SurfaceLevel::kAuto;
+  // Of the opacity: keeps what closes the surface through space that no camera sees.
+  bool close = false;
   // Density of the surface [1 / world unit]; 0: a fiftieth of the typical density where a ray
   // from a camera has lost half of its light (FindHalfTransmittanceLevel).
   double isovalue = 0;

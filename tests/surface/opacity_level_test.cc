@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -69,6 +70,27 @@ TEST(Opacity, CutsOfACoarseMeshLieOnTheSurface) {
   }
   const double pixel = 1 / 50.0;
   EXPECT_LT(sum / double(count), 0.3 * pixel);
+}
+
+// One camera sees half of the ball; what closes it behind is the edge of the ball's shadow.
+TEST(Opacity, ThePartThatIsSeenEndsWhereTheShadowBegins) {
+  const std::vector<SeenDepth> views = {BallSeenFrom(0)};
+  const LevelSet all = MarchToOpacity(JitteredBox(12), views);
+  const LevelSet seen = SeenPart(all, views, 0.1);
+  const auto behind = [](const LevelSet& set) {
+    return std::count_if(set.positions.begin(), set.positions.end(),
+                         [](const glm::vec3& p) { return p.z > 0.5f; });
+  };
+  EXPECT_GT(behind(all), 50);
+  EXPECT_EQ(behind(seen), 0);
+  const auto in_front = [](const LevelSet& set) {
+    return std::count_if(set.positions.begin(), set.positions.end(),
+                         [](const glm::vec3& p) { return p.z < -0.5f; });
+  };
+  EXPECT_GT(in_front(all), 50);
+  EXPECT_EQ(in_front(seen), in_front(all));
+  // A patch as large as the shadow is a gap if gaps may be so large.
+  EXPECT_EQ(SeenPart(all, views, 100).triangles.size(), all.triangles.size());
 }
 
 }  // namespace
