@@ -29,8 +29,8 @@ struct ShownScene {
   Scene scene;
 };
 
-// RGB. Rendered in bands of rows; between two of them `give_up` is asked whether something else is
-// more urgent: then there is no picture.
+// RGB. Rendered in bands of rows; after each band `give_up` returns
+// whether something else is more urgent, and if so there is no picture.
 std::optional<Image> Paint(ShownField& shown, const ShownScene& scene,
                            const PictureRequest& request, const std::function<bool()>& give_up);
 

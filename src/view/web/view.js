@@ -104,7 +104,7 @@ function say(text) {
   if (message.textContent !== text) message.textContent = text;
 }
 
-// Of the camera that the user has moved: it stands at no photo any more.
+// Of the camera that the user has moved: it no longer stands at a photo.
 function leaveView() {
   flight++;
   if (camera.view === null) return;
