@@ -81,6 +81,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   tetrec::AddWordOption(
       app, "--camera-space", options.camera_space,
       "Where the cameras of photos stand and move: empty (no density) or learned");
+  tetrec::AddWordOption(app, "--seen-space", options.seen_space,
+                        "In front of what depth maps show, where at most 12 photos look: empty (no "
+                        "density) or learned");
   tetrec::AddWordOption(app, "--judging-pictures", options.judging_pictures,
                         "Parts of the training pictures: kept back in the first part of a run, to "
                         "judge refinements, or learned throughout, while nothing judges");
@@ -158,9 +161,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   GroupOptions(app, "Rays and loss",
                {"--rays", "--loss", "--jitter", "--subject-share", "--background", "--fine-rays",
                 "--judging-pictures", "--watched-views"});
-  GroupOptions(
-      app, "Field",
-      {"--storage", "--density", "--max-density", "--density-decay", "--sh", "--camera-space"});
+  GroupOptions(app, "Field",
+               {"--storage", "--density", "--max-density", "--density-decay", "--sh",
+                "--camera-space", "--seen-space"});
   GroupOptions(
       app, "Learning rates",
       {"--color-rate", "--sh-rate", "--density-rate", "--position-rate", "--final-rate-share"});

@@ -13,8 +13,8 @@
 namespace tetrec {
 
 FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
-                         TrainingRenderer& renderer, BatchDrawer& batches)
-    : renderer_(renderer), batches_(batches) {
+                         TrainingRenderer& renderer, BatchDrawer& batches, SeenSpace seen_space)
+    : renderer_(renderer), batches_(batches), seen_space_(std::move(seen_space)) {
   const glm::dvec3 size = scene.subject_bounds.Size();
   subject_size_ = std::max({size.x, size.y, size.z});
   if (options.camera_space == CameraSpace::kEmpty) camera_space_ = FindCameraSpace(scene);
@@ -22,7 +22,7 @@ FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
 
 void FittedField::Put(TetMesh mesh, FieldState state) {
   ++topology_;
-  const std::vector<float> rate_shares = EmptyCameraSpace(mesh, state);
+  const std::vector<float> rate_shares = TakeOutDensity(mesh, state);
   renderer_.SetState(std::move(mesh), state);
   renderer_.SetRateShares(rate_shares);
   harmonics_degree_ = state.layout.HarmonicsDegree();
@@ -91,16 +91,22 @@ std::vector<float> FittedField::RoomOfVertices() const {
   return room;
 }
 
-std::vector<float> FittedField::EmptyCameraSpace(const TetMesh& mesh, FieldState& state) {
+std::vector<float> FittedField::TakeOutDensity(const TetMesh& mesh, FieldState& state) {
   std::vector<float> rate_shares(state.rows(), 1.0f);
-  if (camera_space_.empty()) return rate_shares;
-  emptied_rows_ = 0;
+  emptied_rows_ = seen_empty_rows_ = 0;
+  if (camera_space_.empty() && seen_space_.empty()) return rate_shares;
   const float least = BoundsOf(state.layout.density(), 1.0f).least;
-  const std::vector<uint8_t> is_empty =
-      InsideCapsules(PlacesOfRows(mesh, state.layout.storage), camera_space_);
-  for (size_t row = 0; row < is_empty.size(); ++row) {
-    if (!is_empty[row]) continue;
-    ++emptied_rows_;
+  const std::vector<glm::vec3> places = PlacesOfRows(mesh, state.layout.storage);
+  const std::vector<uint8_t> has_cameras = InsideCapsules(places, camera_space_);
+  const std::vector<uint8_t> is_seen_empty = seen_space_.Contains(places);
+  for (size_t row = 0; row < places.size(); ++row) {
+    if (has_cameras[row]) {
+      ++emptied_rows_;
+    } else if (is_seen_empty[row]) {
+      ++seen_empty_rows_;
+    } else {
+      continue;
+    }
     rate_shares[row] = 0.0f;
     state.parameters[row * size_t(state.layout.Components()) + kDensityOffset] = least;
   }

@@ -7,6 +7,7 @@
 #include "optimize/batches.h"
 #include "optimize/camera_space.h"
 #include "optimize/optimize_options.h"
+#include "optimize/seen_space.h"
 #include "render/training_renderer.h"
 #include "scene/scene.h"
 
@@ -15,13 +16,13 @@
 
 namespace tetrec {
 
-// Whatever state it is given, there is no density in the space of the cameras, and none grows
-// there.
+// Whatever state it is given, there is no density in the space of the cameras and in what photos
+// see to be empty, and none grows there.
 class FittedField {
  public:
   // Tells `batches` whether colours depend on the view.
   FittedField(const OptimizeOptions& options, const Scene& scene, TrainingRenderer& renderer,
-              BatchDrawer& batches);
+              BatchDrawer& batches, SeenSpace seen_space = {});
 
   void Put(TetMesh mesh, FieldState state);
   void PutState(FieldState state);  // of the same mesh
@@ -43,21 +44,25 @@ class FittedField {
   const TetMesh& mesh() const { return renderer_.mesh(); }
   double subject_size() const { return subject_size_; }  // its longest side [world units]
   int harmonics_degree() const { return harmonics_degree_; }
-  uint64_t emptied_rows() const { return emptied_rows_; }  // in the space of the cameras
+  // In the space of the cameras, and elsewhere in what photos see to be empty.
+  uint64_t emptied_rows() const { return emptied_rows_; }
+  uint64_t seen_empty_rows() const { return seen_empty_rows_; }
 
  private:
-  // Takes the density from the rows in the space of the cameras; returns their shares of the
-  // learning rates, which are 0, and 1 elsewhere.
-  std::vector<float> EmptyCameraSpace(const TetMesh& mesh, FieldState& state);
+  // Takes the density from the rows in space that is empty; returns their shares of the learning
+  // rates, which are 0, and 1 elsewhere.
+  std::vector<float> TakeOutDensity(const TetMesh& mesh, FieldState& state);
 
   TrainingRenderer& renderer_;
   BatchDrawer& batches_;
   std::vector<Capsule> camera_space_;
+  SeenSpace seen_space_;
   double subject_size_ = 0;
   uint64_t topology_ = 0;
   int harmonics_degree_ = 0;
   FieldStorage storage_ = FieldStorage::kVertex;
   uint64_t emptied_rows_ = 0;
+  uint64_t seen_empty_rows_ = 0;
 };
 
 }  // namespace tetrec

@@ -26,6 +26,15 @@ template <>
 inline constexpr auto kWords<CameraSpace> = std::to_array<Word<CameraSpace>>(
     {{CameraSpace::kEmpty, "empty"}, {CameraSpace::kLearned, "learned"}});
 
+// What is in space that a few photos see to be empty (seen_space.h).
+enum class SeenSpaceChoice {
+  kEmpty,    // no density
+  kLearned,  // what the photos ask for
+};
+template <>
+inline constexpr auto kWords<SeenSpaceChoice> = std::to_array<Word<SeenSpaceChoice>>(
+    {{SeenSpaceChoice::kEmpty, "empty"}, {SeenSpaceChoice::kLearned, "learned"}});
+
 // What becomes of parts of the training pictures (judging.h).
 enum class JudgingPictures {
   kKept,     // for a while from learning; they judge refinements
@@ -126,6 +135,7 @@ struct OptimizeOptions {
   int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv
   double checkpoint_interval_s = 30;
   CameraSpace camera_space = CameraSpace::kEmpty;
+  SeenSpaceChoice seen_space = SeenSpaceChoice::kEmpty;
   JudgingPictures judging_pictures = JudgingPictures::kKept;
   FieldStorage storage = FieldStorage::kVertex;  // of the fitted field
   DensityForm density = DensityForm::kAuto;

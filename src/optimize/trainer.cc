@@ -22,6 +22,7 @@
 #include "optimize/rate_trial.h"
 #include "optimize/refinement_rounds.h"
 #include "optimize/run_outputs.h"
+#include "optimize/seen_space.h"
 #include "optimize/training_history.h"
 #include "optimize/training_pictures.h"
 #include "optimize/training_steps.h"
@@ -92,7 +93,7 @@ bool CamerasWereEstimated(const fs::path& scene_folder) {
 class Trainer {
  public:
   Trainer(const OptimizeOptions& options, const fs::path& scene_folder, const Scene& scene,
-          TrainingSet set, const TetMesh& start, Stage& stage)
+          TrainingSet set, SeenSpace seen_space, const TetMesh& start, Stage& stage)
       : options_(options),
         scene_folder_(scene_folder),
         scene_(scene),
@@ -105,7 +106,7 @@ class Trainer {
         pictures_(options, std::move(set), BackgroundColor(scene.background), *renderer_),
         batches_(options, pictures_.set(), renderer_->NeedsTiles(), pictures_.background_srgb(),
                  scene_folder),
-        field_(options, scene, *renderer_, batches_),
+        field_(options, scene, *renderer_, batches_, std::move(seen_space)),
         motion_(options, field_, *renderer_, pictures_.set().views.size()),
         steps_(options, batches_, *renderer_, motion_),
         rate_trial_(options, field_, pictures_, steps_),
@@ -347,6 +348,7 @@ class Trainer {
     stage_.Count("vertices", mesh.positions.size());
     stage_.Count("rounds", rounds_.state().rounds);
     stage_.Count("emptied_rows", field_.emptied_rows());
+    stage_.Count("seen_empty_rows", field_.seen_empty_rows());
     stage_.Count("harmonics_degree", field_.harmonics_degree());
     stage_.Count("fine_rays", int(fine_rays_.state() == TrialState::kUsed));
     stage_.Seconds("optimize", seconds_);
@@ -453,7 +455,11 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   const RadianceField start = ReadField(start_folder / "field.tetf");
   CheckConvexDomain(start.mesh);  // refinement fills it with new tets
   TrainingSet set = LoadTrainingSet(scene_folder, scene, scene.ViewsOf(Split::kTrain));
-  Trainer trainer(options, scene_folder, scene, std::move(set), start.mesh, stage);
+  SeenSpace seen_space;
+  if (options.seen_space == SeenSpaceChoice::kEmpty)
+    seen_space = SeenSpace::Read(scene, start_folder);
+  Trainer trainer(options, scene_folder, scene, std::move(set), std::move(seen_space), start.mesh,
+                  stage);
   WriteField(stage.Output("field.tetf"), trainer.Run(start));
   trainer.WriteEstimates();
   WriteWorld(scene, scene_folder, stage);

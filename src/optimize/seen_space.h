@@ -1,0 +1,55 @@
+// The space in which photos see that nothing is: in front of what their depth maps agree on. Many
+// photos forbid fog there by themselves, a few do not.
+#pragma once
+
+#include "geometry/camera.h"
+#include "geometry/rigid3.h"
+#include "run/stereo_depth.h"
+#include "scene/scene.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+// A place is empty if at least 2 depth maps show something clearly behind it, none shows something
+// near it, and no more than 12 training photos have it in their frame.
+class SeenSpace {
+ public:
+  // Nothing is known to be empty.
+  SeenSpace() = default;
+  // `scene` has the training cameras.
+  SeenSpace(const Scene& scene, std::span<const StereoDepth> maps);
+
+  // For each point whether it is known to be empty [world units].
+  std::vector<uint8_t> Contains(std::span<const glm::vec3> points) const;
+  bool empty() const { return maps_.empty(); }
+
+  // Of the maps that tetrec-tetrahedralize --start dense wrote below `start_folder`; nothing is
+  // known without them. Throws DataError, naming the file, for a map that does not fit the scene.
+  static SeenSpace Read(const Scene& scene, const std::filesystem::path& start_folder);
+
+ private:
+  // The least depth that other views confirm, in each block of a map.
+  struct LeastDepths {
+    Rigid3 cam_from_world;
+    Camera camera;             // of the blocks
+    std::vector<float> depth;  // height x width: z in the camera frame [world units]; 0: unknown
+  };
+  static LeastDepths LeastDepthsOf(const Scene& scene, const StereoDepth& map);
+  bool Contains(const glm::dvec3& point) const;
+  bool ManyPhotosShow(const glm::dvec3& point) const;
+
+  struct Frame {
+    Rigid3 cam_from_world;
+    Camera camera;
+  };
+  std::vector<Frame> frames_;  // of all training views
+  std::vector<LeastDepths> maps_;
+};
+
+}  // namespace tetrec
