@@ -52,5 +52,26 @@ TEST(FittedField, HasNoDensityWhereTheCamerasStand) {
   for (const float value : DensityOf(learned, box)) EXPECT_GT(value, 1.0f);
 }
 
+TEST(FittedField, HasNoDensityWherePhotosSeeNothing) {
+  SmallRun run;
+  Scene scene = RingOfCameras(2, 0);
+  std::vector<StereoDepth> maps;
+  for (uint32_t view = 0; view < 2; ++view) {
+    scene.views[view].cam_from_world = {glm::dmat3(1.0), {0.0, 0.0, 4.0}};
+    maps.push_back(MakeStereoDepth(view, scene.cameras[0]));
+    std::fill(maps[view].depth.begin(), maps[view].depth.end(), 4.0f);
+    std::fill(maps[view].agreement.begin(), maps[view].agreement.end(), uint8_t(2));
+  }
+  const RadianceField box = LargeBox();
+  const SeenSpace space(scene, maps);
+  const std::vector<uint8_t> is_empty = space.Contains(box.mesh.positions);
+  FittedField field(run.options, scene, *run.renderer, run.batches, space);
+  const std::vector<float> density = DensityOf(field, box);
+  for (size_t v = 0; v < density.size(); ++v) EXPECT_EQ(density[v] < 1e-20f, is_empty[v] != 0) << v;
+  EXPECT_GT(field.seen_empty_rows(), 0u);
+  EXPECT_LT(field.seen_empty_rows(), density.size());
+  EXPECT_EQ(field.emptied_rows(), 0u);
+}
+
 }  // namespace
 }  // namespace tetrec
