@@ -25,6 +25,21 @@ void RefuseKnownCameras(const std::string& folder) {
                   folder, Name(formats[0])));
 }
 
+// Masks of a video's frames could not be named like them.
+void CheckMasks(const std::filesystem::path& masks, const std::filesystem::path& photos) {
+  std::error_code missing;
+  if (std::filesystem::is_regular_file(photos, missing)) {
+    throw tetrec::UsageError(fmt::format(
+        "--masks is {}, but PHOTOS is a video; give its frames and their masks as folders",
+        masks.string()));
+  }
+  if (std::filesystem::equivalent(masks, photos, missing)) {
+    throw tetrec::UsageError(fmt::format(
+        "--masks is {}, the folder of the photos; put the masks into a folder of their own",
+        masks.string()));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -36,6 +51,10 @@ int main(int argc, char** argv) {
       "Example: tetrec-sfm PHOTOS -o RUN/1_scene");
   command.InputPath("PHOTOS",
                     "Folder of photos (.jpg, .jpeg, .png), including its subfolders, or a video");
+  command.InputPath("--masks",
+                    "Folder of masks, one for each photo and named like it (a.png or a.jpg.png for "
+                    "a.jpg): what is black has no features and is neither trained on nor scored",
+                    false);
   CLI::App& app = command.app();
   app.add_option(
       "--max-size", options.max_size,
@@ -77,9 +96,9 @@ int main(int argc, char** argv) {
       "are left out with a warning; with more of them, or 0 and any, the stage fails");
   app.add_option("--seed", options.seed, "Random seed of COLMAP's mapper");
   using tetrec::GroupOptions;
-  GroupOptions(
-      app, "Scene",
-      {"--max-unreadable", "--frames", "--max-size", "--bounds", "--holdout", "--train-every"});
+  GroupOptions(app, "Scene",
+               {"--masks", "--max-unreadable", "--frames", "--max-size", "--bounds", "--holdout",
+                "--train-every"});
   GroupOptions(
       app, "COLMAP",
       {"--matcher", "--max-features", "--retries", "--camera-sharing", "--camera-model", "--seed"});
@@ -91,10 +110,13 @@ int main(int argc, char** argv) {
                                            {bounds[3], bounds[4], bounds[5]}};
         }
         options.Check();
-        if (app.count("--frames") > 0 &&
-            std::filesystem::is_directory(app.get_option("PHOTOS")->as<std::string>())) {
+        const std::filesystem::path photos = app.get_option("PHOTOS")->as<std::string>();
+        if (app.count("--frames") > 0 && std::filesystem::is_directory(photos)) {
           throw tetrec::UsageError("--frames chooses frames of a video, but PHOTOS is a folder");
         }
-        RefuseKnownCameras(app.get_option("PHOTOS")->as<std::string>());
+        if (app.count("--masks") > 0) {
+          CheckMasks(app.get_option("--masks")->as<std::string>(), photos);
+        }
+        RefuseKnownCameras(photos);
       });
 }

@@ -29,7 +29,7 @@ bool IsOtherImage(const fs::path& path) {
   return kExtensions.contains(LowerExtension(path));
 }
 
-std::vector<std::string> PhotoNames(const fs::path& folder) {
+std::vector<std::string> PhotoNames(const fs::path& folder, const fs::path& masks) {
   if (!fs::is_directory(folder)) {
     throw DataError(fmt::format("{}: is not a folder; give the folder that contains the photos",
                                 folder.string()));
@@ -41,7 +41,8 @@ std::vector<std::string> PhotoNames(const fs::path& folder) {
     std::error_code broken;  // a link that leads nowhere or to itself; reading names the reason
     const bool hidden = it->path().filename().string().starts_with('.');
     const bool is_folder = it->is_directory(broken);
-    if (hidden && is_folder) it.disable_recursion_pending();
+    const bool of_masks = is_folder && !masks.empty() && fs::equivalent(it->path(), masks, broken);
+    if ((hidden && is_folder) || of_masks) it.disable_recursion_pending();
     if (hidden || is_folder) continue;
     const std::string name = it->path().lexically_relative(folder).generic_string();
     if (HasPhotoExtension(it->path())) {
@@ -86,8 +87,8 @@ void WarnOrRefuse(const fs::path& folder, const std::vector<std::string>& unread
 
 }  // namespace
 
-PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable) {
-  const std::vector<std::string> names = PhotoNames(folder);
+PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable, const fs::path& masks) {
+  const std::vector<std::string> names = PhotoNames(folder, masks);
   if (names.empty()) {
     throw DataError(fmt::format(
         "{}: contains no photos (.jpg, .jpeg or .png); convert other images to one of these",
@@ -103,7 +104,7 @@ PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable) {
   ParallelForEach(names.size(), "checking: photo", "nothing was done yet", [&](size_t i) {
     try {
       const Image image = ReadPhoto(folder / names[i]);
-      photos[i] = {names[i], image.width, image.height, Sha256OfFile(folder / names[i])};
+      photos[i] = {names[i], image.width, image.height, Sha256OfFile(folder / names[i]), {}, {}};
     } catch (const DataError& error) {
       errors[i] = error.what();
     }

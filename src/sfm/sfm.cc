@@ -16,6 +16,7 @@
 #include "scene/image_files.h"
 #include "scene/split.h"
 #include "scene/subject_bounds.h"
+#include "sfm/masks.h"
 #include "sfm/model_quality.h"
 #include "sfm/photos.h"
 #include "sfm/retry.h"
@@ -44,6 +45,7 @@ constexpr const char* kLensAdvice = "try camera model SIMPLE_RADIAL or PINHOLE";
 // may contain spaces, which COLMAP's lists cannot.
 struct LinkedPhotos {
   fs::path folder;
+  fs::path masks;                  // NAME.png for each name; empty if there are none
   std::vector<std::string> names;  // in the order of the photos
   std::map<std::string, size_t> photo_of_name;
   size_t cameras = 0;
@@ -59,7 +61,7 @@ std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
 
 LinkedPhotos LinkPhotos(const fs::path& photos_folder, const std::vector<Photo>& photos,
                         CameraSharing sharing, const fs::path& folder) {
-  LinkedPhotos linked{folder, {}, {}, 0};
+  LinkedPhotos linked{folder, {}, {}, {}, 0};
   fs::remove_all(folder);
   std::map<std::string, size_t> groups;
   for (const Photo& photo : photos) groups.emplace(CameraGroup(photo, sharing), groups.size());
@@ -85,6 +87,20 @@ LinkedPhotos LinkPhotos(const fs::path& photos_folder, const std::vector<Photo>&
   return linked;
 }
 
+// Writes the masks under the names of the photos' links.
+void WriteColmapMasks(const std::vector<Photo>& photos, const fs::path& folder,
+                      LinkedPhotos& linked) {
+  if (photos.front().mask.empty()) return;
+  fs::remove_all(folder);
+  for (const std::string& name : linked.names) {
+    fs::create_directories((folder / name).parent_path());
+  }
+  ParallelForEach(photos.size(), "", "nothing was done yet", [&](size_t i) {
+    WriteColmapMask(folder / (linked.names[i] + ".png"), photos[i]);
+  });
+  linked.masks = folder;
+}
+
 std::string CameraModelFor(const SfmOptions& options, size_t photos, size_t cameras) {
   if (options.camera_model != SfmLens::kAuto) return Name(options.camera_model);
   const bool many = photos >= kPhotosForOpenCvModel * cameras;
@@ -100,6 +116,9 @@ std::string FeaturesKey(const std::vector<Photo>& photos, const LinkedPhotos& li
                         {"format", 2}};  // 1: COLMAP's own number of features
   for (size_t i = 0; i < photos.size(); ++i)
     key["photos"].push_back({linked.names[i], photos[i].sha256});
+  if (!linked.masks.empty()) {
+    for (const Photo& photo : photos) key["masks"].push_back(photo.mask_sha256);
+  }
   return WorkKey(key);
 }
 
@@ -273,11 +292,11 @@ ColmapModel RunColmap(const SfmOptions& options, const fs::path& folder,
   LogInfo("COLMAP {}: {} photos", colmap.version, photos.size());
   stage.Note("colmap", colmap.version);
   const fs::path scratch = stage.Scratch("work");
-  const LinkedPhotos linked =
-      LinkPhotos(folder, photos, options.camera_sharing, scratch / "photos");
+  LinkedPhotos linked = LinkPhotos(folder, photos, options.camera_sharing, scratch / "photos");
+  WriteColmapMasks(photos, scratch / "masks", linked);
   const ExtractOptions extract{CameraModelFor(options, photos.size(), linked.cameras),
                                options.camera_sharing == CameraSharing::kPerImage,
-                               options.max_features};
+                               options.max_features, linked.masks};
   const fs::path cache =
       stage.Cache("colmap") / FeaturesKey(photos, linked, extract, colmap.version);
   fs::create_directories(cache);
@@ -368,8 +387,10 @@ Image WithoutAlpha(const Image& rgba) {
   return rgb;
 }
 
-void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& photos,
-                const fs::path& folder) {
+void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& photos_folder,
+                const std::vector<Photo>& photos, const fs::path& folder) {
+  std::map<std::string, const Photo*> photo_of;
+  for (const Photo& photo : photos) photo_of[photo.name] = &photo;
   std::map<std::string, const Lens*> camera_of;
   for (const auto& [id, image] : model.images)
     camera_of[image.name] = &model.cameras.at(image.camera);
@@ -377,16 +398,17 @@ void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& ph
   std::atomic<size_t> with_alpha = 0;
   const auto write = [&](size_t i) {
     const View& view = scene.views[i];
-    Image photo = ReadPhoto(photos / view.name);
-    if (photo.channels == 4) {
-      photo = WithoutAlpha(photo);
+    Image image = ReadPhoto(photos_folder / view.name);
+    if (image.channels == 4) {
+      image = WithoutAlpha(image);
       ++with_alpha;
     }
+    if (scene.has_masks) image = MaskedPhoto(image, *photo_of.at(view.name));
     const Lens& lens = *camera_of.at(view.name);
     NamingLens(
-        photos / view.name, lens,
-        [&] { photo = Undistort(photo, lens, scene.cameras[size_t(view.camera)]); }, kLensAdvice);
-    WriteImage(folder / view.image, photo);
+        photos_folder / view.name, lens,
+        [&] { image = Undistort(image, lens, scene.cameras[size_t(view.camera)]); }, kLensAdvice);
+    WriteImage(folder / view.image, image);
   };
   ParallelForEach(scene.views.size(), "undistorting: photo", "COLMAP's results are kept", write);
   if (with_alpha > 0) {
@@ -467,9 +489,11 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
   options.Check();
   Timer timer;
   const fs::path folder = PhotosFolder(options, stage);
-  const auto [photos, unreadable] = FindPhotos(folder, options.max_unreadable);
+  const fs::path masks = stage.HasInput("masks") ? stage.Input("masks") : fs::path();
+  auto [photos, unreadable] = FindPhotos(folder, options.max_unreadable, masks);
   stage.Count("unreadable", unreadable.size());
   stage.Note("unreadable", unreadable);
+  if (!masks.empty()) stage.Note("hidden_by_masks", AddMasks(masks, photos));
   stage.Seconds("check", timer.seconds());
   const ColmapModel model = RunColmap(options, folder, photos, stage);
   std::vector<std::string> names;
@@ -478,6 +502,7 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
 
   timer = {};
   Scene scene = SceneFromModel(model, folder, options);
+  scene.has_masks = !photos.front().mask.empty();
   if (options.train_every > 1) {
     const size_t dropped = ThinTrainingViews(model, options.train_every, scene);
     LogInfo("{} views are neither trained on nor held out and left out; {} points are left",
@@ -487,7 +512,7 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
   const Subject subject = FindSubject(scene);
   MoveToBounds(options, subject, scene, stage);
   stage.Output("images");
-  WriteViews(scene, model, folder, stage.folder());
+  WriteViews(scene, model, folder, photos, stage.folder());
   WriteScene(stage.folder(), scene);
   stage.Output("scene.json");
   stage.Output("points.ply");
