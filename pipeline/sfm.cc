@@ -45,12 +45,12 @@ void CheckMasks(const std::filesystem::path& masks, const std::filesystem::path&
 int main(int argc, char** argv) {
   tetrec::SfmOptions options;
   tetrec::StageCommand command(
-      "sfm", 5,
+      "sfm", 6,
       "Finds the cameras of a folder of photos with COLMAP and writes the scene folder:\n"
       "undistorted images, cameras, sparse points, the bounds of the subject and the split.\n"
       "Example: tetrec-sfm PHOTOS -o RUN/1_scene");
-  command.InputPath("PHOTOS",
-                    "Folder of photos (.jpg, .jpeg, .png), including its subfolders, or a video");
+  command.InputPath(
+      "PHOTOS", "Folder of photos (.jpg, .png, .tif, .heic), including its subfolders, or a video");
   command.InputPath("--masks",
                     "Folder of masks, one for each photo and named like it (a.png or a.jpg.png for "
                     "a.jpg): what is black has no features and is neither trained on nor scored",
@@ -90,10 +90,9 @@ int main(int argc, char** argv) {
                  "Train on every N-th photo by name, starting with the second, and leave those out "
                  "of the scene that are neither trained on nor held out; 1: train on all. All "
                  "photos help to find the cameras");
-  app.add_option(
-      "--max-unreadable", options.max_unreadable,
-      "Share of the photos that may be unreadable (damaged, or neither JPEG nor PNG) and "
-      "are left out with a warning; with more of them, or 0 and any, the stage fails");
+  app.add_option("--max-unreadable", options.max_unreadable,
+                 "Share of the photos that may be unreadable (damaged, or of another format) and "
+                 "are left out with a warning; with more of them, or 0 and any, the stage fails");
   app.add_option("--seed", options.seed, "Random seed of COLMAP's mapper");
   using tetrec::GroupOptions;
   GroupOptions(app, "Scene",

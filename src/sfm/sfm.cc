@@ -59,8 +59,8 @@ std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
   return size;
 }
 
-LinkedPhotos LinkPhotos(const fs::path& photos_folder, const std::vector<Photo>& photos,
-                        CameraSharing sharing, const fs::path& folder) {
+LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
+                        const fs::path& folder) {
   LinkedPhotos linked{folder, {}, {}, {}, 0};
   fs::remove_all(folder);
   std::map<std::string, size_t> groups;
@@ -76,10 +76,10 @@ LinkedPhotos LinkPhotos(const fs::path& photos_folder, const std::vector<Photo>&
     const std::string group = sharing == CameraSharing::kPerImage
                                   ? "0"
                                   : std::to_string(groups.at(CameraGroup(photos[i], sharing)));
-    std::string extension = fs::path(photos[i].name).extension().string();
+    const std::string extension = photos[i].for_colmap.extension().string();
     const std::string name = fmt::format("{}/{:0{}}{}", group, i, digits, extension);
     fs::create_directories(folder / group);
-    fs::create_symlink(fs::absolute(photos_folder / photos[i].name), folder / name);
+    fs::create_symlink(fs::absolute(photos[i].for_colmap), folder / name);
     linked.names.push_back(name);
     linked.photo_of_name[name] = i;
   }
@@ -286,13 +286,12 @@ void Retry(const SfmWork& work, const fs::path& database, const std::string& mod
 }
 
 // Features, matches and model, from the cache as far as it has them.
-ColmapModel RunColmap(const SfmOptions& options, const fs::path& folder,
-                      const std::vector<Photo>& photos, Stage& stage) {
+ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage) {
   const ColmapProgram colmap = FindColmap(stage.folder() / "log.txt");
   LogInfo("COLMAP {}: {} photos", colmap.version, photos.size());
   stage.Note("colmap", colmap.version);
   const fs::path scratch = stage.Scratch("work");
-  LinkedPhotos linked = LinkPhotos(folder, photos, options.camera_sharing, scratch / "photos");
+  LinkedPhotos linked = LinkPhotos(photos, options.camera_sharing, scratch / "photos");
   WriteColmapMasks(photos, scratch / "masks", linked);
   const ExtractOptions extract{CameraModelFor(options, photos.size(), linked.cameras),
                                options.camera_sharing == CameraSharing::kPerImage,
@@ -398,12 +397,13 @@ void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& ph
   std::atomic<size_t> with_alpha = 0;
   const auto write = [&](size_t i) {
     const View& view = scene.views[i];
-    Image image = ReadPhoto(photos_folder / view.name);
+    const Photo& photo = *photo_of.at(view.name);
+    Image image = ReadPhoto(photo.file);
     if (image.channels == 4) {
       image = WithoutAlpha(image);
       ++with_alpha;
     }
-    if (scene.has_masks) image = MaskedPhoto(image, *photo_of.at(view.name));
+    if (scene.has_masks) image = MaskedPhoto(image, photo);
     const Lens& lens = *camera_of.at(view.name);
     NamingLens(
         photos_folder / view.name, lens,
@@ -490,12 +490,13 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
   Timer timer;
   const fs::path folder = PhotosFolder(options, stage);
   const fs::path masks = stage.HasInput("masks") ? stage.Input("masks") : fs::path();
-  auto [photos, unreadable] = FindPhotos(folder, options.max_unreadable, masks);
+  auto [photos, unreadable] =
+      FindPhotos(folder, options.max_unreadable, stage.Cache("photos"), masks);
   stage.Count("unreadable", unreadable.size());
   stage.Note("unreadable", unreadable);
   if (!masks.empty()) stage.Note("hidden_by_masks", AddMasks(masks, photos));
   stage.Seconds("check", timer.seconds());
-  const ColmapModel model = RunColmap(options, folder, photos, stage);
+  const ColmapModel model = RunColmap(options, photos, stage);
   std::vector<std::string> names;
   for (const Photo& photo : photos) names.push_back(photo.name);
   const ModelQuality quality = JudgeModel(model, names);
