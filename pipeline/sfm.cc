@@ -25,17 +25,36 @@ void RefuseKnownCameras(const std::string& folder) {
                   folder, Name(formats[0])));
 }
 
+// Masks of a video's frames could not be named like them.
+void CheckMasks(const std::filesystem::path& masks, const std::filesystem::path& photos) {
+  std::error_code missing;
+  if (std::filesystem::is_regular_file(photos, missing)) {
+    throw tetrec::UsageError(fmt::format(
+        "--masks is {}, but PHOTOS is a video; give its frames and their masks as folders",
+        masks.string()));
+  }
+  if (std::filesystem::equivalent(masks, photos, missing)) {
+    throw tetrec::UsageError(fmt::format(
+        "--masks is {}, the folder of the photos; put the masks into a folder of their own",
+        masks.string()));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   tetrec::SfmOptions options;
   tetrec::StageCommand command(
-      "sfm", 5,
+      "sfm", 6,
       "Finds the cameras of a folder of photos with COLMAP and writes the scene folder:\n"
       "undistorted images, cameras, sparse points, the bounds of the subject and the split.\n"
       "Example: tetrec-sfm PHOTOS -o RUN/1_scene");
-  command.InputPath("PHOTOS",
-                    "Folder of photos (.jpg, .jpeg, .png), including its subfolders, or a video");
+  command.InputPath(
+      "PHOTOS", "Folder of photos (.jpg, .png, .tif, .heic), including its subfolders, or a video");
+  command.InputPath("--masks",
+                    "Folder of masks, one for each photo and named like it (a.png or a.jpg.png for "
+                    "a.jpg): what is black has no features and is neither trained on nor scored",
+                    false);
   CLI::App& app = command.app();
   app.add_option(
       "--max-size", options.max_size,
@@ -71,15 +90,14 @@ int main(int argc, char** argv) {
                  "Train on every N-th photo by name, starting with the second, and leave those out "
                  "of the scene that are neither trained on nor held out; 1: train on all. All "
                  "photos help to find the cameras");
-  app.add_option(
-      "--max-unreadable", options.max_unreadable,
-      "Share of the photos that may be unreadable (damaged, or neither JPEG nor PNG) and "
-      "are left out with a warning; with more of them, or 0 and any, the stage fails");
+  app.add_option("--max-unreadable", options.max_unreadable,
+                 "Share of the photos that may be unreadable (damaged, or of another format) and "
+                 "are left out with a warning; with more of them, or 0 and any, the stage fails");
   app.add_option("--seed", options.seed, "Random seed of COLMAP's mapper");
   using tetrec::GroupOptions;
-  GroupOptions(
-      app, "Scene",
-      {"--max-unreadable", "--frames", "--max-size", "--bounds", "--holdout", "--train-every"});
+  GroupOptions(app, "Scene",
+               {"--masks", "--max-unreadable", "--frames", "--max-size", "--bounds", "--holdout",
+                "--train-every"});
   GroupOptions(
       app, "COLMAP",
       {"--matcher", "--max-features", "--retries", "--camera-sharing", "--camera-model", "--seed"});
@@ -91,10 +109,13 @@ int main(int argc, char** argv) {
                                            {bounds[3], bounds[4], bounds[5]}};
         }
         options.Check();
-        if (app.count("--frames") > 0 &&
-            std::filesystem::is_directory(app.get_option("PHOTOS")->as<std::string>())) {
+        const std::filesystem::path photos = app.get_option("PHOTOS")->as<std::string>();
+        if (app.count("--frames") > 0 && std::filesystem::is_directory(photos)) {
           throw tetrec::UsageError("--frames chooses frames of a video, but PHOTOS is a folder");
         }
-        RefuseKnownCameras(app.get_option("PHOTOS")->as<std::string>());
+        if (app.count("--masks") > 0) {
+          CheckMasks(app.get_option("--masks")->as<std::string>(), photos);
+        }
+        RefuseKnownCameras(photos);
       });
 }

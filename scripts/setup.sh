@@ -25,6 +25,7 @@ libglm-dev                  geometry: vectors and matrices
 libopencv-core-dev          image, eval: images
 libopencv-imgproc-dev       image, eval: images
 libopencv-imgcodecs-dev     image, eval: image files
+libtiff-dev                 image: TIFF files
 libboost-dev                start: minimum cuts
 libcgal-dev                 mesh: Delaunay tetrahedralization
 libopenmesh-dev             surface: clean-up
@@ -50,6 +51,7 @@ clang                       tests: fuzz targets
 libclang-rt-14-dev          tests: the fuzzer's runtime library
 clang-format                tests: format check
 colmap                      tetrec-sfm runs it
+libheif-examples            tetrec-sfm runs its heif-convert for HEIC photos; tests: heif-enc
 tetgen                      tetrec-tetrahedralize --start tetgen runs it
 gnuplot-nox                 tetrec-chart runs it
 ffmpeg                      tetrec-sfm VIDEO and tetrec-render --path run it

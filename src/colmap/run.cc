@@ -28,6 +28,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kPhotosLink = "photos";
+constexpr const char* kMasksLink = "masks";
+// COLMAP chooses the coarsest features before it applies the masks. It is asked for more, so that
+// enough are left; those in excess are dropped.
+constexpr int kFeaturesBeforeMasks = 4;
 constexpr size_t kPairsPerBlock = 200;  // about 5 s of work
 constexpr int kSiftMaxImageSize_px =
     1600;  // larger photos are reduced before features are searched
@@ -146,22 +150,38 @@ void VerifyPairs(const ColmapProgram& colmap, const fs::path& database, const fs
   }
 }
 
-// Paths are relative to the database's folder, where "photos" is a link to the photos: the names of
-// the user's folders must not change the layout of memory.
+// Paths are relative to the database's folder, where "photos" and "masks" are links to these: the
+// names of the user's folders must not change the layout of memory.
 void ExtractPart(const ColmapProgram& colmap, const std::vector<std::string>& names,
                  const ExtractOptions& options, const fs::path& database,
                  const std::function<void()>& on_image) {
   const std::string file = database.filename().string(), list = file + ".txt";
   WriteText(database.parent_path() / list, JoinedLines(names));
+  const bool is_masked = !options.masks.empty();
+  const int features = options.max_features * (is_masked ? kFeaturesBeforeMasks : 1);
+  std::vector<std::string> arguments = {"--database_path",
+                                        file,
+                                        "--image_path",
+                                        kPhotosLink,
+                                        "--image_list_path",
+                                        list,
+                                        "--ImageReader.camera_model",
+                                        options.camera_model,
+                                        options.camera_per_image
+                                            ? "--ImageReader.single_camera_per_image"
+                                            : "--ImageReader.single_camera_per_folder",
+                                        "1",
+                                        "--SiftExtraction.use_gpu",
+                                        "0",
+                                        "--SiftExtraction.num_threads",
+                                        "1",
+                                        "--SiftExtraction.max_image_size",
+                                        std::to_string(kSiftMaxImageSize_px),
+                                        "--SiftExtraction.max_num_features",
+                                        std::to_string(features)};
+  if (is_masked) arguments.insert(arguments.end(), {"--ImageReader.mask_path", kMasksLink});
   RunStep(
-      colmap, "feature_extractor",
-      {"--database_path", file, "--image_path", kPhotosLink, "--image_list_path", list,
-       "--ImageReader.camera_model", options.camera_model,
-       options.camera_per_image ? "--ImageReader.single_camera_per_image"
-                                : "--ImageReader.single_camera_per_folder",
-       "1", "--SiftExtraction.use_gpu", "0", "--SiftExtraction.num_threads", "1",
-       "--SiftExtraction.max_image_size", std::to_string(kSiftMaxImageSize_px),
-       "--SiftExtraction.max_num_features", std::to_string(options.max_features)},
+      colmap, "feature_extractor", arguments,
       [&](const std::string& line) {
         if (CounterOf(line, "Processed file")) on_image();
       },
@@ -203,6 +223,10 @@ void ExtractFeatures(const ColmapProgram& colmap, const fs::path& photos,
   fs::create_directories(parts);
   fs::remove(parts / kPhotosLink);
   fs::create_directory_symlink(fs::absolute(photos), parts / kPhotosLink);
+  fs::remove(parts / kMasksLink);
+  if (!options.masks.empty()) {
+    fs::create_directory_symlink(fs::absolute(options.masks), parts / kMasksLink);
+  }
   const size_t part_count =
       std::min<size_t>(names.size(), std::max(1u, std::thread::hardware_concurrency()));
   std::vector<fs::path> part_files;

@@ -26,6 +26,9 @@ struct ExtractOptions {
   std::string camera_model;       // COLMAP's name
   bool camera_per_image = false;  // else one camera per folder
   int max_features = 0;           // per image
+  // Folder of masks NAME.png for images NAME, of the same size, which are black where no feature
+  // may be; empty: none.
+  std::filesystem::path masks = {};
 };
 
 // Writes the features of `names` (relative to `photos`) into a new database, with ids in the order

@@ -10,6 +10,7 @@
 #include <poll.h>
 #include <sys/personality.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -78,7 +79,7 @@ struct Command {
 };
 
 [[noreturn]] void BecomeChild(const Command& command, const char* folder, int output, int report,
-                              bool fixed_addresses, pid_t parent) {
+                              const ChildOptions& options, pid_t parent) {
   const auto fail = [report] {
     const int error = errno;
     [[maybe_unused]] const ssize_t n = write(report, &error, sizeof(error));
@@ -96,7 +97,11 @@ struct Command {
     fail();
   }
   if (folder != nullptr && chdir(folder) != 0) fail();
-  if (fixed_addresses) {
+  if (options.max_memory_bytes > 0) {
+    const rlimit limit{options.max_memory_bytes, options.max_memory_bytes};
+    if (setrlimit(RLIMIT_AS, &limit) != 0) fail();
+  }
+  if (options.fixed_addresses) {
     const int now = personality(0xffffffff);  // only queries
     if (now >= 0) personality(static_cast<unsigned long>(now) | ADDR_NO_RANDOMIZE);
   }
@@ -187,7 +192,7 @@ ChildResult RunChild(const fs::path& program, const std::vector<std::string>& ar
     throw EnvironmentError(fmt::format("cannot start {} ({})", name, std::strerror(errno)));
   if (pid == 0) {
     BecomeChild(command, folder.empty() ? nullptr : folder.c_str(), output.write_end,
-                report.write_end, options.fixed_addresses, parent);
+                report.write_end, options, parent);
   }
   ChildGuard child{pid};
   output.CloseWrite();

@@ -1,6 +1,7 @@
 // Runs another program by argument list (never through a shell).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -17,7 +18,8 @@ struct ChildOptions {
   // Run at the same memory addresses each time (no ASLR), if the system allows it: for programs
   // whose results depend on them.
   bool fixed_addresses = false;
-  double time_limit_s = 0;  // after it the child is killed (EnvironmentError); 0: none
+  uint64_t max_memory_bytes = 0;  // of its address space; 0: no limit
+  double time_limit_s = 0;        // after it the child is killed (EnvironmentError); 0: none
 };
 
 struct ChildResult {

@@ -16,8 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // What cameras and photogrammetry programs write, whether or not it can be read here.
-constexpr std::array<std::string_view, 9> kExtensions = {".png",  ".jpg", ".jpeg", ".exr", ".tif",
-                                                         ".tiff", ".bmp", ".webp", ".heic"};
+constexpr std::array<std::string_view, 11> kExtensions = {
+    ".png", ".jpg", ".jpeg", ".exr", ".tif", ".tiff", ".bmp", ".webp", ".heic", ".heif", ".hif"};
 
 // File systems allow 255 bytes, of which a file that is being written needs some.
 constexpr size_t kLongestName = 240;

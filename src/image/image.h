@@ -17,7 +17,7 @@ struct Image {
   const uint8_t* At(int x, int y) const { return &pixels[(size_t(y) * width + x) * channels]; }
 };
 
-// True for the extensions of JPEG (.jpg, .jpeg, .jpe, .jfif) and PNG files, in upper or lower case.
+// True for .jpg, .jpeg, .jpe, .jfif, .png, .tif and .tiff, in upper or lower case.
 bool HasPhotoExtension(const std::filesystem::path& path);
 
 // A black image; transparent if it has alpha.
@@ -25,12 +25,12 @@ Image MakeImage(int width, int height, int channels);
 
 enum class ExifRotation { kIgnore, kApply };
 
-// Reads PNG, JPEG and EXR files, recognised by their first bytes, as 8-bit RGB or RGBA. 16 bits are
-// rounded. EXR is converted from linear light with premultiplied alpha to display sRGB; values
-// outside 0 to 1 are clipped, and their pixels counted in `clipped_pixels`. By default the image is
-// as stored, since poses refer to the stored pixels. Throws DataError (missing, truncated, not an
-// image, more than 65,536 pixels per side or 2^28 in total, an EXR that is not one plain image) and
-// EnvironmentError (no memory, no space for temporary files).
+// Reads PNG, JPEG, TIFF and EXR files, recognised by their first bytes, as 8-bit RGB or RGBA. 16
+// bits are rounded. EXR is converted from linear light with premultiplied alpha to display sRGB;
+// values outside 0 to 1 are clipped, and their pixels counted in `clipped_pixels`. By default the
+// image is as stored, since poses refer to the stored pixels. Throws DataError (missing, truncated,
+// not an image, more than 65,536 pixels per side or 2^28 in total, an EXR that is not one plain
+// image) and EnvironmentError (no memory, no space for temporary files).
 Image ReadImage(const std::filesystem::path& path, ExifRotation rotation = ExifRotation::kIgnore,
                 uint64_t* clipped_pixels = nullptr);
 // The same from memory, from at most INT_MAX bytes; `name` is for messages.

@@ -7,7 +7,9 @@
 #include "image/exr_header.h"
 #include "image/image.h"
 #include "image/photo.h"
+#include "image/size_limits.h"
 #include "image/srgb.h"
+#include "image/tiff_file.h"
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -23,39 +25,14 @@
 namespace tetrec {
 namespace {
 
-constexpr uint64_t kMaxSide = uint64_t{1} << 16;
-constexpr uint64_t kMaxPixels = uint64_t{1} << 28;
 constexpr uint64_t kMaxFileBytes = std::numeric_limits<int>::max();  // OpenCV's limit
 
 uint32_t BigEndian16(const uint8_t* p) { return uint32_t(p[0]) << 8 | p[1]; }
 uint32_t BigEndian32(const uint8_t* p) { return BigEndian16(p) << 16 | BigEndian16(p + 2); }
 
-void CheckSize(uint64_t width, uint64_t height, const std::string& name) {
-  if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide ||
-      width * height > kMaxPixels) {
-    throw DataError(fmt::format(
-        "{}: image of {} x {} pixels; expected 1 to {} per side and at most {} in total", name,
-        width, height, kMaxSide, kMaxPixels));
-  }
-}
-
 [[noreturn]] void FailTruncated(const std::string& name, size_t bytes) {
   throw DataError(fmt::format(
       "{}: truncated image, ends after {} bytes; copy it again or remove it", name, bytes));
-}
-
-// Pixel bytes that one byte of a file can produce (deflate's limit is 1,032; JPEG has at least one
-// bit per 64 pixels). With this limit a short file costs little memory, whatever it claims.
-constexpr uint64_t kMaxPixelBytesPerByte = 1032;
-
-void CheckAgainstFile(uint64_t pixel_bytes, uint64_t file_bytes, const std::string& name) {
-  if (pixel_bytes / kMaxPixelBytesPerByte > file_bytes) {
-    throw DataError(
-        fmt::format("{}: a file of {} bytes cannot contain the {} bytes of pixels that it claims; "
-                    "copy it again "
-                    "or remove it",
-                    name, file_bytes, pixel_bytes));
-  }
 }
 
 constexpr uint8_t kPngSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
@@ -254,7 +231,7 @@ void WriteEncoded(const std::filesystem::path& path, const std::string& extensio
 bool HasPhotoExtension(const std::filesystem::path& path) {
   const std::string extension = LowerExtension(path);
   return extension == ".jpg" || extension == ".jpeg" || extension == ".jpe" ||
-         extension == ".jfif" || extension == ".png";
+         extension == ".jfif" || extension == ".png" || extension == ".tif" || extension == ".tiff";
 }
 
 Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name, ExifRotation rotation,
@@ -263,9 +240,10 @@ Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name, ExifR
   const bool is_png = StartsWith(bytes, kPngSignature), is_exr = StartsWith(bytes, kExrSignature);
   const bool is_jpeg = StartsWith(bytes, kJpegSignature);
   if (bytes.empty()) throw DataError(fmt::format("{}: empty file, expected an image", name));
+  if (IsTiff(bytes)) return DecodeTiff(bytes, name);
   if (!is_png && !is_jpeg && !is_exr) {
     throw DataError(
-        fmt::format("{}: not an image that can be read; expected PNG, JPEG or EXR", name));
+        fmt::format("{}: not an image that can be read; expected PNG, JPEG, TIFF or EXR", name));
   }
   const PngFacts png = is_png ? CheckPng(bytes, name) : PngFacts{};
   if (is_jpeg) CheckJpeg(bytes, name);
@@ -300,9 +278,11 @@ Image ReadImage(const std::filesystem::path& path, ExifRotation rotation,
 
 Image ReadPhoto(const std::filesystem::path& path) {
   const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
-  if (!bytes.empty() && !StartsWith(bytes, kPngSignature) && !StartsWith(bytes, kJpegSignature)) {
-    throw DataError(
-        fmt::format("{}: not a photo that can be read; expected JPEG or PNG", path.string()));
+  const bool is_photo =
+      StartsWith(bytes, kPngSignature) || StartsWith(bytes, kJpegSignature) || IsTiff(bytes);
+  if (!bytes.empty() && !is_photo) {
+    throw DataError(fmt::format(
+        "{}: not a photo that can be read; expected JPEG, PNG, TIFF or HEIC", path.string()));
   }
   return DecodeImage(bytes, path.string());
 }

@@ -7,7 +7,7 @@
 
 namespace tetrec {
 
-// ReadImage for JPEG and PNG only: an EXR is a DataError, too.
+// ReadImage for JPEG, PNG and TIFF only: an EXR is a DataError, too.
 Image ReadPhoto(const std::filesystem::path& path);
 
 }  // namespace tetrec

@@ -7,6 +7,7 @@
 #include "core/short_list.h"
 #include "geometry/undistorted_camera.h"
 #include "image/image.h"
+#include "image/scaled_copy.h"
 #include "image/undistort.h"
 
 #include <fmt/format.h>
@@ -32,14 +33,6 @@ Lens LensOfFieldOfView(const PosedPicture& picture, const Image& image) {
 }
 
 glm::ivec2 SizeOf(const Image& image) { return {image.width, image.height}; }
-
-// Data sets come with smaller copies of their images, with sides rounded up or down.
-bool IsScaledCopy(const glm::ivec2& copy, const glm::ivec2& original) {
-  const double shape = double(original.y) / original.x;
-  const bool both_sides_scaled =
-      (copy.x < original.x && copy.y < original.y) || (copy.x > original.x && copy.y > original.y);
-  return both_sides_scaled && std::abs(copy.y - shape * copy.x) <= std::max(1.0, shape);
-}
 
 // Reads the image that its camera took, or a scaled copy of it; notes what was done to it.
 Image ReadPicture(const PosedPicture& picture, StoredPicture& stored) {

@@ -1,4 +1,4 @@
-// The photos of a folder.
+// The photos of a folder, and what COLMAP reads instead of those that it cannot.
 #include "sfm/photos.h"
 
 #include "core/checked_json.h"
@@ -11,6 +11,8 @@
 #include "core/short_list.h"
 #include "image/image.h"
 #include "image/photo.h"
+#include "image/tiff_file.h"
+#include "sfm/heic.h"
 
 #include <fmt/format.h>
 
@@ -21,15 +23,26 @@ namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
-// Images of kinds that are not read, judged by the name; phones write HEIC.
+// Of the JPEG files that COLMAP reads instead of TIFF files. Pixels of the scene are not taken from
+// them.
+constexpr int kQualityForColmap = 98;
+constexpr uint64_t kMostBytesToConvert = uint64_t{1} << 31;
+
+bool IsPhotoName(const fs::path& path) {
+  const std::string extension = LowerExtension(path);
+  return HasPhotoExtension(path) || extension == ".heic" || extension == ".heif" ||
+         extension == ".hif";
+}
+
+// Images of kinds that are not read, judged by the name.
 bool IsOtherImage(const fs::path& path) {
-  static const std::set<std::string> kExtensions = {
-      ".heic", ".heif", ".avif", ".webp", ".tif", ".tiff", ".bmp", ".gif", ".jp2", ".jxl",
-      ".exr",  ".dng",  ".cr2",  ".cr3",  ".nef", ".arw",  ".raf", ".orf", ".rw2"};
+  static const std::set<std::string> kExtensions = {".avif", ".webp", ".bmp", ".gif", ".jp2",
+                                                    ".jxl",  ".exr",  ".dng", ".cr2", ".cr3",
+                                                    ".nef",  ".arw",  ".raf", ".orf", ".rw2"};
   return kExtensions.contains(LowerExtension(path));
 }
 
-std::vector<std::string> PhotoNames(const fs::path& folder) {
+std::vector<std::string> PhotoNames(const fs::path& folder, const fs::path& masks) {
   if (!fs::is_directory(folder)) {
     throw DataError(fmt::format("{}: is not a folder; give the folder that contains the photos",
                                 folder.string()));
@@ -41,10 +54,11 @@ std::vector<std::string> PhotoNames(const fs::path& folder) {
     std::error_code broken;  // a link that leads nowhere or to itself; reading names the reason
     const bool hidden = it->path().filename().string().starts_with('.');
     const bool is_folder = it->is_directory(broken);
-    if (hidden && is_folder) it.disable_recursion_pending();
+    const bool of_masks = is_folder && !masks.empty() && fs::equivalent(it->path(), masks, broken);
+    if ((hidden && is_folder) || of_masks) it.disable_recursion_pending();
     if (hidden || is_folder) continue;
     const std::string name = it->path().lexically_relative(folder).generic_string();
-    if (HasPhotoExtension(it->path())) {
+    if (IsPhotoName(it->path())) {
       StaysInside(name) ? names.push_back(name) : unusable.push_back(Printable(name));
     } else {
       (IsOtherImage(it->path()) ? other_images : others).push_back(name);
@@ -62,8 +76,9 @@ std::vector<std::string> PhotoNames(const fs::path& folder) {
             ShortList(others));
   }
   if (!other_images.empty()) {
-    LogWarning("{}: images that are neither JPEG nor PNG are left out: {}: {}; convert them",
-               folder.string(), other_images.size(), ShortList(other_images));
+    LogWarning(
+        "{}: images that are neither JPEG, PNG, TIFF nor HEIC are left out: {}: {}; convert them",
+        folder.string(), other_images.size(), ShortList(other_images));
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -76,21 +91,66 @@ void WarnOrRefuse(const fs::path& folder, const std::vector<std::string>& unread
   const bool too_many = double(unreadable.size()) > max_unreadable * double(files);
   if (too_many) {
     throw DataError(fmt::format(
-        "{}: {} of {} photos cannot be read, and max-unreadable is {}; copy them again as JPEG or "
-        "PNG, or remove them: {}",
+        "{}: {} of {} photos cannot be read, and max-unreadable is {}; copy them again, or remove "
+        "them: {}",
         folder.string(), unreadable.size(), files, max_unreadable, ShortList(reasons)));
   }
   LogWarning("{} of {} photos cannot be read and are left out: {}", unreadable.size(), files,
              ShortList(reasons));
 }
 
+// A name of its own for each photo of the folder and each content of it.
+fs::path ConvertedFile(const fs::path& converted, const std::string& name,
+                       std::span<const uint8_t> bytes) {
+  const std::string text = name + Sha256(bytes);
+  const std::string key = Sha256({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+  return converted / (key.substr(0, 24) + ".jpg");
+}
+
+void WriteTiffForColmap(const Image& image, const CameraNotes& notes, const fs::path& jpeg) {
+  Image rgb = image;
+  if (image.channels == 4) rgb = CompositeOver(image, 0, 0, 0);
+  WriteBytes(jpeg, WithExif(EncodeJpeg(rgb, kQualityForColmap), notes));
+}
+
+// Decodes the photo, and converts it if COLMAP cannot read it.
+Photo ReadAndConvert(const fs::path& folder, const std::string& name, const fs::path& converted) {
+  Photo photo;
+  photo.name = name;
+  photo.file = photo.for_colmap = folder / name;
+  const std::vector<uint8_t> front = ReadFront(photo.file, 16);
+  const bool is_heic = IsHeic(front), is_tiff = IsTiff(front);
+  std::vector<uint8_t> bytes;
+  if (is_heic || is_tiff) {
+    bytes = ReadBytes(photo.file, kMostBytesToConvert);
+    photo.for_colmap = ConvertedFile(converted, name, bytes);
+    fs::create_directories(converted);
+  }
+  if (is_heic) {
+    if (!fs::exists(photo.for_colmap)) {
+      ConvertHeic(photo.file, photo.for_colmap, photo.for_colmap.string() + ".part");
+    }
+    photo.file = photo.for_colmap;
+  }
+  const Image image = ReadPhoto(photo.file);
+  if (is_tiff && !fs::exists(photo.for_colmap)) {
+    WriteTiffForColmap(image, CameraNotesOfTiff(bytes, photo.file.string()), photo.for_colmap);
+  }
+  photo.width = image.width;
+  photo.height = image.height;
+  photo.sha256 = Sha256OfFile(photo.for_colmap);
+  return photo;
+}
+
 }  // namespace
 
-PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable) {
-  const std::vector<std::string> names = PhotoNames(folder);
+PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable, const fs::path& converted,
+                       const fs::path& masks) {
+  const std::vector<std::string> names = PhotoNames(folder, masks);
   if (names.empty()) {
     throw DataError(fmt::format(
-        "{}: contains no photos (.jpg, .jpeg or .png); convert other images to one of these",
+        "{}: contains no photos (.jpg, .jpeg, .png, .tif, .tiff, .heic or .heif); convert other "
+        "images to one of these",
         folder.string()));
   }
   if (names.size() == 1) {
@@ -102,8 +162,7 @@ PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable) {
   std::vector<std::string> errors(names.size());
   ParallelForEach(names.size(), "checking: photo", "nothing was done yet", [&](size_t i) {
     try {
-      const Image image = ReadPhoto(folder / names[i]);
-      photos[i] = {names[i], image.width, image.height, Sha256OfFile(folder / names[i])};
+      photos[i] = ReadAndConvert(folder, names[i], converted);
     } catch (const DataError& error) {
       errors[i] = error.what();
     }

@@ -8,9 +8,13 @@
 namespace tetrec {
 
 struct Photo {
-  std::string name;  // relative to the folder, generic form
+  std::string name;                  // relative to the folder, generic form
+  std::filesystem::path file;        // its pixels: itself, or a JPEG file made of it
+  std::filesystem::path for_colmap;  // the same, as JPEG or PNG
   int width = 0, height = 0;
-  std::string sha256;
+  std::string sha256;          // of what COLMAP reads
+  std::filesystem::path mask;  // empty: all of it is used
+  std::string mask_sha256;
 };
 
 struct PhotoFolder {
@@ -18,10 +22,14 @@ struct PhotoFolder {
   std::vector<std::string> unreadable;  // names of those that were left out
 };
 
-// JPEG and PNG files in the folder and below; hidden files are ignored. Each is decoded once, and
-// one warning names all that cannot be read. Throws DataError if these are more than
-// `max_unreadable` of all files, for fewer than 2 files, and for names that cannot be stored
-// (StaysInside).
-PhotoFolder FindPhotos(const std::filesystem::path& folder, double max_unreadable);
+// JPEG, PNG, TIFF and HEIC files in the folder and below, by their extensions and then by what they
+// contain; hidden files are ignored. Each is decoded once, and one warning names all that cannot be
+// read. TIFF and HEIC become JPEG files in the folder `converted`, where those of an earlier call
+// are used again. Throws DataError if the unreadable are more than `max_unreadable` of all files,
+// for fewer than 2 files, and for names that cannot be stored (StaysInside). `masks` may be a
+// folder inside, whose images are no photos, or empty.
+PhotoFolder FindPhotos(const std::filesystem::path& folder, double max_unreadable,
+                       const std::filesystem::path& converted,
+                       const std::filesystem::path& masks = {});
 
 }  // namespace tetrec

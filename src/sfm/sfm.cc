@@ -16,6 +16,7 @@
 #include "scene/image_files.h"
 #include "scene/split.h"
 #include "scene/subject_bounds.h"
+#include "sfm/masks.h"
 #include "sfm/model_quality.h"
 #include "sfm/photos.h"
 #include "sfm/retry.h"
@@ -44,6 +45,7 @@ constexpr const char* kLensAdvice = "try camera model SIMPLE_RADIAL or PINHOLE";
 // may contain spaces, which COLMAP's lists cannot.
 struct LinkedPhotos {
   fs::path folder;
+  fs::path masks;                  // NAME.png for each name; empty if there are none
   std::vector<std::string> names;  // in the order of the photos
   std::map<std::string, size_t> photo_of_name;
   size_t cameras = 0;
@@ -57,9 +59,9 @@ std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
   return size;
 }
 
-LinkedPhotos LinkPhotos(const fs::path& photos_folder, const std::vector<Photo>& photos,
-                        CameraSharing sharing, const fs::path& folder) {
-  LinkedPhotos linked{folder, {}, {}, 0};
+LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
+                        const fs::path& folder) {
+  LinkedPhotos linked{folder, {}, {}, {}, 0};
   fs::remove_all(folder);
   std::map<std::string, size_t> groups;
   for (const Photo& photo : photos) groups.emplace(CameraGroup(photo, sharing), groups.size());
@@ -74,15 +76,29 @@ LinkedPhotos LinkPhotos(const fs::path& photos_folder, const std::vector<Photo>&
     const std::string group = sharing == CameraSharing::kPerImage
                                   ? "0"
                                   : std::to_string(groups.at(CameraGroup(photos[i], sharing)));
-    std::string extension = fs::path(photos[i].name).extension().string();
+    const std::string extension = photos[i].for_colmap.extension().string();
     const std::string name = fmt::format("{}/{:0{}}{}", group, i, digits, extension);
     fs::create_directories(folder / group);
-    fs::create_symlink(fs::absolute(photos_folder / photos[i].name), folder / name);
+    fs::create_symlink(fs::absolute(photos[i].for_colmap), folder / name);
     linked.names.push_back(name);
     linked.photo_of_name[name] = i;
   }
   linked.cameras = groups.size();
   return linked;
+}
+
+// Writes the masks under the names of the photos' links.
+void WriteColmapMasks(const std::vector<Photo>& photos, const fs::path& folder,
+                      LinkedPhotos& linked) {
+  if (photos.front().mask.empty()) return;
+  fs::remove_all(folder);
+  for (const std::string& name : linked.names) {
+    fs::create_directories((folder / name).parent_path());
+  }
+  ParallelForEach(photos.size(), "", "nothing was done yet", [&](size_t i) {
+    WriteColmapMask(folder / (linked.names[i] + ".png"), photos[i]);
+  });
+  linked.masks = folder;
 }
 
 std::string CameraModelFor(const SfmOptions& options, size_t photos, size_t cameras) {
@@ -100,6 +116,9 @@ std::string FeaturesKey(const std::vector<Photo>& photos, const LinkedPhotos& li
                         {"format", 2}};  // 1: COLMAP's own number of features
   for (size_t i = 0; i < photos.size(); ++i)
     key["photos"].push_back({linked.names[i], photos[i].sha256});
+  if (!linked.masks.empty()) {
+    for (const Photo& photo : photos) key["masks"].push_back(photo.mask_sha256);
+  }
   return WorkKey(key);
 }
 
@@ -267,17 +286,16 @@ void Retry(const SfmWork& work, const fs::path& database, const std::string& mod
 }
 
 // Features, matches and model, from the cache as far as it has them.
-ColmapModel RunColmap(const SfmOptions& options, const fs::path& folder,
-                      const std::vector<Photo>& photos, Stage& stage) {
+ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage) {
   const ColmapProgram colmap = FindColmap(stage.folder() / "log.txt");
   LogInfo("COLMAP {}: {} photos", colmap.version, photos.size());
   stage.Note("colmap", colmap.version);
   const fs::path scratch = stage.Scratch("work");
-  const LinkedPhotos linked =
-      LinkPhotos(folder, photos, options.camera_sharing, scratch / "photos");
+  LinkedPhotos linked = LinkPhotos(photos, options.camera_sharing, scratch / "photos");
+  WriteColmapMasks(photos, scratch / "masks", linked);
   const ExtractOptions extract{CameraModelFor(options, photos.size(), linked.cameras),
                                options.camera_sharing == CameraSharing::kPerImage,
-                               options.max_features};
+                               options.max_features, linked.masks};
   const fs::path cache =
       stage.Cache("colmap") / FeaturesKey(photos, linked, extract, colmap.version);
   fs::create_directories(cache);
@@ -368,8 +386,10 @@ Image WithoutAlpha(const Image& rgba) {
   return rgb;
 }
 
-void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& photos,
-                const fs::path& folder) {
+void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& photos_folder,
+                const std::vector<Photo>& photos, const fs::path& folder) {
+  std::map<std::string, const Photo*> photo_of;
+  for (const Photo& photo : photos) photo_of[photo.name] = &photo;
   std::map<std::string, const Lens*> camera_of;
   for (const auto& [id, image] : model.images)
     camera_of[image.name] = &model.cameras.at(image.camera);
@@ -377,16 +397,18 @@ void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& ph
   std::atomic<size_t> with_alpha = 0;
   const auto write = [&](size_t i) {
     const View& view = scene.views[i];
-    Image photo = ReadPhoto(photos / view.name);
-    if (photo.channels == 4) {
-      photo = WithoutAlpha(photo);
+    const Photo& photo = *photo_of.at(view.name);
+    Image image = ReadPhoto(photo.file);
+    if (image.channels == 4) {
+      image = WithoutAlpha(image);
       ++with_alpha;
     }
+    if (scene.has_masks) image = MaskedPhoto(image, photo);
     const Lens& lens = *camera_of.at(view.name);
     NamingLens(
-        photos / view.name, lens,
-        [&] { photo = Undistort(photo, lens, scene.cameras[size_t(view.camera)]); }, kLensAdvice);
-    WriteImage(folder / view.image, photo);
+        photos_folder / view.name, lens,
+        [&] { image = Undistort(image, lens, scene.cameras[size_t(view.camera)]); }, kLensAdvice);
+    WriteImage(folder / view.image, image);
   };
   ParallelForEach(scene.views.size(), "undistorting: photo", "COLMAP's results are kept", write);
   if (with_alpha > 0) {
@@ -467,17 +489,21 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
   options.Check();
   Timer timer;
   const fs::path folder = PhotosFolder(options, stage);
-  const auto [photos, unreadable] = FindPhotos(folder, options.max_unreadable);
+  const fs::path masks = stage.HasInput("masks") ? stage.Input("masks") : fs::path();
+  auto [photos, unreadable] =
+      FindPhotos(folder, options.max_unreadable, stage.Cache("photos"), masks);
   stage.Count("unreadable", unreadable.size());
   stage.Note("unreadable", unreadable);
+  if (!masks.empty()) stage.Note("hidden_by_masks", AddMasks(masks, photos));
   stage.Seconds("check", timer.seconds());
-  const ColmapModel model = RunColmap(options, folder, photos, stage);
+  const ColmapModel model = RunColmap(options, photos, stage);
   std::vector<std::string> names;
   for (const Photo& photo : photos) names.push_back(photo.name);
   const ModelQuality quality = JudgeModel(model, names);
 
   timer = {};
   Scene scene = SceneFromModel(model, folder, options);
+  scene.has_masks = !photos.front().mask.empty();
   if (options.train_every > 1) {
     const size_t dropped = ThinTrainingViews(model, options.train_every, scene);
     LogInfo("{} views are neither trained on nor held out and left out; {} points are left",
@@ -487,7 +513,7 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
   const Subject subject = FindSubject(scene);
   MoveToBounds(options, subject, scene, stage);
   stage.Output("images");
-  WriteViews(scene, model, folder, stage.folder());
+  WriteViews(scene, model, folder, photos, stage.folder());
   WriteScene(stage.folder(), scene);
   stage.Output("scene.json");
   stage.Output("points.ply");

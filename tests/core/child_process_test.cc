@@ -69,6 +69,17 @@ TEST(ChildProcess, TheTimeLimitEndsAHangingProgram) {
 }
 
 // A grandchild in the background keeps the pipe open; only the child's end counts.
+TEST(ChildProcess, MemoryIsLimited) {
+  const auto exit_code = [](uint64_t limit) {
+    ChildOptions options;
+    options.max_memory_bytes = limit;
+    return RunChild(FindProgram("dd"), {"if=/dev/zero", "of=/dev/null", "bs=300M", "count=1"}, options)
+        .exit_code;
+  };
+  EXPECT_EQ(exit_code(0), 0);
+  EXPECT_NE(exit_code(uint64_t{200} << 20), 0);
+}
+
 TEST(ChildProcess, AGrandchildDoesNotDelayTheResult) {
   const Timer timer;
   EXPECT_EQ(Shell("sleep 30 & exit 5").exit_code, 5);

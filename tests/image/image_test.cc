@@ -496,8 +496,8 @@ TEST(ImageFiles, OtherThingsAreRefusedWithTheirName) {
   ExpectError<DataError>([&] { ReadImage(folder.Write("t.png", "not an image at all")); },
                          {"t.png", "not an image"});
   const cv::Mat some(4, 4, CV_8UC3, cv::Scalar(5, 5, 5));
-  ExpectError<DataError>([&] { DecodeImage(Encode(".tiff", some), "a.tiff"); },
-                         {"a.tiff", "expected PNG, JPEG or EXR"});
+  ExpectError<DataError>([&] { DecodeImage(Encode(".bmp", some), "a.bmp"); },
+                         {"a.bmp", "expected PNG, JPEG, TIFF or EXR"});
   std::vector<uint8_t> damaged = Encode(".png", some);
   damaged[45] ^= 0xFF;  // inside the pixels' chunk
   ExpectError<DataError>([&] { DecodeImage(damaged, "d.png"); }, {"d.png: damaged image"});

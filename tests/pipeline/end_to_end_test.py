@@ -6,8 +6,11 @@ import os
 import pathlib
 import shutil
 import re
+import sqlite3
 import struct
+import subprocess
 import unittest
+import zlib
 
 from stage_case import StageCase
 from tiny_dataset import (DISTANCE, FOV_RAD, RADIUS, SIZE, write_tiny_dataset,
@@ -19,6 +22,25 @@ DEMO_PHOTOS = ROOT / "datasets_spec" / "demo" / "photos"
 DATASETS = pathlib.Path(os.environ.get("TETREC_DATASETS", ROOT / ".." / "shared" / "datasets"))
 # Width of a pixel at the centre of the ball.
 PIXEL = 2 * DISTANCE * math.tan(FOV_RAD / 2) / SIZE
+
+
+def write_grey_png(path, rows):
+    """Writes rows of bytes as an image."""
+    def chunk(kind, content):
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 0, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header)
+                     + chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) + chunk(b"IEND", b""))
+
+
+def read_points(path):
+    """Positions of the sparse points, which come first in each vertex of points.ply."""
+    header, body = path.read_bytes().split(b"end_header\n", 1)
+    sizes = {"double": 8, "float": 4, "uchar": 1, "uint": 4}
+    words = [line.split() for line in header.decode().splitlines()]
+    stride = sum(sizes[line[1]] for line in words if line[0] == "property")
+    count = next(int(line[2]) for line in words if line[:2] == ["element", "vertex"])
+    return [struct.unpack_from("<3d", body, stride * i) for i in range(count)]
 
 
 def read_ply(path):
@@ -216,13 +238,25 @@ class EndToEndTest(StageCase):
         # Four views; for each pixel a ray for the image and one for the depth.
         self.assertEqual(self.manifest(run / "4_views")["counts"]["rays"], 4 * 2 * SIZE * SIZE)
 
-    def test_ten_photos_become_a_scene_and_a_mesh(self):
-        photos = self.folder / "photos"
+    def test_ten_photos_with_masks_become_a_scene_and_a_mesh(self):
+        photos, masks = self.folder / "photos", self.folder / "masks"
         photos.mkdir()
+        masks.mkdir()
+        # White in an ellipse around the middle.
+        rows = [bytes(255 * (((x - 320) / 200) ** 2 + ((y - 240) / 170) ** 2 < 1) for x in range(640))
+                for y in range(480)]
         for path in sorted(DEMO_PHOTOS.glob("*.jpg"))[:10]:
             shutil.copy(path, photos)
+            write_grey_png(masks / f"{path.stem}.png", rows)
+        if shutil.which("heif-enc"):
+            subprocess.run(["heif-enc", "-q", "95", photos / "0003.jpg", "-o", photos / "0003.heic"], check=True,
+                           capture_output=True)
+            (photos / "0003.jpg").unlink()
         scene = self.folder / "run" / "1_scene"
-        self.assert_done(self.run_stage("sfm", photos, "-o", scene, "--max-size", 160, "--max-features", 1500))
+        self.assert_done(self.run_stage("sfm", photos, "-o", scene, "--max-size", 160, "--max-features", 1500,
+                                        "--masks", masks))
+        self.assertTrue(json.loads((scene / "scene.json").read_text())["has_masks"])
+        self.assert_points_are_in_masks(scene, rows)
         content = json.loads((scene / "scene.json").read_text())
         # Ten neighbouring views in steps of 9 degrees: all are registered, every 8th is held out.
         self.assertEqual(len(content["views"]), 10)
@@ -233,6 +267,30 @@ class EndToEndTest(StageCase):
         tetrahedra = self.folder / "run" / "2_tetrahedra"
         self.assert_done(self.run_stage("tetrahedralize", scene, "-o", tetrahedra))
         self.assertGreater(self.manifest(tetrahedra)["counts"]["tets"], 1000)
+
+    def assert_points_are_in_masks(self, scene, rows):
+        """No feature is where the mask is black, and so nothing that a sparse point is made of; each point is
+        seen where at least two masks are white."""
+        (database,) = scene.glob("colmap/*/features.db")
+        features = 0
+        for count, columns, data in sqlite3.connect(database).execute("SELECT rows, cols, data FROM keypoints"):
+            values = struct.unpack(f"<{count * columns}f", data)
+            features += count
+            for x, y in zip(values[::columns], values[1::columns]):
+                self.assertEqual(rows[int(y)][int(x)], 255, (x, y))
+        self.assertGreater(features, 5000)
+        content = json.loads((scene / "scene.json").read_text())
+        for point in read_points(scene / "points.ply"):
+            seen = 0
+            for view in content["views"]:
+                camera, pose = content["cameras"][view["camera"]], view["cam_from_world"]
+                x, y, z = (sum(r * p for r, p in zip(row, point)) + t
+                           for row, t in zip(pose["rotation"], pose["translation"]))
+                u, v = camera["fx"] * x / z + camera["cx"], camera["fy"] * y / z + camera["cy"]
+                # The ellipse, 2 % larger for the lens, which is not quite a pinhole.
+                dx, dy = u / camera["width"] - 0.5, v / camera["height"] - 0.5
+                seen += z > 0 and (dx * 640 / 200) ** 2 + (dy * 480 / 170) ** 2 < 1.02 ** 2
+            self.assertGreaterEqual(seen, 2, point)
 
     def test_a_name_with_spaces_and_quotes_is_a_name(self):
         dataset = self.folder / "a 'ball' $(touch oops); \"x\""

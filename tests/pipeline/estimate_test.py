@@ -24,7 +24,7 @@ class EstimateTest(StageCase):
         photos = self.folder / "a $x 'b'" / "sub"
         photos.mkdir(parents=True)
         for i in range(60):
-            (photos / f"{i}.{('jpg', 'PNG', 'JPEG')[i % 3]}").touch()
+            (photos / f"{i}.{('jpg', 'PNG', 'JPEG', 'HEIC', 'tif', 'TIFF')[i % 6]}").touch()
         (photos / "notes.txt").touch()
         # 600 + 60 x 2 + 30 s; 660 + 60 x 5 + 60 s.
         self.assertIn("about 12 to 17 minutes, of which 10.0 are optimisation", self.estimate(photos.parent))

@@ -11,6 +11,7 @@ import pathlib
 import re
 import resource
 import shutil
+import struct
 import subprocess
 import unittest
 
@@ -362,6 +363,67 @@ class HostileTest(StageCase):
             may_be_missing = name in ("import transforms_test.json /nowhere", f"import transforms_test.json {'x' * 20}")
             return "is taken" if result.returncode == 0 and not may_be_missing else None
         self.run_cases(cases(), is_refused, least=110)
+
+    def test_damaged_photos_of_every_format(self):
+        if not shutil.which("heif-enc"):
+            self.skipTest("heif-enc is not installed (scripts/setup.sh)")
+        ball = self.dataset()
+        # Without COLMAP, what can be read ends there.
+        programs = self.folder / "programs"
+        programs.mkdir()
+        (programs / "heif-convert").symlink_to(shutil.which("heif-convert"))
+        heic = self.folder / "whole.heic"
+        subprocess.run(["heif-enc", ball / "train" / "r_0.png", "-o", heic], check=True, capture_output=True)
+        heic, png = heic.read_bytes(), (ball / "train" / "r_0.png").read_bytes()
+
+        def entries(*given, width=8, offset=8):
+            """A TIFF file of grey pixels with these entries of its directory in place of others."""
+            tags = {256: (4, 1, width), 257: (4, 1, 8), 258: (3, 1, 8), 259: (3, 1, 1), 262: (3, 1, 1),
+                    273: (4, 1, offset), 277: (3, 1, 1), 278: (4, 1, 8), 279: (4, 1, 64)} | dict(given)
+            return (b"II*\0" + struct.pack("<I", 72) + bytes(range(64)) + struct.pack("<H", len(tags))
+                    + b"".join(struct.pack("<HHII", tag, *value) for tag, value in sorted(tags.items())))
+
+        def tiff(*given, following=0, **fields):
+            return entries(*given, **fields) + struct.pack("<I", following)
+
+        refused = {
+            **{f"HEIC cut at {share}": heic[:int(share * len(heic))] for share in (0.01, 0.1, 0.5, 0.9)},
+            "HEIC of nothing": heic[:12], "HEIC and zeros": heic[:40] + bytes(1000),
+            "HEIC of text": b"\0\0\0\x18ftypheic" + b"x" * 500,
+            "TIFF cut": tiff()[:40], "TIFF without pixels": tiff(offset=10 ** 6), "TIFF of nothing": b"II*\0",
+            "TIFF of a huge image": tiff(width=2 ** 31), "TIFF of no width": tiff(width=0),
+            "TIFF bomb": tiff((257, (4, 1, 16000)), width=16000),
+            "TIFF of floats": tiff((258, (3, 1, 32)), (339, (3, 1, 3))), "TIFF with sign": tiff((339, (3, 1, 2))),
+            "TIFF of 9 channels": tiff((277, (3, 1, 9))), "TIFF of no compression known": tiff((259, (3, 1, 999))),
+            "TIFF of huge tiles": tiff((322, (4, 1, 2 ** 30)), (323, (4, 1, 2 ** 30)), (324, (4, 1, 8)),
+                                       (325, (4, 1, 64))),
+            "large TIFF": b"II+\0" + b"\xff" * 100, "text": b"text", "EXR": b"\x76\x2f\x31\x01" + bytes(100),
+        }
+        read = {"TIFF": tiff(), "TIFF that ends in itself": tiff(following=72), "PNG": png, "HEIC": heic,
+                "TIFF turned": tiff((274, (3, 1, 6))), "TIFF with EXIF of itself": tiff((34665, (4, 1, 72)))}
+        flipped = {}
+        for name, content in (("HEIC", heic), ("TIFF", tiff())):
+            for place in range(4, min(len(content), 500), 9):
+                changed = bytearray(content)
+                changed[place] ^= 0xFF
+                flipped[f"{name} changed at {place}"] = bytes(changed)
+
+        def cases():
+            for name, content in (refused | read | flipped).items():
+                for extension in ("heic", "tif", "jpg") if name in refused or name in read else ("heic",):
+                    photos = self.folder / "odd photos" / f"{name} {extension}"
+                    photos.mkdir(parents=True)
+                    for i in range(2):
+                        shutil.copy(ball / "train" / f"r_{i}.png", photos)
+                    (photos / f"x.{extension}").write_bytes(content)
+                    yield name, "sfm", [photos, "-o", self.fresh(), "--max-unreadable", "0"], {
+                        "env": {**os.environ, "PATH": str(programs)}}
+
+        def ends_rightly(name, result):
+            if name in flipped:
+                return None
+            return None if result.returncode == (3 if name in refused else 4) else "is taken for something else"
+        self.run_cases(cases(), ends_rightly, least=100)
 
     def test_names_that_are_no_text(self):
         ball = self.dataset()

@@ -46,6 +46,9 @@ def extract(options):
             print(f"Processed file [{i + 1}/{len(names)}]")
             if not os.path.exists(os.path.join(options["image_path"], name)):
                 sys.exit("no such image: " + name)
+            masks = options.get("ImageReader.mask_path")
+            if masks and not os.path.exists(os.path.join(masks, name + ".png")):
+                sys.exit("no such mask: " + name)
             database.execute("INSERT OR IGNORE INTO cameras VALUES (1, 1, ?, ?, NULL, 0)", (WIDTH, HEIGHT))
             cursor = database.execute("INSERT INTO images (name, camera_id) VALUES (?, 1)", (name,))
             database.execute("INSERT INTO keypoints VALUES (?, 0, 6, X'')", (cursor.lastrowid,))

@@ -1,18 +1,22 @@
 // The photos of a folder: which are found, and which cannot be used.
 #include "sfm/photos.h"
 
+#include "core/child_process.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "expect_error.h"
 #include "image/depth_map.h"
+#include "image/photo.h"
 #include "scratch_folder.h"
 #include "sfm/write_photo.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 
+#include <algorithm>
 #include <span>
 
 namespace tetrec {
@@ -22,6 +26,9 @@ namespace fs = std::filesystem;
 
 class PhotosTest : public ::testing::Test {
  protected:
+  PhotoFolder Find(double max_unreadable) {
+    return FindPhotos(photos_, max_unreadable, folder_ / "converted");
+  }
   void WritePhotos(int count) { WriteNumberedPhotos(photos_, count); }
 
   ScratchFolder folder_;
@@ -29,24 +36,24 @@ class PhotosTest : public ::testing::Test {
 };
 
 TEST_F(PhotosTest, FoldersWithoutPhotosOrWithOneAreRefused) {
-  ExpectError<DataError>([&] { FindPhotos(photos_, 0.25); }, {"is not a folder"});
+  ExpectError<DataError>([&] { Find(0.25); }, {"is not a folder"});
   fs::create_directories(photos_);
   folder_.Write("photos/readme.txt", "no photo");
   folder_.Write("photos/.hidden.jpg", "no photo");
-  ExpectError<DataError>([&] { FindPhotos(photos_, 0.25); }, {"contains no photos"});
+  ExpectError<DataError>([&] { Find(0.25); }, {"contains no photos"});
   WritePhotos(1);
-  ExpectError<DataError>([&] { FindPhotos(photos_, 0.25); }, {"only one photo", "photo 00.png"});
+  ExpectError<DataError>([&] { Find(0.25); }, {"only one photo", "photo 00.png"});
 }
 
 TEST_F(PhotosTest, ImagesOfOtherKindsAreNamed) {
   WritePhotos(1);
-  folder_.Write("photos/b.HEIC", "of a phone");
+  folder_.Write("photos/b.WebP", "of a phone");
   folder_.Write("photos/notes.txt", "no photo");
   TakeWarnings();
-  ExpectError<DataError>([&] { FindPhotos(photos_, 0.25); }, {"only one photo"});
+  ExpectError<DataError>([&] { Find(0.25); }, {"only one photo"});
   EXPECT_THAT(TakeWarnings(),
               ::testing::ElementsAre(::testing::AllOf(
-                  ::testing::HasSubstr("neither JPEG nor PNG are left out: 1: b.HEIC; convert"),
+                  ::testing::HasSubstr("HEIC are left out: 1: b.WebP; convert"),
                   ::testing::Not(::testing::HasSubstr("notes")))));
 }
 
@@ -57,14 +64,14 @@ TEST_F(PhotosTest, NamesThatCannotBeStoredAreRefusedBeforeAnythingIsRead) {
       "e.jpg",
       "not read");
   folder_.Write("photos/a\nb.png", "not read");
-  ExpectError<DataError>([&] { FindPhotos(photos_, 0.25); }, {": 2: ", "rename them"});
+  ExpectError<DataError>([&] { Find(0.25); }, {": 2: ", "rename them"});
 }
 
 TEST_F(PhotosTest, LinksThatLeadNowhereOrToThemselvesAreNamed) {
   WritePhotos(3);
   fs::create_symlink("nowhere", fs::path(photos_) / "lost.jpg");
   fs::create_symlink("loop.jpg", fs::path(photos_) / "loop.jpg");
-  ExpectError<DataError>([&] { FindPhotos(photos_, 0.25); }, {"2 of 5", "lost.jpg", "loop.jpg"});
+  ExpectError<DataError>([&] { Find(0.25); }, {"2 of 5", "lost.jpg", "loop.jpg"});
 }
 
 TEST_F(PhotosTest, AllPhotosThatCannotBeReadAreNamedAtOnce) {
@@ -73,15 +80,14 @@ TEST_F(PhotosTest, AllPhotosThatCannotBeReadAreNamedAtOnce) {
   folder_.Write("photos/empty.png", "");
   const std::vector<uint8_t> whole = ReadBytes(fs::path(photos_) / "photo 00.png");
   folder_.Write("photos/cut.png", std::span(whole).first(whole.size() / 2));
-  ExpectError<DataError>([&] { FindPhotos(photos_, 0.25); },
-                         {"3 of 6", "letter.jpg", "empty.png", "cut.png"});
+  ExpectError<DataError>([&] { Find(0.25); }, {"3 of 6", "letter.jpg", "empty.png", "cut.png"});
 }
 
 TEST_F(PhotosTest, FewUnreadablePhotosAreLeftOutWithOneWarning) {
   WritePhotos(3);
   folder_.Write("photos/letter.jpg", "this is a text");
   TakeWarnings();
-  const PhotoFolder found = FindPhotos(photos_, 0.25);
+  const PhotoFolder found = Find(0.25);
   ASSERT_EQ(found.photos.size(), 3u);
   EXPECT_EQ(found.photos[0].name, "photo 00.png");
   EXPECT_GT(found.photos[2].width, 0);
@@ -89,9 +95,9 @@ TEST_F(PhotosTest, FewUnreadablePhotosAreLeftOutWithOneWarning) {
   EXPECT_THAT(TakeWarnings(),
               ::testing::ElementsAre(::testing::AllOf(
                   ::testing::HasSubstr("1 of 4 photos cannot be read and are left out"),
-                  ::testing::HasSubstr("letter.jpg: not a photo that can be read; expected JPEG "
-                                       "or PNG"))));
-  ExpectError<DataError>([&] { FindPhotos(photos_, 0.24); }, {"1 of 4", "max-unreadable is 0.24"});
+                  ::testing::HasSubstr("letter.jpg: not a photo that can be read; expected JPEG, "
+                                       "PNG, TIFF or HEIC"))));
+  ExpectError<DataError>([&] { Find(0.24); }, {"1 of 4", "max-unreadable is 0.24"});
 }
 
 TEST_F(PhotosTest, TheRemedyOffersOnlyWhatTheStageReads) {
@@ -99,19 +105,82 @@ TEST_F(PhotosTest, TheRemedyOffersOnlyWhatTheStageReads) {
   WriteDepthMap(fs::path(photos_) / "depth.exr", MakeDepthMap(8, 8));
   fs::rename(fs::path(photos_) / "depth.exr", fs::path(photos_) / "depth.jpg");
   try {
-    FindPhotos(photos_, 0);
+    Find(0);
     FAIL() << "an EXR is taken";
   } catch (const DataError& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("expected JPEG or PNG"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("expected JPEG, PNG, TIFF or HEIC"));
     EXPECT_THAT(error.what(), ::testing::Not(::testing::HasSubstr("EXR")));
   }
+}
+
+TEST_F(PhotosTest, HeicBecomesJpegWhateverItsNameIs) {
+  const fs::path encoder = FindProgram("heif-enc");
+  if (encoder.empty()) GTEST_SKIP() << "heif-enc is not installed (scripts/setup.sh)";
+  WritePhotos(2);
+  WritePhoto(folder_ / "a.jpg", 90, 80);
+  const auto encode = [&](const std::string& from, const std::string& to) {
+    return RunChild(encoder, {folder_ / from, "-o", folder_ / to}, {}).exit_code;
+  };
+  ASSERT_EQ(encode("a.jpg", "photos/a.heic"), 0);
+  // Its property of pixels becomes a turn by 90 degrees.
+  std::vector<uint8_t> turned = ReadBytes(folder_ / "photos/a.heic");
+  const std::string property = "pixi", turn = "irot";
+  const auto place = std::search(turned.begin(), turned.end(), property.begin(), property.end());
+  ASSERT_NE(place, turned.end());
+  std::copy(turn.begin(), turn.end(), place);
+  place[4] = 1;
+  folder_.Write("photos/b.jpg", turned);
+  WritePhoto(fs::path(photos_) / "c.jpg", 70, 72);
+  fs::rename(fs::path(photos_) / "c.jpg", fs::path(photos_) / "c.HEIC");  // a JPEG file
+  const std::vector<Photo> photos = Find(0).photos;
+  ASSERT_EQ(photos.size(), 5u);
+  EXPECT_EQ(photos[0].name, "a.heic");
+  EXPECT_EQ(photos[0].width, 80);
+  EXPECT_EQ(photos[0].for_colmap.extension(), ".jpg");
+  EXPECT_EQ(photos[0].file, photos[0].for_colmap);
+  EXPECT_NEAR(ReadImage(photos[0].file).At(5, 5)[1], 90, 2);
+  EXPECT_EQ(photos[1].name, "b.jpg");
+  EXPECT_EQ(photos[1].width, 48);
+  EXPECT_EQ(photos[1].height, 80);
+  EXPECT_EQ(photos[2].width, 72);
+  EXPECT_EQ(photos[2].file, fs::path(photos_) / "c.HEIC");
+  // What is converted stays.
+  const auto time = fs::last_write_time(photos[0].file);
+  EXPECT_EQ(Find(0).photos[0].sha256, photos[0].sha256);
+  EXPECT_EQ(fs::last_write_time(photos[0].file), time);
+}
+
+TEST_F(PhotosTest, ADamagedHeicIsLeftOutLikeOtherDamagedPhotos) {
+  if (FindProgram("heif-convert").empty())
+    GTEST_SKIP() << "heif-convert is not installed (scripts/setup.sh)";
+  WritePhotos(3);
+  folder_.Write("photos/a.heic", std::string("\0\0\0\x18", 4) + "ftypheic" + std::string(400, 'x'));
+  TakeWarnings();
+  EXPECT_EQ(Find(0.25).photos.size(), 3u);
+  EXPECT_THAT(TakeWarnings(), ::testing::ElementsAre(::testing::HasSubstr(
+                                  "a.heic: cannot be read as HEIC (Could not read HEIF")));
+}
+
+TEST_F(PhotosTest, ColmapGetsAJpegInsteadOfATiff) {
+  WritePhotos(2);
+  cv::Mat pixels(48, 64, CV_16UC3, cv::Scalar(2570, 5140, 7710));
+  ASSERT_TRUE(cv::imwrite((fs::path(photos_) / "a.tif").string(), pixels));
+  const std::vector<Photo> photos = Find(0).photos;
+  EXPECT_EQ(photos[0].file, fs::path(photos_) / "a.tif");
+  EXPECT_EQ(ReadPhoto(photos[0].file).At(3, 3)[0], 30);
+  EXPECT_EQ(photos[0].for_colmap.extension(), ".jpg");
+  const Image for_colmap = ReadImage(photos[0].for_colmap);
+  EXPECT_EQ(for_colmap.width, 64);
+  EXPECT_NEAR(for_colmap.At(3, 3)[0], 30, 2);
+  EXPECT_EQ(photos[0].sha256, Sha256OfFile(photos[0].for_colmap));
+  EXPECT_EQ(photos[1].for_colmap, fs::path(photos_) / "photo 00.png");
 }
 
 TEST_F(PhotosTest, PhotosAreFoundInFoldersAndSortedByName) {
   WritePhoto(fs::path(photos_) / "b/2.png", 10);
   WritePhoto(fs::path(photos_) / "b/1.PNG", 20);
   WritePhoto(fs::path(photos_) / "a.jpg", 30, 32);
-  const std::vector<Photo> photos = FindPhotos(photos_, 0).photos;
+  const std::vector<Photo> photos = Find(0).photos;
   ASSERT_EQ(photos.size(), 3u);
   EXPECT_EQ(photos[0].name, "a.jpg");
   EXPECT_EQ(photos[0].width, 32);

@@ -64,6 +64,7 @@ class SfmTest : public ::testing::Test {
                                     : (folder_ / "bin").string() + ":" + std::getenv("PATH"));
     StageCommand command("sfm", 1, "Test.");
     command.InputPath("PHOTOS", "Photos");
+    command.InputPath("--masks", "Masks", false);
     SfmOptions copy = options;
     command.app().add_option("--max-size", copy.max_size, "");
     command.app().add_option("--holdout", copy.holdout, "");
@@ -214,6 +215,42 @@ TEST_F(SfmTest, AnUnreadablePhotoIsLeftOutAndRecorded) {
   EXPECT_EQ(manifest["counts"]["unreadable"], 1);
   EXPECT_EQ(manifest["notes"]["unreadable"][0], "letter.jpg");
   EXPECT_EQ(manifest["warnings"].size(), 1u);
+}
+
+TEST_F(SfmTest, MasksReachColmapAndTheScene) {
+  WritePhotos(12);
+  // In a folder inside that of the photos, which takes no part as photos.
+  const fs::path masks = fs::path(photos_) / "masks";
+  for (int i = 0; i < 12; ++i) {
+    Image mask = MakeImage(64, 48, 3);
+    for (int x = 32; x < 64; ++x) {
+      for (int y = 0; y < 48; ++y) std::fill_n(mask.At(x, y), 3, 255);
+    }
+    fs::create_directories(masks);
+    WriteImage(masks / fmt::format("photo {:02}.png.png", i), i == 5 ? MakeImage(64, 48, 3) : mask);
+  }
+  const Outcome outcome = Run("good", {}, {"--masks", masks.string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("masks exclude 54.2 % of all pixels"));
+  const Scene scene = ReadScene(scene_);
+  ASSERT_EQ(scene.views.size(), 11u);
+  EXPECT_TRUE(scene.has_masks);
+  EXPECT_FALSE(scene.has_alpha);
+  const Image picture = ReadImage(fs::path(scene_) / scene.views[0].image);
+  ASSERT_EQ(picture.channels, 4);
+  EXPECT_EQ(picture.At(20, 9)[3], 0);
+  EXPECT_EQ(picture.At(40, 9)[3], 255);
+  EXPECT_EQ(picture.At(40, 9)[0], 40);
+  const nlohmann::json manifest =
+      nlohmann::json::parse(ReadText(fs::path(scene_) / "manifest.json"));
+  EXPECT_EQ(manifest["notes"]["hidden_by_masks"][0], "photo 05.png");
+  // Another mask: the features are found again. All photos without masks: so are they.
+  const size_t extractions = Calls("feature_extractor");
+  WriteImage(masks / "photo 00.png.png",
+             Image{64, 48, 3, std::vector<uint8_t>(size_t(64) * 48 * 3, 255)});
+  ASSERT_EQ(Run("good", {}, {"--masks", masks.string()}).exit_code, 0);
+  EXPECT_EQ(Calls("feature_extractor"), 2 * extractions);
+  EXPECT_EQ(ReadImage(fs::path(scene_) / "images/photo 00.png").At(20, 9)[3], 255);
 }
 
 TEST_F(SfmTest, GivenBoundsAreThoseOfTheWorldThatIsFound) {

@@ -1,0 +1,79 @@
+// EXIF: what a camera notes beside its pixels.
+#include "image/exif.h"
+
+#include "core/error.h"
+#include "core/file.h"
+
+#include <cmath>
+#include <cstring>
+
+namespace tetrec {
+namespace {
+
+// Types of values, and their tags. (Exif 2.32, section 4.6)
+constexpr uint16_t kAscii = 2, kShort = 3, kLong = 4, kRational = 5;
+constexpr uint16_t kMake = 0x010F, kModel = 0x0110, kExifDirectory = 0x8769, kFocalLength = 0x920A,
+                   kFocalLength35 = 0xA405;
+constexpr size_t kEntryBytes = 12;
+
+void WriteEntry(ByteWriter& to, uint16_t tag, uint16_t type, size_t count, size_t value) {
+  to.Write(tag);
+  to.Write(type);
+  to.Write(uint32_t(count));
+  to.Write(uint32_t(value));
+}
+
+constexpr size_t DirectoryBytes(size_t entries) { return 2 + kEntryBytes * entries + 4; }
+
+// A text of EXIF: of limited length, ended by a zero and never shorter than what an entry contains
+// itself, so that it always has a place of its own.
+std::string Text(const std::string& text) {
+  std::string padded = text.substr(0, 100);
+  padded.resize(std::max(padded.size() + 1, size_t(6)), '\0');
+  return padded;
+}
+
+// A TIFF file without pixels: a directory with the camera's name, one with the focal lengths, and
+// the values that are longer than four bytes.
+std::vector<uint8_t> ExifOf(const CameraNotes& notes) {
+  constexpr size_t kFirst = 8, kSecond = kFirst + DirectoryBytes(3),
+                   kValues = kSecond + DirectoryBytes(2);
+  const std::string make = Text(notes.make), model = Text(notes.model);
+  ByteWriter exif;
+  exif.WriteArray<char>(std::string("II*\0", 4));
+  exif.Write(uint32_t(kFirst));
+  exif.Write(uint16_t(3));
+  WriteEntry(exif, kMake, kAscii, make.size(), kValues);
+  WriteEntry(exif, kModel, kAscii, model.size(), kValues + make.size());
+  WriteEntry(exif, kExifDirectory, kLong, 1, kSecond);
+  exif.Write(uint32_t(0));
+  exif.Write(uint16_t(2));
+  WriteEntry(exif, kFocalLength, kRational, 1, kValues + make.size() + model.size());
+  WriteEntry(exif, kFocalLength35, kShort, 1, notes.focal_length_35mm);
+  exif.Write(uint32_t(0));
+  exif.WriteArray<char>(make);
+  exif.WriteArray<char>(model);
+  exif.Write(uint32_t(std::lround(notes.focal_length_mm * 1000)));
+  exif.Write(uint32_t(1000));
+  return exif.bytes();
+}
+
+}  // namespace
+
+std::vector<uint8_t> WithExif(std::span<const uint8_t> jpeg, const CameraNotes& notes) {
+  TETREC_CHECK(jpeg.size() > 2 && jpeg[0] == 0xFF && jpeg[1] == 0xD8, "not a JPEG file");
+  const std::vector<uint8_t> exif = ExifOf(notes);
+  const std::string mark("Exif\0\0", 6);
+  const size_t length = 2 + mark.size() + exif.size();
+  ByteWriter with;
+  with.WriteArray(jpeg.first(2));
+  for (const size_t byte : {size_t(0xFF), size_t(0xE1), length >> 8, length & 0xFF}) {
+    with.Write(uint8_t(byte));
+  }
+  with.WriteArray<char>(mark);
+  with.WriteArray<uint8_t>(exif);
+  with.WriteArray(jpeg.subspan(2));
+  return with.bytes();
+}
+
+}  // namespace tetrec

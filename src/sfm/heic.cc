@@ -1,0 +1,75 @@
+// HEIC photos by heif-convert as a child process.
+#include "sfm/heic.h"
+
+#include "core/child_process.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "core/printable.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+namespace {
+
+// Several times what a photo of 200 megapixels needs.
+constexpr uint64_t kMostMemory_bytes = uint64_t{6} << 30;
+constexpr double kTimeLimit_s = 600;
+
+std::string ReasonOf(const ChildResult& result) {
+  if (result.exit_code > 128) {
+    return fmt::format("heif-convert was ended by signal {}", result.exit_code - 128);
+  }
+  return result.last_lines.empty() ? "no reason given" : Printable(result.last_lines.back());
+}
+
+}  // namespace
+
+bool IsHeic(std::span<const uint8_t> front) {
+  // A file type box, whose first brand is one of images. (ISO 14496-12 and 23008-12)
+  constexpr std::string_view kBrands[] = {"heic", "heix", "heim", "heis", "hevc",
+                                          "hevx", "mif1", "mif2", "msf1"};
+  if (front.size() < 12 || std::memcmp(&front[4], "ftyp", 4) != 0) return false;
+  const std::string_view brand(reinterpret_cast<const char*>(&front[8]), 4);
+  return std::find(std::begin(kBrands), std::end(kBrands), brand) != std::end(kBrands);
+}
+
+void ConvertHeic(const fs::path& photo, const fs::path& jpeg, const fs::path& scratch) {
+  const fs::path program = FindProgram("heif-convert");
+  if (program.empty()) {
+    throw EnvironmentError(fmt::format(
+        "{}: heif-convert, which reads HEIC photos, is not in PATH; install it: apt-get install "
+        "--no-install-recommends libheif-examples",
+        photo.string()));
+  }
+  fs::remove_all(scratch);
+  fs::create_directories(scratch);
+  ChildOptions options;
+  options.working_folder = scratch;
+  options.max_memory_bytes = kMostMemory_bytes;
+  options.time_limit_s = kTimeLimit_s;
+  const ChildResult result = RunChild(
+      program, {"--quiet", "-q", "100", fs::absolute(photo).string(), "photo.jpg"}, options);
+  // A file of several images becomes several files.
+  const bool has_several = fs::exists(scratch / "photo-1.jpg");
+  const fs::path written = scratch / (has_several ? "photo-1.jpg" : "photo.jpg");
+  if (result.exit_code != 0 || !fs::exists(written)) {
+    const std::string reason = ReasonOf(result);
+    fs::remove_all(scratch);
+    throw DataError(
+        fmt::format("{}: cannot be read as HEIC ({}); copy it again, or convert it to JPEG",
+                    photo.string(), reason));
+  }
+  if (has_several) {
+    LogInfo("{}: HEIC file of several images, of which the first is used", photo.string());
+  }
+  fs::rename(written, jpeg);
+  fs::remove_all(scratch);
+}
+
+}  // namespace tetrec

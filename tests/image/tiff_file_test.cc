@@ -1,0 +1,141 @@
+// TIFF files, and the EXIF that is made of theirs.
+#include "image/tiff_file.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "expect_error.h"
+#include "image/image.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <map>
+
+namespace tetrec {
+namespace {
+
+
+std::vector<uint8_t> Encode(const cv::Mat& pixels) {
+  std::vector<uint8_t> bytes;
+  cv::imencode(".tiff", pixels, bytes);
+  return bytes;
+}
+
+struct Entry {
+  uint16_t type = 3;  // short; 4: long
+  uint32_t count = 1, value = 0;
+};
+
+// A file of 3 x 2 grey pixels 10, 20 .. 60; `other` entries of its directory replace the usual ones.
+// What is behind the directory begins at byte 150 or later.
+std::vector<uint8_t> GreyTiff(const std::map<uint16_t, Entry>& other = {},
+                              const std::string& behind = "") {
+  std::map<uint16_t, Entry> entries = {{256, {3, 1, 3}}, {257, {3, 1, 2}}, {258, {3, 1, 8}},
+                                       {259, {3, 1, 1}}, {262, {3, 1, 1}}, {273, {4, 1, 8}},
+                                       {277, {3, 1, 1}}, {278, {3, 1, 2}}, {279, {4, 1, 6}}};
+  for (const auto& [tag, entry] : other) entries[tag] = entry;
+  ByteWriter file;
+  file.WriteArray<char>(std::string("II*\0", 4));
+  file.Write(uint32_t(16));
+  for (int i = 1; i <= 8; ++i) file.Write(uint8_t(10 * i));
+  file.Write(uint16_t(entries.size()));
+  for (const auto& [tag, entry] : entries) {
+    file.Write(tag);
+    file.Write(entry.type);
+    file.Write(entry.count);
+    file.Write(entry.value);
+  }
+  file.Write(uint32_t(0));
+  file.WriteArray<char>(behind);
+  return file.bytes();
+}
+
+TEST(TiffFiles, PixelsOfEightAndSixteenBitsAreRead) {
+  cv::Mat eight(5, 4, CV_8UC3), sixteen(5, 4, CV_16UC3);
+  for (int y = 0; y < 5; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      eight.at<cv::Vec3b>(y, x) = {uint8_t(10 * x), uint8_t(20 * y), 200};  // blue, green, red
+      sixteen.at<cv::Vec3w>(y, x) = {uint16_t(2570 * x + 100), uint16_t(5140 * y), 51400};
+    }
+  }
+  for (const cv::Mat& pixels : {eight, sixteen}) {
+    const Image image = DecodeImage(Encode(pixels), "a.tif");
+    ASSERT_EQ(image.width, 4);
+    ASSERT_EQ(image.height, 5);
+    ASSERT_EQ(image.channels, 3);
+    EXPECT_EQ(image.At(3, 1)[0], 200);
+    EXPECT_EQ(image.At(3, 1)[1], 20);
+    EXPECT_EQ(image.At(3, 1)[2], 30);  // 100 of 65,535 are less than half a level
+  }
+}
+
+TEST(TiffFiles, AnOrientationTurnsNothing) {
+  for (const uint32_t orientation : {1u, 3u, 6u, 8u}) {
+    const Image image = DecodeImage(GreyTiff({{274, {3, 1, orientation}}}), "a.tif");
+    ASSERT_EQ(image.width, 3) << orientation;
+    EXPECT_EQ(image.At(0, 0)[0], 10) << orientation;
+    EXPECT_EQ(image.At(2, 1)[0], 60) << orientation;
+  }
+}
+
+TEST(TiffFiles, AlphaIsStraight) {
+  cv::Mat pixels(1, 1, CV_8UC4, cv::Scalar(30, 60, 90, 128));
+  const Image image = DecodeImage(Encode(pixels), "a.tif");
+  if (image.channels == 3) GTEST_SKIP() << "OpenCV does not mark its fourth channel as alpha";
+  EXPECT_EQ(image.At(0, 0)[3], 128);
+}
+
+TEST(TiffFiles, DamagedAndStrangeFilesAreRefusedWithTheirName) {
+  const auto refused = [](std::vector<uint8_t> bytes, const std::string& why) {
+    ExpectError<DataError>([&] { DecodeImage(bytes, "a.tif"); }, {"a.tif: ", why});
+  };
+  std::vector<uint8_t> cut = Encode(cv::Mat(50, 50, CV_8UC3, cv::Scalar(5, 6, 7)));
+  cut.resize(cut.size() / 2);
+  refused(cut, "damaged");
+  refused(GreyTiff({{273, {4, 1, 100000}}}), "damaged");
+  refused(GreyTiff({{256, {4, 1, 0}}}), "0 x 2 pixels");
+  refused(GreyTiff({{256, {4, 1, 100000}}}), "100000 x 2 pixels");
+  refused(GreyTiff({{256, {4, 1, 16000}}, {257, {4, 1, 16000}}}), "cannot contain");
+  refused(GreyTiff({{258, {3, 1, 32}}, {339, {3, 1, 3}}}), "8 or 16 bits");
+  refused(GreyTiff({{339, {3, 1, 2}}}), "8 or 16 bits");
+  refused(GreyTiff({{322, {4, 1, 1u << 30}}, {323, {4, 1, 1u << 30}}, {324, {4, 1, 8}}}), "");
+}
+
+TEST(TiffFiles, TheFocalLengthReachesTheJpegForColmap) {
+  // Nine entries and three more are 150 bytes; the directory ends at byte 16 + 150.
+  constexpr uint32_t kBehind = 16 + 2 + 12 * 12 + 4;
+  ByteWriter behind;
+  behind.WriteArray<char>(std::string("Leica Camera\0\0", 14));
+  behind.Write(uint16_t(2));  // the directory of EXIF, at kBehind + 14
+  for (const uint32_t value : {0x920Au | 5u << 16, 1u, kBehind + 14 + 30, 0xA405u | 3u << 16, 1u, 28u})
+    behind.Write(value);
+  behind.Write(uint32_t(0));
+  behind.Write(uint32_t(85));
+  behind.Write(uint32_t(10));
+  const std::string text(behind.bytes().begin(), behind.bytes().end());
+  const std::vector<uint8_t> tiff = GreyTiff(
+      {{271, {2, 13, kBehind}}, {272, {2, 3, 'M' | '3' << 8}}, {34665, {4, 1, kBehind + 14}}},
+      text);
+  const CameraNotes notes = CameraNotesOfTiff(tiff, "a.tif");
+  EXPECT_EQ(notes.make, "Leica Camera");
+  EXPECT_EQ(notes.model, "M3");
+  EXPECT_NEAR(notes.focal_length_mm, 8.5, 1e-6);
+  EXPECT_EQ(notes.focal_length_35mm, 28);
+
+  const std::vector<uint8_t> jpeg = WithExif(EncodeJpeg(MakeImage(8, 8, 3), 90), notes);
+  EXPECT_EQ(DecodeImage(jpeg, "a.jpg").width, 8);
+  // EXIF is a TIFF file without pixels; ours is read by the same reader.
+  const auto start = std::search(jpeg.begin(), jpeg.end(), std::begin("Exif"), std::end("Exif"));
+  ASSERT_NE(start, jpeg.end());
+  const CameraNotes again =
+      CameraNotesOfTiff(std::vector<uint8_t>(start + 6, jpeg.end()), "a.jpg");
+  EXPECT_EQ(again.make, "Leica Camera");
+  EXPECT_EQ(again.model, "M3");
+  EXPECT_NEAR(again.focal_length_mm, 8.5, 1e-3);
+  EXPECT_EQ(again.focal_length_35mm, 28);
+}
+
+}  // namespace
+}  // namespace tetrec
