@@ -18,12 +18,6 @@ namespace {
 
 constexpr double kNear = 0.01;  // share of the diagonal within which a depth counts as found
 
-const View* FindView(const Scene& scene, const std::string& name) {
-  const auto found = std::find_if(scene.views.begin(), scene.views.end(),
-                                  [&](const View& view) { return view.name == name; });
-  return found == scene.views.end() ? nullptr : &*found;
-}
-
 // A view whose depth was rendered, with its place in the scene.
 struct JudgedView {
   const View* view;
@@ -34,7 +28,7 @@ struct JudgedView {
 std::vector<JudgedView> JudgedViews(const RenderedViews& rendered, const Scene& scene) {
   std::vector<JudgedView> judged;
   for (const RenderedView& entry : rendered.views) {
-    const View* view = FindView(scene, entry.name);
+    const View* view = scene.Find(entry.name);
     if (view == nullptr || !entry.depth) continue;
     judged.push_back({view, &scene.cameras[size_t(view->camera)], *entry.depth});
   }

@@ -61,12 +61,6 @@ Image MaskOf(const SurfacePicture& picture, const std::optional<Image>& seen) {
   return mask;
 }
 
-const View* FindView(const Scene& scene, const std::string& name) {
-  const auto found = std::find_if(scene.views.begin(), scene.views.end(),
-                                  [&](const View& view) { return view.name == name; });
-  return found == scene.views.end() ? nullptr : &*found;
-}
-
 // Nothing if the view shows nothing of the surface.
 std::optional<SurfaceViewScore> ScoreView(const TriangleMesh& mesh, const Image& texture,
                                           const Camera& camera, const View& view,
@@ -128,7 +122,7 @@ std::optional<SurfacePictures> ScoreSurfacePictures(const TriangleMesh& mesh, co
   if (texture.pixels.empty() && mesh.colors_srgb.empty()) return std::nullopt;
   std::vector<std::optional<SurfaceViewScore>> scores(rendered.views.size());
   ParallelForEach(scores.size(), "", "the run will be evaluated again", [&](size_t i) {
-    const View* view = FindView(scene, rendered.views[i].name);
+    const View* view = scene.Find(rendered.views[i].name);
     if (view == nullptr) return;
     scores[i] =
         ScoreView(mesh, texture, scene.cameras[size_t(view->camera)], *view, rendered.views[i]);

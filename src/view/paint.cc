@@ -2,6 +2,7 @@
 #include "view/paint.h"
 
 #include "core/quantile.h"
+#include "image/normal_map.h"
 #include "mesh/locate.h"
 #include "render/create_renderer.h"
 #include "render/picture.h"
@@ -241,7 +242,7 @@ std::optional<Image> Paint(ShownField& shown, const ShownScene& scene,
   const std::optional<DepthMap> depth = FindDepth(shown, from, give_up);
   if (!depth) return std::nullopt;
   if (request.mode == PictureMode::kDepth) return ColoredDepth(*depth, RangeOf(*depth));
-  if (request.mode == PictureMode::kNormals) return NormalPicture(*depth, from.camera);
+  if (request.mode == PictureMode::kNormals) return NormalPicture(NormalsOf(*depth, from.camera));
   return PaintTets(shown, from, *depth);
 }
 
