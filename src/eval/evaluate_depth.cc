@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "eval/find_view.h"
 #include "eval/metrics_json.h"
 #include "eval/true_depth.h"
 
@@ -28,7 +29,7 @@ struct JudgedView {
 std::vector<JudgedView> JudgedViews(const RenderedViews& rendered, const Scene& scene) {
   std::vector<JudgedView> judged;
   for (const RenderedView& entry : rendered.views) {
-    const View* view = scene.Find(entry.name);
+    const View* view = FindView(scene, entry.name);
     if (view == nullptr || !entry.depth) continue;
     judged.push_back({view, &scene.cameras[size_t(view->camera)], *entry.depth});
   }

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "eval/find_view.h"
 #include "eval/metrics_json.h"
 #include "eval/true_normals.h"
 
@@ -63,7 +64,7 @@ std::optional<NormalScores> EvaluateNormals(const RenderedViews& rendered,
   const glm::dmat3& input_from_world = scene->input_from_world.rotation;
   std::vector<NormalMap> maps, truth;
   for (const RenderedView& entry : rendered.views) {
-    const View* view = scene->Find(entry.name);
+    const View* view = FindView(*scene, entry.name);
     if (view == nullptr || !entry.normals) continue;
     const Camera& camera = scene->cameras[size_t(view->camera)];
     const glm::dmat3 input_from_cam =

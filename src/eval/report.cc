@@ -2,11 +2,11 @@
 #include "eval/report.h"
 
 #include "core/progress.h"
+#include "eval/find_view.h"
 #include "eval/html.h"
 #include "eval/image_metrics.h"
 #include "eval/report_scene.h"
 #include "eval/report_style.h"
-#include "image/normal_map.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -226,9 +226,9 @@ DepthPictures DrawDepth(const ReportContent& content, size_t index) {
   if (!view.depth) return {};
   const DepthMap map = ReadDepthMap(*view.depth);
   DepthPictures pictures{ColoredDepth(map, RangeOf(map)), {}};
-  const View* seen = content.scene ? content.scene->Find(view.name) : nullptr;
+  const View* seen = content.scene ? FindView(*content.scene, view.name) : nullptr;
   if (seen != nullptr) {
-    pictures.normals = NormalPicture(NormalsOf(map, content.scene->cameras[size_t(seen->camera)]));
+    pictures.normals = NormalPicture(map, content.scene->cameras[size_t(seen->camera)]);
   }
   return pictures;
 }

@@ -2,6 +2,7 @@
 #include "eval/surface_pictures.h"
 
 #include "core/parallel.h"
+#include "eval/find_view.h"
 #include "image/psnr.h"
 #include "mesh/seen_triangles.h"
 
@@ -122,7 +123,7 @@ std::optional<SurfacePictures> ScoreSurfacePictures(const TriangleMesh& mesh, co
   if (texture.pixels.empty() && mesh.colors_srgb.empty()) return std::nullopt;
   std::vector<std::optional<SurfaceViewScore>> scores(rendered.views.size());
   ParallelForEach(scores.size(), "", "the run will be evaluated again", [&](size_t i) {
-    const View* view = scene.Find(rendered.views[i].name);
+    const View* view = FindView(scene, rendered.views[i].name);
     if (view == nullptr) return;
     scores[i] =
         ScoreView(mesh, texture, scene.cameras[size_t(view->camera)], *view, rendered.views[i]);

@@ -2,6 +2,7 @@
 #include "image/depth_map.h"
 
 #include "core/error.h"
+#include "image/normal_map.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -53,6 +54,25 @@ Image ColoredDepth(const DepthMap& map, const DepthRange& range) {
       const cv::Vec3b& bgr = colors.at<cv::Vec3b>(y, x);
       for (int c = 0; c < 3; ++c) image.At(x, y)[c] = bgr[2 - c];
       if (map.At(x, y) == kNoDepth) PaintGrey(image, x, y);
+    }
+  }
+  return image;
+}
+
+Image NormalPicture(const DepthMap& depth, const Camera& camera) {
+  const NormalMap map = NormalsOf(depth, camera);
+  Image image = MakeImage(map.width, map.height, 3);
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width; ++x) {
+      const glm::dvec3 normal(map.At(x, y));
+      if (normal == glm::dvec3(0.0)) {
+        PaintGrey(image, x, y);
+        continue;
+      }
+      const glm::dvec3 shown(normal.x, -normal.y, -normal.z);
+      for (int c = 0; c < 3; ++c) {
+        image.At(x, y)[c] = uint8_t(std::lround(255 * std::clamp(0.5 * (shown[c] + 1), 0.0, 1.0)));
+      }
     }
   }
   return image;

@@ -48,4 +48,9 @@ DepthRange RangeOf(const DepthMap& map);
 // pixels without a surface are grey.
 Image ColoredDepth(const DepthMap& map, const DepthRange& range);
 
+// RGB: unit normals in the camera frame, from neighbouring depths, towards the camera: red to the
+// right, green up, blue to the camera, each (n + 1) / 2. The neighbour of which the depth differs
+// less is used on each axis, so that edges stay sharp. Pixels without a surface are grey.
+Image NormalPicture(const DepthMap& map, const Camera& camera);
+
 }  // namespace tetrec

@@ -1,14 +1,11 @@
-// Normals from depths, and images that show them.
+// Normals from depths.
 #include "image/normal_map.h"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 
 namespace tetrec {
 namespace {
-
-constexpr uint8_t kGrey = 96;
 
 glm::dvec3 PointAt(const DepthMap& map, const Camera& camera, int x, int y) {
   return double(map.At(x, y)) * camera.CamFromImage({x + 0.5, y + 0.5});
@@ -56,24 +53,6 @@ NormalMap NormalsOf(const DepthMap& map, const Camera& camera) {
 NormalMap Rotated(const glm::dmat3& rotation, NormalMap map) {
   for (glm::vec3& normal : map.normal) normal = glm::vec3(rotation * glm::dvec3(normal));
   return map;
-}
-
-Image NormalPicture(const NormalMap& map) {
-  Image image = MakeImage(map.width, map.height, 3);
-  for (int y = 0; y < map.height; ++y) {
-    for (int x = 0; x < map.width; ++x) {
-      const glm::dvec3 normal(map.At(x, y));
-      if (normal == glm::dvec3(0.0)) {
-        std::fill_n(image.At(x, y), 3, kGrey);
-        continue;
-      }
-      const glm::dvec3 shown(normal.x, -normal.y, -normal.z);
-      for (int c = 0; c < 3; ++c) {
-        image.At(x, y)[c] = uint8_t(std::lround(255 * std::clamp(0.5 * (shown[c] + 1), 0.0, 1.0)));
-      }
-    }
-  }
-  return image;
 }
 
 }  // namespace tetrec

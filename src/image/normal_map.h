@@ -1,10 +1,8 @@
-// Normal maps: for each pixel which way the first surface faces. Their files, and images that show
-// them.
+// Normal maps: for each pixel which way the first surface faces, and their files.
 #pragma once
 
 #include "geometry/camera.h"
 #include "image/depth_map.h"
-#include "image/image.h"
 
 #include <glm/glm.hpp>
 
@@ -34,9 +32,5 @@ NormalMap Rotated(const glm::dmat3& rotation, NormalMap map);
 // also if a vector is neither 0 nor of length 1, or if there are not three channels of floats.
 void WriteNormalMap(const std::filesystem::path& path, const NormalMap& map);
 NormalMap ReadNormalMap(const std::filesystem::path& path);
-
-// RGB, of normals in the camera frame: red to the right, green up, blue to the camera, each
-// (n + 1) / 2. Pixels without a surface are grey.
-Image NormalPicture(const NormalMap& map_in_cam);
 
 }  // namespace tetrec

@@ -72,8 +72,6 @@ struct Scene {
   std::vector<int> ViewsOf(Split split) const;
   // The test views if there are any, otherwise the validation views.
   std::vector<int> HeldOutViews() const;
-  // The view of this name; nullptr if there is none.
-  const View* Find(const std::string& name) const;
 };
 
 // The least alpha of a pixel that counts in a scene with masks.

@@ -128,12 +128,6 @@ std::vector<int> Scene::HeldOutViews() const {
   return test.empty() ? ViewsOf(Split::kValidation) : test;
 }
 
-const View* Scene::Find(const std::string& name) const {
-  const auto found = std::find_if(views.begin(), views.end(),
-                                  [&](const View& view) { return view.name == name; });
-  return found == views.end() ? nullptr : &*found;
-}
-
 Scene ReadScene(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "scene.json";
   const nlohmann::json file = ReadJson(path);

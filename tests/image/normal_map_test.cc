@@ -1,4 +1,4 @@
-// Normal maps: from depths, their files, and the images that show them.
+// Normal maps: from depths, and their files.
 #include "image/normal_map.h"
 
 #include "core/error.h"
@@ -97,31 +97,6 @@ TEST(NormalMap, WhatIsNoNormalMapIsRefused) {
     WriteNormalMap(folder / "b.exr", map);
     ExpectError<DataError>([&] { ReadNormalMap(folder / "b.exr"); }, {"b.exr", "length"});
   }
-}
-
-TEST(NormalPicture, APlaneHasItsNormalEverywhere) {
-  const glm::dvec3 n = glm::normalize(glm::dvec3(0.3, -0.2, 1));
-  const Image image = NormalPicture(NormalsOf(PlaneDepth(n, 3), kCamera));
-  // Towards the camera: -n, shown with y up and z to the camera.
-  const glm::dvec3 shown(-n.x, n.y, n.z);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      for (int c = 0; c < 3; ++c) {
-        // Half a level of rounding, and that of float depths.
-        EXPECT_NEAR(image.At(x, y)[c], 127.5 * (shown[c] + 1), 0.6) << x << " " << y;
-      }
-    }
-  }
-}
-
-TEST(NormalPicture, AnEdgeBetweenTwoPlanesStaysSharp) {
-  DepthMap map = PlaneDepth({0, 0, 1}, 3);
-  const DepthMap behind = PlaneDepth({0, 0, 1}, 5);
-  for (int y = 0; y < map.height; ++y) {
-    for (int x = 20; x < map.width; ++x) map.At(x, y) = behind.At(x, y);
-  }
-  const Image image = NormalPicture(NormalsOf(map, kCamera));
-  for (int x = 0; x < image.width; ++x) EXPECT_GE(image.At(x, 10)[2], 254) << x;
 }
 
 }  // namespace
