@@ -23,7 +23,8 @@ int main(int argc, char** argv) {
       false);
   command.InputPath("--depth-maps",
                     "NeRF-synthetic data set whose depth maps (test/r_0_depth_0001.png) judge the "
-                    "rendered depth, and its normal maps the normals; without them the true mesh of --ground-truth does",
+                    "rendered depth, and its normal maps the normals; without them the true mesh "
+                    "of --ground-truth does",
                     false);
   CLI::App& app = command.app();
   CLI::Option* bounds =

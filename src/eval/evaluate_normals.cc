@@ -79,8 +79,9 @@ std::optional<NormalScores> EvaluateNormals(const RenderedViews& rendered,
     maps.push_back(Rotated(input_from_world, ReadNormalMap(*entry.normals)));
   }
   if (maps.empty()) {
-    Warn(warnings, "the views were rendered without normal maps, which are not judged; render "
-                   "them again");
+    Warn(warnings,
+         "the views were rendered without normal maps, which are not judged; render "
+         "them again");
     return std::nullopt;
   }
   const std::optional<NormalScores> scores = ScoreNormals(maps, truth);
@@ -88,10 +89,11 @@ std::optional<NormalScores> EvaluateNormals(const RenderedViews& rendered,
     Warn(warnings, "no view shows a true normal, so that no normals are judged");
     return scores;
   }
-  LogInfo("normals: mean angle {:.1f} degrees, median {:.1f}, over {} pixels of {} views; {} have "
-          "no rendered surface",
-          scores->mean_angle_deg, scores->median_angle_deg, WithThousands(scores->pixels),
-          scores->views, WithThousands(scores->missing));
+  LogInfo(
+      "normals: mean angle {:.1f} degrees, median {:.1f}, over {} pixels of {} views; {} have "
+      "no rendered surface",
+      scores->mean_angle_deg, scores->median_angle_deg, WithThousands(scores->pixels),
+      scores->views, WithThousands(scores->missing));
   return scores;
 }
 

@@ -14,7 +14,7 @@
 namespace tetrec {
 namespace {
 
-constexpr double kUnit = 0.02;      // of which a length may differ from 1; levels are 0.009 apart
+constexpr double kUnit = 0.01;       // of which a length may differ from 1; levels are 0.009 apart
 constexpr double kAgreeing = 0.866;  // cosine of 30 degrees
 
 glm::dvec3 StoredAt(const Image& map, int x, int y) {
@@ -26,7 +26,8 @@ glm::dvec3 StoredAt(const Image& map, int x, int y) {
 bool HasBlackNeighbor(const Image& map, int x, int y) {
   for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, map.height - 1); ++ny) {
     for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, map.width - 1); ++nx) {
-      if (StoredAt(map, nx, ny) == glm::dvec3(0.0)) return true;
+      const uint8_t* rgb = map.At(nx, ny);
+      if (rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0) return true;
     }
   }
   return false;

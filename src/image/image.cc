@@ -37,7 +37,8 @@ std::vector<Coverage> CoverAxis(int source_size, int target_size) {
 std::vector<Coverage> InterpolateAxis(int source_size, int target_size) {
   std::vector<Coverage> axis(size_t(target_size), Coverage{});
   for (int i = 0; i < target_size; ++i) {
-    const double at = std::clamp((i + 0.5) * source_size / target_size - 0.5, 0.0, source_size - 1.0);
+    const double at =
+        std::clamp((i + 0.5) * source_size / target_size - 0.5, 0.0, source_size - 1.0);
     Coverage& coverage = axis[size_t(i)];
     coverage.first = std::min(int(at), std::max(source_size - 2, 0));
     const double share = at - coverage.first;

@@ -402,8 +402,9 @@ NormalMap ReadNormalMap(const std::filesystem::path& path) {
       const glm::vec3 normal(value[2], value[1], value[0]);
       const double length = glm::length(glm::dvec3(normal));
       if (normal != glm::vec3(0.0f) && !(std::abs(length - 1) < 1e-3)) {
-        throw DataError(fmt::format("{}: a normal has length {}; expected 1, or 0 without a surface",
-                                    path.string(), length));
+        throw DataError(
+            fmt::format("{}: a normal has length {}; expected 1, or 0 without a surface",
+                        path.string(), length));
       }
       map.At(x, y) = normal;
     }

@@ -41,14 +41,14 @@ std::vector<PhotoExposure> NamedExposures(std::span<const ViewExposure> exposure
                                           const Scene& scene, const fs::path& file) {
   const std::vector<int> views = scene.ViewsOf(Split::kTrain);
   if (!exposures.empty() && exposures.size() != views.size()) {
-    throw DataError(fmt::format("{}: contains the exposures of {} photos, but the scene has {} "
-                                "training photos; fit the field again",
-                                file.string(), exposures.size(), views.size()));
+    throw DataError(
+        fmt::format("{}: contains the exposures of {} photos, but the scene has {} "
+                    "training photos; fit the field again",
+                    file.string(), exposures.size(), views.size()));
   }
   std::vector<PhotoExposure> named;
   for (size_t i = 0; i < exposures.size(); ++i) {
-    named.push_back(
-        {scene.views[size_t(views[i])].name, exposures[i].gain, exposures[i].offset});
+    named.push_back({scene.views[size_t(views[i])].name, exposures[i].gain, exposures[i].offset});
   }
   return named;
 }

@@ -56,8 +56,8 @@ double SizeOf(const TetMesh& mesh, uint32_t tet) {
 void Expose(const PhotoExposure& exposure, RenderedImage& rendered) {
   for (size_t i = 0; i < rendered.color_srgb.size(); ++i) {
     const double opacity = 1 - double(rendered.transmittance[i]);
-    rendered.color_srgb[i] = glm::vec3(exposure.gain * glm::dvec3(rendered.color_srgb[i]) +
-                                       opacity * exposure.offset);
+    rendered.color_srgb[i] =
+        glm::vec3(exposure.gain * glm::dvec3(rendered.color_srgb[i]) + opacity * exposure.offset);
   }
 }
 

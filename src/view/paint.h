@@ -31,9 +31,9 @@ struct ShownScene {
 };
 
 // RGB. Rendered in bands of rows; after each band `give_up` returns
-// whether something else is more urgent, and if so there is no picture. A photo that is shown larger
-// than it is gets no hard pixels, and its error is that of its own pixels. The error is between the
-// photo and the field as the photo's exposure shows it.
+// whether something else is more urgent, and if so there is no picture. A photo that is shown
+// larger than it is gets no hard pixels, and its error is that of its own pixels. The error is
+// between the photo and the field as the photo's exposure shows it.
 std::optional<Image> Paint(ShownField& shown, const ShownScene& scene,
                            const PictureRequest& request, const std::function<bool()>& give_up);
 

@@ -1,12 +1,12 @@
 // Images: their files, area means, compositing and masks.
 #include "image/image.h"
-#include "image/resize.h"
 
 #include "core/error.h"
 #include "core/file.h"
 #include "core/message_of.h"
 #include "expect_error.h"
 #include "file_size_limit.h"
+#include "image/resize.h"
 #include "scratch_folder.h"
 
 #include <fmt/format.h>
