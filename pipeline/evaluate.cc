@@ -9,7 +9,7 @@
 int main(int argc, char** argv) {
   tetrec::EvaluateOptions options;
   tetrec::StageCommand command(
-      "evaluate", 4,
+      "evaluate", 5,
       "Measures the quality of rendered views (PSNR, SSIM) and of a surface (accuracy, "
       "completeness, F-score), and writes metrics.json and a self-contained report.html.\n"
       "Example: tetrec-evaluate RUN/4_views RUN/5_surface -o RUN/6_report");
@@ -23,7 +23,8 @@ int main(int argc, char** argv) {
       false);
   command.InputPath("--depth-maps",
                     "NeRF-synthetic data set whose depth maps (test/r_0_depth_0001.png) judge the "
-                    "rendered depth; without them the true mesh of --ground-truth does",
+                    "rendered depth, and its normal maps the normals; without them the true mesh "
+                    "of --ground-truth does",
                     false);
   CLI::App& app = command.app();
   CLI::Option* bounds =

@@ -10,9 +10,9 @@ int main(int argc, char** argv) {
   tetrec::RenderViewsOptions options;
   tetrec::RenderPathOptions path;
   tetrec::StageCommand command(
-      "render", 3,
-      "Renders views of a fitted field: writes images and depth maps with the ground truth beside "
-      "them, and views.json. With --path it writes a video of a moving camera instead.\n"
+      "render", 4,
+      "Renders views of a fitted field: writes images, depth and normal maps with the ground truth "
+      "beside them, and views.json. With --path it writes a video of a moving camera instead.\n"
       "Examples: tetrec-render RUN/3_field -o RUN/4_views\n"
       "          tetrec-render RUN/3_field -o RUN/video --path orbit");
   command.InputStage("FIELD", "Folder that tetrec-optimize wrote", {"optimize"});

@@ -10,6 +10,7 @@
 #include "core/timer.h"
 #include "eval/color_correction.h"
 #include "eval/evaluate_depth.h"
+#include "eval/evaluate_normals.h"
 #include "eval/evaluate_surface.h"
 #include "eval/growth_plot.h"
 #include "eval/image_metrics.h"
@@ -380,12 +381,14 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
     stage.Seconds("surface", timer.seconds());
   }
   content.depth = EvaluateDepth(content.rendered, scene, content.surface, stage, content.warnings);
+  content.normals = EvaluateNormals(content.rendered, scene, stage, content.warnings);
   for (const std::string& warning : QualityWarnings(content.scores, scene)) {
     Warn(content.warnings, warning);
   }
   metrics.update(RunMetrics(content.run));
   metrics["surface"] = content.surface ? SurfaceJson(*content.surface, options) : json();
   metrics["depth"] = content.depth ? DepthJson(*content.depth) : json();
+  metrics["normals"] = content.normals ? NormalsJson(*content.normals) : json();
   ReadEstimates(content.run, content);
   DrawConvergence(content.run, stage, content);
   metrics["uneven_photos"] = CountIf(content.exposures, IsUneven);

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "eval/find_view.h"
 #include "eval/metrics_json.h"
 #include "eval/true_depth.h"
 
@@ -17,12 +18,6 @@ namespace tetrec {
 namespace {
 
 constexpr double kNear = 0.01;  // share of the diagonal within which a depth counts as found
-
-const View* FindView(const Scene& scene, const std::string& name) {
-  const auto found = std::find_if(scene.views.begin(), scene.views.end(),
-                                  [&](const View& view) { return view.name == name; });
-  return found == scene.views.end() ? nullptr : &*found;
-}
 
 // A view whose depth was rendered, with its place in the scene.
 struct JudgedView {

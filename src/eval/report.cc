@@ -2,6 +2,7 @@
 #include "eval/report.h"
 
 #include "core/progress.h"
+#include "eval/find_view.h"
 #include "eval/html.h"
 #include "eval/image_metrics.h"
 #include "eval/report_scene.h"
@@ -196,6 +197,14 @@ std::string KeyNumbers(const ReportContent& content) {
                     WithThousands(depth.pixels), Plural(depth.views, "view"), depth.truth,
                     WithThousands(depth.missing), 100 * depth.share_within_1_percent));
   }
+  if (content.normals) {
+    const NormalScores& normals = *content.normals;
+    rows += Row("Angle of normals, mean", fmt::format("{:.1f}°", normals.mean_angle_deg),
+                fmt::format("between normals of the rendered depth and the data set's normal maps; "
+                            "{} pixels of {}; median {:.1f}°",
+                            WithThousands(normals.pixels), Plural(normals.views, "view"),
+                            normals.median_angle_deg));
+  }
   rows += Row("LPIPS", "–", "not computed: it needs a trained network");
   rows +=
       Row("Tets / vertices", CountOr(m["tets"]) + " / " + CountOr(m["vertices"]), "of the field");
@@ -205,15 +214,6 @@ std::string KeyNumbers(const ReportContent& content) {
   return "<h2>Key numbers</h2><div class=\"scroll\"><table><thead><tr><th>Measure</th>"
          "<th class=\"n\">Value</th><th>Protocol</th></tr></thead><tbody>" +
          rows + "</tbody></table></div>";
-}
-
-// The view of the run's scene, for its camera; nullptr without one.
-const View* SceneView(const ReportContent& content, const std::string& name) {
-  if (!content.scene) return nullptr;
-  for (const View& view : content.scene->views) {
-    if (view.name == name) return &view;
-  }
-  return nullptr;
 }
 
 // The rendered depth of a view in colours, and its normals if the camera is known.
@@ -226,7 +226,8 @@ DepthPictures DrawDepth(const ReportContent& content, size_t index) {
   if (!view.depth) return {};
   const DepthMap map = ReadDepthMap(*view.depth);
   DepthPictures pictures{ColoredDepth(map, RangeOf(map)), {}};
-  if (const View* seen = SceneView(content, view.name)) {
+  const View* seen = content.scene ? FindView(*content.scene, view.name) : nullptr;
+  if (seen != nullptr) {
     pictures.normals = NormalPicture(map, content.scene->cameras[size_t(seen->camera)]);
   }
   return pictures;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "eval/evaluate_depth.h"
+#include "eval/evaluate_normals.h"
 #include "eval/evaluate_surface.h"
 #include "eval/run_facts.h"
 #include "run/camera_corrections.h"
@@ -41,6 +42,7 @@ struct ReportContent {
   std::optional<Scene> scene;             // nothing if the chain of manifests is broken
   std::optional<SurfaceResult> surface;
   std::optional<DepthScores> depth;
+  std::optional<NormalScores> normals;
   std::vector<GrowthStep> growth;       // of the mesh; empty if unknown
   std::string growth_svg;               // size against gain; empty if there is none
   std::vector<std::string> curves_svg;  // convergence; if empty, no_curves_reason is shown

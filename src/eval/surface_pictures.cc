@@ -2,6 +2,7 @@
 #include "eval/surface_pictures.h"
 
 #include "core/parallel.h"
+#include "eval/find_view.h"
 #include "image/psnr.h"
 #include "mesh/seen_triangles.h"
 
@@ -59,12 +60,6 @@ Image MaskOf(const SurfacePicture& picture, const std::optional<Image>& seen) {
     if (picture.covered[i] && counts) std::fill_n(&mask.pixels[3 * i], 3, uint8_t{255});
   }
   return mask;
-}
-
-const View* FindView(const Scene& scene, const std::string& name) {
-  const auto found = std::find_if(scene.views.begin(), scene.views.end(),
-                                  [&](const View& view) { return view.name == name; });
-  return found == scene.views.end() ? nullptr : &*found;
 }
 
 // Nothing if the view shows nothing of the surface.

@@ -63,19 +63,6 @@ void KeepInside(const Bounds3& bounds_in_truth, const Similarity3& truth_from_wo
 constexpr double kNerfRange = 8;  // [input units] at value 0
 constexpr int kMostSteps = 4;     // between neighbours on one surface
 
-// FOLDER/test/r_0_depth_0001.png, whatever its number.
-std::filesystem::path NerfDepthFile(const std::filesystem::path& folder, const std::string& view) {
-  const std::filesystem::path stem = folder / view;
-  const std::string start = stem.filename().string() + "_depth_";
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(stem.parent_path(), error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with(start) && name.ends_with(".png")) return entry.path();
-  }
-  throw DataError(fmt::format("{}NNNN.png: there is no such depth map for view '{}'",
-                              (stem.parent_path() / start).string(), view));
-}
-
 // True if the pixel and its neighbours are on one surface.
 bool IsOnOneSurface(const Image& map, int x, int y) {
   const int value = map.At(x, y)[0];
@@ -108,9 +95,22 @@ std::optional<double> ValueAt(const Image& map, double x, double y) {
 
 }  // namespace
 
+std::filesystem::path NerfMapFile(const std::filesystem::path& folder, const std::string& view,
+                                  const std::string& what) {
+  const std::filesystem::path stem = folder / view;
+  const std::string start = stem.filename().string() + "_" + what + "_";
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(stem.parent_path(), error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(start) && name.ends_with(".png")) return entry.path();
+  }
+  throw DataError(fmt::format("{}NNNN.png: there is no such {} map for view '{}'",
+                              (stem.parent_path() / start).string(), what, view));
+}
+
 DepthMap ReadNerfDepth(const std::filesystem::path& folder, const std::string& view_name,
                        const Camera& camera, double world_from_input_scale) {
-  const Image stored = ReadImage(NerfDepthFile(folder, view_name));
+  const Image stored = ReadImage(NerfMapFile(folder, view_name, "depth"));
   DepthMap map = MakeDepthMap(camera.width, camera.height);
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {

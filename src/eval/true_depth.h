@@ -33,4 +33,9 @@ MeshDepth DepthOfMesh(const TriangleMesh& mesh_in_truth, const Similarity3& trut
 DepthMap ReadNerfDepth(const std::filesystem::path& folder, const std::string& view_name,
                        const Camera& camera, double world_from_input_scale);
 
+// FOLDER/test/r_0_WHAT_0001.png of a NeRF-synthetic view "test/r_0", whatever its number. Throws
+// DataError if there is none.
+std::filesystem::path NerfMapFile(const std::filesystem::path& folder, const std::string& view_name,
+                                  const std::string& what);
+
 }  // namespace tetrec

@@ -2,11 +2,11 @@
 #include "image/depth_map.h"
 
 #include "core/error.h"
+#include "image/normal_map.h"
 
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <optional>
 
 namespace tetrec {
 namespace {
@@ -14,26 +14,6 @@ namespace {
 constexpr uint8_t kGrey = 96;
 
 void PaintGrey(Image& image, int x, int y) { std::fill_n(image.At(x, y), 3, kGrey); }
-
-glm::dvec3 PointAt(const DepthMap& map, const Camera& camera, int x, int y) {
-  return double(map.At(x, y)) * camera.CamFromImage({x + 0.5, y + 0.5});
-}
-
-// The difference of points along one axis of the image, from the neighbour of which the depth
-// differs less; nothing if neither neighbour shows a surface.
-std::optional<glm::dvec3> Tangent(const DepthMap& map, const Camera& camera, int x, int y, int dx,
-                                  int dy) {
-  std::optional<glm::dvec3> best;
-  for (const int side : {1, -1}) {
-    const int nx = x + side * dx, ny = y + side * dy;
-    if (nx < 0 || ny < 0 || nx >= map.width || ny >= map.height) continue;
-    if (map.At(nx, ny) == kNoDepth) continue;
-    const glm::dvec3 step =
-        double(side) * (PointAt(map, camera, nx, ny) - PointAt(map, camera, x, y));
-    if (!best || std::abs(step.z) < std::abs(best->z)) best = step;
-  }
-  return best;
-}
 
 }  // namespace
 
@@ -79,18 +59,17 @@ Image ColoredDepth(const DepthMap& map, const DepthRange& range) {
   return image;
 }
 
-Image NormalPicture(const DepthMap& map, const Camera& camera) {
+Image NormalPicture(const DepthMap& depth, const Camera& camera) {
+  const NormalMap map = NormalsOf(depth, camera);
   Image image = MakeImage(map.width, map.height, 3);
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
-      PaintGrey(image, x, y);
-      if (map.At(x, y) == kNoDepth) continue;
-      const auto right = Tangent(map, camera, x, y, 1, 0), down = Tangent(map, camera, x, y, 0, 1);
-      if (!right || !down) continue;
-      const glm::dvec3 across = glm::cross(*down, *right);  // towards the camera
-      const double length = glm::length(across);
-      if (!(length > 0)) continue;
-      const glm::dvec3 shown = glm::dvec3(across.x, -across.y, -across.z) / length;
+      const glm::dvec3 normal(map.At(x, y));
+      if (normal == glm::dvec3(0.0)) {
+        PaintGrey(image, x, y);
+        continue;
+      }
+      const glm::dvec3 shown(normal.x, -normal.y, -normal.z);
       for (int c = 0; c < 3; ++c) {
         image.At(x, y)[c] = uint8_t(std::lround(255 * std::clamp(0.5 * (shown[c] + 1), 0.0, 1.0)));
       }

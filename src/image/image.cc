@@ -1,7 +1,8 @@
-// Images in memory: exact area mean, compositing and masks.
+// Images in memory: other sizes, compositing and masks.
 #include "image/image.h"
 
 #include "core/error.h"
+#include "image/resize.h"
 
 #include <fmt/format.h>
 
@@ -32,25 +33,29 @@ std::vector<Coverage> CoverAxis(int source_size, int target_size) {
   return axis;
 }
 
-uint8_t ToByte(double value) { return uint8_t(std::clamp(value + 0.5, 0.0, 255.0)); }
-
-}  // namespace
-
-Image MakeImage(int width, int height, int channels) {
-  TETREC_CHECK(width > 0 && height > 0 && (channels == 3 || channels == 4),
-               fmt::format("{} x {} x {}", width, height, channels));
-  Image image{width, height, channels, {}};
-  image.pixels.resize(size_t(width) * size_t(height) * size_t(channels));
-  return image;
+// The two source pixels around each target pixel's centre.
+std::vector<Coverage> InterpolateAxis(int source_size, int target_size) {
+  std::vector<Coverage> axis(size_t(target_size), Coverage{});
+  for (int i = 0; i < target_size; ++i) {
+    const double at =
+        std::clamp((i + 0.5) * source_size / target_size - 0.5, 0.0, source_size - 1.0);
+    Coverage& coverage = axis[size_t(i)];
+    coverage.first = std::min(int(at), std::max(source_size - 2, 0));
+    const double share = at - coverage.first;
+    coverage.weights = {1 - share};
+    if (source_size > 1) coverage.weights.push_back(share);
+  }
+  return axis;
 }
 
-Image ResizeByArea(const Image& image, int width, int height) {
-  Image target = MakeImage(width, height, image.channels);
-  const std::vector<Coverage> columns = CoverAxis(image.width, width);
-  const std::vector<Coverage> rows = CoverAxis(image.height, height);
+uint8_t ToByte(double value) { return uint8_t(std::clamp(value + 0.5, 0.0, 255.0)); }
+
+Image Filtered(const Image& image, const std::vector<Coverage>& columns,
+               const std::vector<Coverage>& rows) {
+  Image target = MakeImage(int(columns.size()), int(rows.size()), image.channels);
   const bool has_alpha = image.channels == 4;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
+  for (int y = 0; y < target.height; ++y) {
+    for (int x = 0; x < target.width; ++x) {
       const Coverage &column = columns[size_t(x)], &row = rows[size_t(y)];
       double sum[3] = {0, 0, 0}, sum_alpha = 0;
       for (size_t j = 0; j < row.weights.size(); ++j) {
@@ -68,6 +73,27 @@ Image ResizeByArea(const Image& image, int width, int height) {
     }
   }
   return target;
+}
+
+}  // namespace
+
+Image MakeImage(int width, int height, int channels) {
+  TETREC_CHECK(width > 0 && height > 0 && (channels == 3 || channels == 4),
+               fmt::format("{} x {} x {}", width, height, channels));
+  Image image{width, height, channels, {}};
+  image.pixels.resize(size_t(width) * size_t(height) * size_t(channels));
+  return image;
+}
+
+Image ResizeByArea(const Image& image, int width, int height) {
+  return Filtered(image, CoverAxis(image.width, width), CoverAxis(image.height, height));
+}
+
+Image ResizeSmoothly(const Image& image, int width, int height) {
+  const auto axis = [](int from, int to) {
+    return to > from ? InterpolateAxis(from, to) : CoverAxis(from, to);
+  };
+  return Filtered(image, axis(image.width, width), axis(image.height, height));
 }
 
 Image CompositeOver(const Image& rgba, uint8_t r, uint8_t g, uint8_t b) {

@@ -6,6 +6,7 @@
 #include "image/depth_map.h"
 #include "image/exr_header.h"
 #include "image/image.h"
+#include "image/normal_map.h"
 #include "image/photo.h"
 #include "image/size_limits.h"
 #include "image/srgb.h"
@@ -219,6 +220,29 @@ void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
   CheckAgainstFile(size.x * size.y, bytes.size(), name);
 }
 
+// What an EXR file that is no picture has to contain.
+struct ExrContent {
+  int type;             // of OpenCV
+  const char* refusal;  // of a file of another type
+};
+
+cv::Mat DecodeFloats(const std::filesystem::path& path, const ExrContent& content) {
+  const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
+  const std::string name = path.string();
+  if (!StartsWith(bytes, kExrSignature)) {
+    throw DataError(fmt::format("{}: {}, in OpenEXR", name, content.refusal));
+  }
+  CheckExr(bytes, name);
+  cv::Mat decoded = Decode(bytes, name, ExifRotation::kIgnore);
+  if (decoded.empty()) {
+    throw DataError(fmt::format("{}: damaged map, cannot be decoded; render it again", name));
+  }
+  if (decoded.type() != content.type) {
+    throw DataError(fmt::format("{}: {}", name, content.refusal));
+  }
+  return decoded;
+}
+
 void WriteEncoded(const std::filesystem::path& path, const std::string& extension,
                   const cv::Mat& pixels) {
   std::vector<uint8_t> bytes;
@@ -321,19 +345,9 @@ void WriteDepthMap(const std::filesystem::path& path, const DepthMap& map) {
 }
 
 DepthMap ReadDepthMap(const std::filesystem::path& path) {
-  const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
   const std::string name = path.string();
-  if (!StartsWith(bytes, kExrSignature)) {
-    throw DataError(fmt::format("{}: not a depth map; expected OpenEXR", name));
-  }
-  CheckExr(bytes, name);
-  const cv::Mat decoded = Decode(bytes, name, ExifRotation::kIgnore);
-  if (decoded.empty()) {
-    throw DataError(fmt::format("{}: damaged depth map, cannot be decoded; render it again", name));
-  }
-  if (decoded.type() != CV_32FC1) {
-    throw DataError(fmt::format("{}: not a depth map; expected one channel of floats", name));
-  }
+  const cv::Mat decoded =
+      DecodeFloats(path, {CV_32FC1, "not a depth map; expected one channel of floats"});
   DepthMap map = MakeDepthMap(decoded.cols, decoded.rows);
   for (int y = 0; y < map.height; ++y) {
     std::copy_n(decoded.ptr<float>(y), map.width, &map.At(0, y));
@@ -342,6 +356,37 @@ DepthMap ReadDepthMap(const std::filesystem::path& path) {
     if (!(depth >= 0 && std::isfinite(depth))) {
       throw DataError(
           fmt::format("{}: a depth is {}; expected a number of at least 0", name, depth));
+    }
+  }
+  return map;
+}
+
+void WriteNormalMap(const std::filesystem::path& path, const NormalMap& map) {
+  cv::Mat bgr(map.height, map.width, CV_32FC3);
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width; ++x) {
+      const glm::vec3& normal = map.At(x, y);
+      bgr.at<cv::Vec3f>(y, x) = {normal.z, normal.y, normal.x};
+    }
+  }
+  WriteEncoded(path, ".exr", bgr);
+}
+
+NormalMap ReadNormalMap(const std::filesystem::path& path) {
+  const cv::Mat bgr =
+      DecodeFloats(path, {CV_32FC3, "not a normal map; expected three channels of floats"});
+  NormalMap map = MakeNormalMap(bgr.cols, bgr.rows);
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width; ++x) {
+      const auto& value = bgr.at<cv::Vec3f>(y, x);
+      const glm::vec3 normal(value[2], value[1], value[0]);
+      const double length = glm::length(glm::dvec3(normal));
+      if (normal != glm::vec3(0.0f) && !(std::abs(length - 1) < 1e-3)) {
+        throw DataError(
+            fmt::format("{}: a normal has length {}; expected 1, or 0 without a surface",
+                        path.string(), length));
+      }
+      map.At(x, y) = normal;
     }
   }
   return map;

@@ -11,6 +11,7 @@
 #include "geometry/small_motion.h"
 #include "image/file_names.h"
 #include "image/image.h"
+#include "image/normal_map.h"
 #include "render/buried_cameras.h"
 #include "render/create_renderer.h"
 #include "render/kernel_table.h"
@@ -133,7 +134,7 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   stage.Device(renderer->DescribeDevice());
   WarnOfBuriedCameras(field, scene, stage);
   renderer->SetField(field);
-  for (const char* folder : {"renders", "depth", "gt"})
+  for (const char* folder : {"renders", "depth", "normals", "gt"})
     fs::create_directories(stage.Output(folder));
   // Masks select the subject, or the pixels that count.
   const std::string mask_folder = scene.has_masks ? "seen" : "masks";
@@ -168,9 +169,12 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
                        {},
                        {},
                        (stage.folder() / "depth" / file).replace_extension(".exr"),
+                       (stage.folder() / "normals" / file).replace_extension(".exr"),
                        {},
                        {}};
     WriteDepthMap(*entry.depth, depth);
+    WriteNormalMap(*entry.normals, Rotated(glm::transpose(view.cam_from_world.rotation),
+                                           NormalsOf(depth, seen_from.camera)));
     WriteImage(entry.render, ToPicture(rendered, background));
     WriteImage(entry.truth, OverBackground(truth, background));
     if (has_mask) {

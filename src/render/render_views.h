@@ -37,10 +37,11 @@ Background ChooseBackground(const Scene& scene, const std::string& choice);
 // that motion by the article's method may have left; with a warning.
 RendererOptions RendererFor(const TetMesh& mesh, const RendererOptions& options, Stage& stage);
 
-// Writes renders/NAME.png, depth/NAME.exr (Renderer::RenderDepth, in world units), gt/NAME.png
-// (over the same background), masks/NAME.png if the scene has alpha or seen/NAME.png if it has
-// masks, refined/NAME.png if cameras are refined (FitPose, to the true image and its exposure, with
-// the field as it is; renders/NAME.png stays that of the scene's own camera), and views.json, which
+// Writes renders/NAME.png, depth/NAME.exr (Renderer::RenderDepth, in world units),
+// normals/NAME.exr (of that depth, in the world frame, towards the camera), gt/NAME.png (over the
+// same background), masks/NAME.png if the scene has alpha or seen/NAME.png if it has masks,
+// refined/NAME.png if cameras are refined (FitPose, to the true image and its exposure, with the
+// field as it is; renders/NAME.png stays that of the scene's own camera), and views.json, which
 // lists them with the protocol (run/rendered_views.h).
 void RunRenderViews(const RenderViewsOptions& options, Stage& stage);
 

@@ -42,6 +42,7 @@ RenderedView ReadView(const fs::path& folder, const CheckedJson& item) {
   view.mask = OptionalPathInside(folder, item, "mask");
   view.seen = OptionalPathInside(folder, item, "seen");
   view.depth = OptionalPathInside(folder, item, "depth");
+  view.normals = OptionalPathInside(folder, item, "normals");
   view.refined = OptionalPathInside(folder, item, "refined");
   if (item.Has("refined_shift_px") && !item.Field("refined_shift_px").IsNull()) {
     view.refined_shift_px = item.Field("refined_shift_px").NumberIn(0, kLargestShift_px);
@@ -71,6 +72,7 @@ void WriteRenderedViews(const fs::path& path, const RenderedViews& rendered) {
                      {"ground_truth", in_folder(view.truth)},
                      {has_seen ? "seen" : "mask", in_folder_or_null(mask)},
                      {"depth", in_folder_or_null(view.depth)},
+                     {"normals", in_folder_or_null(view.normals)},
                      {"refined", in_folder_or_null(view.refined)},
                      {"refined_shift_px",
                       view.refined_shift_px ? json(*view.refined_shift_px) : json(nullptr)}});

@@ -23,6 +23,8 @@ struct RenderedView {
   std::optional<std::filesystem::path> mask, seen;
   // Depth of the field in world units (image/depth_map.h); earlier versions rendered none.
   std::optional<std::filesystem::path> depth;
+  // Normals of that depth in the world frame (image/normal_map.h); earlier versions wrote none.
+  std::optional<std::filesystem::path> normals;
   // The image from the refined camera, whose pose was fitted to the true image with the field as it
   // is, and how far that moved the picture [px]; nothing where no camera was refined.
   std::optional<std::filesystem::path> refined;
@@ -39,7 +41,7 @@ struct RenderedViews {
 
 // {"schema": 1, "background", "rays_per_pixel", "split", "resolution": [width, height],
 //  "views": [{"name", "split", "render", "ground_truth", "mask" or "seen": path or null,
-//             "depth": path or null, "refined": path or null,
+//             "depth": path or null, "normals": path or null, "refined": path or null,
 //             "refined_shift_px": number or null}]}
 // Throw DataError naming file and field: another schema, no view, a name or an image given to two
 // views, a path that leaves the folder, a view without ground truth (as on a camera path), which

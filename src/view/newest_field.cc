@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <span>
 
 namespace tetrec {
 namespace {
@@ -33,6 +34,23 @@ std::optional<FieldFile> FileIfThere(FieldFile::Kind kind, const fs::path& path)
   const fs::file_time_type written = fs::last_write_time(path, error);
   if (error) return std::nullopt;
   return FieldFile{kind, path, written};
+}
+
+// A checkpoint has one exposure for each training view, in the scene's order, or none.
+std::vector<PhotoExposure> NamedExposures(std::span<const ViewExposure> exposures,
+                                          const Scene& scene, const fs::path& file) {
+  const std::vector<int> views = scene.ViewsOf(Split::kTrain);
+  if (!exposures.empty() && exposures.size() != views.size()) {
+    throw DataError(
+        fmt::format("{}: contains the exposures of {} photos, but the scene has {} "
+                    "training photos; fit the field again",
+                    file.string(), exposures.size(), views.size()));
+  }
+  std::vector<PhotoExposure> named;
+  for (size_t i = 0; i < exposures.size(); ++i) {
+    named.push_back({scene.views[size_t(views[i])].name, exposures[i].gain, exposures[i].offset});
+  }
+  return named;
 }
 
 }  // namespace
@@ -76,10 +94,18 @@ FieldFile NewestField(const ViewedRun& run) {
                   (run.field.empty() ? run.start : run.field).string()));
 }
 
-RadianceField ReadFieldFile(const FieldFile& file) {
-  if (file.kind != FieldFile::Kind::kCheckpoint) return ReadField(file.path, Orientations::kAny);
+FieldContent ReadFieldFile(const FieldFile& file, const Scene& scene) {
+  if (file.kind != FieldFile::Kind::kCheckpoint) {
+    FieldContent content{ReadField(file.path, Orientations::kAny), {}};
+    const fs::path exposures = file.path.parent_path() / kPhotoExposuresFile;
+    const bool has_exposures = file.kind == FieldFile::Kind::kFitted && fs::exists(exposures);
+    if (has_exposures) content.exposures = ReadPhotoExposures(exposures);
+    return content;
+  }
   Checkpoint checkpoint = ReadCheckpoint(file.path);
-  return FieldOf(std::move(checkpoint.mesh), checkpoint.state);
+  std::vector<PhotoExposure> exposures =
+      NamedExposures(checkpoint.exposure.exposures, scene, file.path);
+  return {FieldOf(std::move(checkpoint.mesh), checkpoint.state), std::move(exposures)};
 }
 
 std::string Describe(const FieldFile& file) {

@@ -2,9 +2,12 @@
 #pragma once
 
 #include "field/radiance_field.h"
+#include "run/photo_exposures.h"
+#include "scene/scene.h"
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace tetrec {
 
@@ -31,8 +34,15 @@ struct FieldFile {
 // if there is none.
 FieldFile NewestField(const ViewedRun& run);
 
-// Throws DataError if the file is damaged, or no longer exists.
-RadianceField ReadFieldFile(const FieldFile& file);
+struct FieldContent {
+  RadianceField field;
+  std::vector<PhotoExposure> exposures;  // of the training photos; empty if none were estimated
+};
+
+// The exposures are in the checkpoint, or in a file beside the fitted field. Throws DataError if a
+// file is damaged or no longer exists, or has the exposures of another number of photos than the
+// scene has.
+FieldContent ReadFieldFile(const FieldFile& file, const Scene& scene);
 
 // What the file is, in words for the page.
 std::string Describe(const FieldFile& file);

@@ -2,6 +2,7 @@
 #include "view/paint.h"
 
 #include "core/quantile.h"
+#include "image/resize.h"
 #include "mesh/locate.h"
 #include "render/create_renderer.h"
 #include "render/picture.h"
@@ -51,12 +52,23 @@ double SizeOf(const TetMesh& mesh, uint32_t tet) {
   return std::cbrt(std::abs(TetVolume(mesh, mesh.tets[tet])));
 }
 
+// Before the background, which is not exposed.
+void Expose(const PhotoExposure& exposure, RenderedImage& rendered) {
+  for (size_t i = 0; i < rendered.color_srgb.size(); ++i) {
+    const double opacity = 1 - double(rendered.transmittance[i]);
+    rendered.color_srgb[i] =
+        glm::vec3(exposure.gain * glm::dvec3(rendered.color_srgb[i]) + opacity * exposure.offset);
+  }
+}
+
 std::optional<Image> PaintColor(ShownField& shown, Background background, const RenderView& from,
+                                const PhotoExposure& exposure,
                                 const std::function<bool()>& give_up) {
   Image image = MakeImage(from.camera.width, from.camera.height, 3);
   const bool is_done = ForBands(from.camera, give_up, [&](const Camera& band, int y) {
-    const Image part =
-        ToPicture(shown.renderer->Render({band, from.cam_from_world}, 1), background);
+    RenderedImage rendered = shown.renderer->Render({band, from.cam_from_world}, 1);
+    Expose(exposure, rendered);
+    const Image part = ToPicture(rendered, background);
     std::copy(part.pixels.begin(), part.pixels.end(), image.At(0, y));
   });
   return is_done ? std::optional(std::move(image)) : std::nullopt;
@@ -175,15 +187,26 @@ Image PaintSlice(const ShownField& shown, const Scene& scene, const PictureReque
   return image;
 }
 
+const View& ViewOf(const Scene& scene, const PictureRequest& request) {
+  return scene.views[size_t(*request.view)];
+}
+
 // The stored image of the view, with its own alpha.
-Image PhotoOf(const ShownScene& scene, const PictureRequest& request) {
-  const View& view = scene.scene.views[size_t(*request.view)];
-  const Camera& camera = request.from.camera;
-  return ResizeByArea(ReadImage(scene.folder / view.image), camera.width, camera.height);
+Image PhotoOf(const ShownScene& scene, const PictureRequest& request, const Camera& size) {
+  return ResizeSmoothly(ReadImage(scene.folder / ViewOf(scene.scene, request).image), size.width,
+                        size.height);
+}
+
+// What the photo shows of the field; neutral for photos whose exposure was not estimated.
+PhotoExposure ExposureOf(const ShownField& shown, const std::string& photo) {
+  const auto found =
+      std::find_if(shown.exposures.begin(), shown.exposures.end(),
+                   [&](const PhotoExposure& exposure) { return exposure.name == photo; });
+  return found == shown.exposures.end() ? PhotoExposure{} : *found;
 }
 
 // The mean absolute difference over the channels.
-Image PaintError(const Image& photo, const Image& rendered, const Scene& scene) {
+Image Difference(const Image& photo, const Image& rendered, const Scene& scene) {
   const Image truth = OverBackground(photo, scene.background);
   Image image = MakeImage(rendered.width, rendered.height, 3);
   for (int y = 0; y < image.height; ++y) {
@@ -200,9 +223,29 @@ Image PaintError(const Image& photo, const Image& rendered, const Scene& scene) 
   return image;
 }
 
+// The camera of the request, or the photo's own if the request asks for more pixels than the photo
+// has.
+Camera ComparingCamera(const Scene& scene, const PictureRequest& request) {
+  const Camera& own = scene.cameras[size_t(ViewOf(scene, request).camera)];
+  return request.from.camera.width > own.width ? own : request.from.camera;
+}
+
+std::optional<Image> PaintError(ShownField& shown, const ShownScene& scene,
+                                const PictureRequest& request,
+                                const std::function<bool()>& give_up) {
+  const Camera camera = ComparingCamera(scene.scene, request);
+  const std::optional<Image> rendered =
+      PaintColor(shown, scene.scene.background, {camera, request.from.cam_from_world},
+                 ExposureOf(shown, ViewOf(scene.scene, request).name), give_up);
+  if (!rendered) return std::nullopt;
+  const Image error = Difference(PhotoOf(scene, request, camera), *rendered, scene.scene);
+  return ResizeSmoothly(error, request.from.camera.width, request.from.camera.height);
+}
+
 }  // namespace
 
-ShownField MakeShownField(RadianceField field, RendererOptions options) {
+ShownField MakeShownField(FieldContent content, RendererOptions options) {
+  RadianceField& field = content.field;
   if (CountDegenerateTets(field.mesh) > 0) options.AcceptInvertedTets();
   ShownField shown;
   shown.renderer = CreateRenderer(options);
@@ -214,6 +257,7 @@ ShownField MakeShownField(RadianceField field, RendererOptions options) {
     shown.large_tet = Quantile(std::move(sizes), 0.98);
   }
   shown.field = std::move(field);
+  shown.exposures = std::move(content.exposures);
   return shown;
 }
 
@@ -223,16 +267,13 @@ std::optional<Image> Paint(ShownField& shown, const ShownScene& scene,
   const Background background = scene.scene.background;
   switch (request.mode) {
     case PictureMode::kColor:
-      return PaintColor(shown, background, from, give_up);
+      return PaintColor(shown, background, from, {}, give_up);
     case PictureMode::kSlice:
       return PaintSlice(shown, scene.scene, request);
     case PictureMode::kPhoto:
-      return OverBackground(PhotoOf(scene, request), background);
-    case PictureMode::kError: {
-      const std::optional<Image> rendered = PaintColor(shown, background, from, give_up);
-      if (!rendered) return std::nullopt;
-      return PaintError(PhotoOf(scene, request), *rendered, scene.scene);
-    }
+      return OverBackground(PhotoOf(scene, request, from.camera), background);
+    case PictureMode::kError:
+      return PaintError(shown, scene, request, give_up);
     case PictureMode::kDepth:
     case PictureMode::kNormals:
     case PictureMode::kTets:

@@ -1,9 +1,9 @@
 // Pictures of a field that the viewer shows.
 #pragma once
 
-#include "field/radiance_field.h"
 #include "image/image.h"
 #include "render/training_renderer.h"
+#include "view/newest_field.h"
 #include "view/picture_request.h"
 
 #include <filesystem>
@@ -17,11 +17,12 @@ namespace tetrec {
 struct ShownField {
   RadianceField field;
   std::unique_ptr<TrainingRenderer> renderer;
+  std::vector<PhotoExposure> exposures;  // as of FieldContent
   // The 2nd and 98th percentile of the tets' sizes (the cube root of the volume) [world units].
   double small_tet = 0, large_tet = 1;
 };
 
-ShownField MakeShownField(RadianceField field, RendererOptions options);
+ShownField MakeShownField(FieldContent content, RendererOptions options);
 
 // What photos are compared with: the scene and its folder.
 struct ShownScene {
@@ -30,7 +31,9 @@ struct ShownScene {
 };
 
 // RGB. Rendered in bands of rows; after each band `give_up` returns
-// whether something else is more urgent, and if so there is no picture.
+// whether something else is more urgent, and if so there is no picture. A photo that is shown
+// larger than it is gets no hard pixels, and its error is that of its own pixels. The error is
+// between the photo and the field as the photo's exposure shows it.
 std::optional<Image> Paint(ShownField& shown, const ShownScene& scene,
                            const PictureRequest& request, const std::function<bool()>& give_up);
 

@@ -46,7 +46,7 @@ ViewSession::ViewSession(const std::filesystem::path& run, const RendererOptions
       options_(options),
       shown_scene_{run_.scene, ReadScene(run_.scene)},
       file_(NewestField(run_)),
-      shown_(MakeShownField(ReadFieldFile(file_), options_)),
+      shown_(MakeShownField(ReadFieldFile(file_, scene()), options_)),
       status_(StatusOf(file_, shown_, 1)) {
   if (scene().views.empty()) throw DataError(run_.scene.string() + ": the scene has no views");
   LogInfo("shows {}: {}", file_.path.string(), Describe(file_));
@@ -65,7 +65,7 @@ void ViewSession::Refresh() {
     const FieldFile newest = NewestField(run_);
     if (newest == file_) return;
     file_ = newest;
-    ShownField shown = MakeShownField(ReadFieldFile(newest), options_);
+    ShownField shown = MakeShownField(ReadFieldFile(newest, scene()), options_);
     const std::scoped_lock lock(drawing_, facts_);
     shown_ = std::move(shown);
     status_ = StatusOf(newest, shown_, status_["loaded"].get<int>() + 1);

@@ -6,6 +6,7 @@
 #include "core/message_of.h"
 #include "expect_error.h"
 #include "file_size_limit.h"
+#include "image/resize.h"
 #include "scratch_folder.h"
 
 #include <fmt/format.h>
@@ -134,6 +135,25 @@ TEST(ResizeByArea, KeepsAConstantImage) {
 TEST(ResizeByArea, OfTheSameSizeChangesNothing) {
   const Image image = RandomImage(6, 5, 3, 3);
   EXPECT_EQ(ResizeByArea(image, 6, 5).pixels, image.pixels);
+}
+
+TEST(ResizeSmoothly, IsTheAreaMeanOfWhatShrinksAndARampOfWhatGrows) {
+  const Image image = RandomImage(9, 7, 4, 5);
+  EXPECT_EQ(ResizeSmoothly(image, 4, 3).pixels, ResizeByArea(image, 4, 3).pixels);
+  Image two = MakeImage(2, 1, 3);
+  std::fill_n(two.At(1, 0), 3, uint8_t{200});
+  const Image ramp = ResizeSmoothly(two, 8, 2);
+  const int want[] = {0, 0, 25, 75, 125, 175, 200, 200};
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 2; ++y) EXPECT_EQ(ramp.At(x, y)[1], want[x]) << x;
+  }
+  // A transparent neighbour gives no colour.
+  Image edge = MakeImage(2, 1, 4);
+  const uint8_t pixels[] = {200, 100, 50, 255, 255, 255, 255, 0};
+  edge.pixels.assign(std::begin(pixels), std::end(pixels));
+  const Image wide = ResizeSmoothly(edge, 8, 1);
+  EXPECT_EQ(wide.At(4, 0)[0], 200);
+  EXPECT_EQ(wide.At(4, 0)[3], 96);
 }
 
 TEST(CompositeOver, MixesByAlpha) {

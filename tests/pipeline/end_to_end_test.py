@@ -106,6 +106,9 @@ class EndToEndTest(StageCase):
         report = (run / "6_report" / "report.html").read_text()
         self.assertIn("normals of view", report)
         self.assertIsNone(metrics["depth"])  # the true depth is not known
+        self.assertIsNone(metrics["normals"])
+        for view in json.loads((run / "4_views" / "views.json").read_text())["views"]:
+            self.assertTrue((run / "4_views" / view["normals"]).read_bytes().startswith(b"v/1\x01"), view)
         # The page's policy keeps its scripts from the network; three.js names sites in comments.
         self.assertIn("default-src 'none'", report)
         markup = re.sub(r"<script>.*?</script>", "", report, flags=re.DOTALL)

@@ -17,11 +17,12 @@ nlohmann::json Example() {
     "views": [
       {"name": "test/r_0", "split": "test", "render": "renders/test_r_0.png",
        "ground_truth": "gt/test_r_0.png", "mask": "masks/test_r_0.png",
-       "depth": "depth/test_r_0.exr", "refined": "refined/test_r_0.png",
+       "depth": "depth/test_r_0.exr", "normals": "normals/test_r_0.exr",
+       "refined": "refined/test_r_0.png",
        "refined_shift_px": 0.75},
       {"name": "test/r_1", "split": "test", "render": "renders/test_r_1.png",
        "ground_truth": "gt/test_r_1.png", "mask": null,
-       "depth": null, "refined": null, "refined_shift_px": null}]})");
+       "depth": null, "normals": null, "refined": null, "refined_shift_px": null}]})");
 }
 
 TEST(RenderedViews, WhatWasWrittenIsReadBackForBothKindsOfMasks) {
@@ -45,7 +46,8 @@ TEST(RenderedViews, WhatWasWrittenIsReadBackForBothKindsOfMasks) {
     EXPECT_EQ(seen ? first.seen : first.mask, folder / "masks/test_r_0.png");
     EXPECT_FALSE(seen ? first.mask : first.seen);
     EXPECT_EQ(first.depth, folder / "depth/test_r_0.exr");
-    EXPECT_FALSE(rendered.views[1].depth);
+    EXPECT_EQ(first.normals, folder / "normals/test_r_0.exr");
+    EXPECT_FALSE(rendered.views[1].depth || rendered.views[1].normals);
     EXPECT_FALSE(rendered.views[1].mask || rendered.views[1].seen);
     WriteRenderedViews(path, rendered);
     EXPECT_EQ(ReadJson(path), example);

@@ -5,6 +5,7 @@
 #include "core/file.h"
 #include "core/manifest.h"
 #include "expect_error.h"
+#include "mesh/delaunay.h"
 #include "scratch_folder.h"
 
 #include <gtest/gtest.h>
@@ -51,6 +52,27 @@ TEST(NewestField, OfAStageFolderIsTheOneOfItsRun) {
   EXPECT_EQ(FindRun(run / "3_field").scene, run / "1_scene");
   WriteJson(run / "2_tetrahedra" / kStatusFile, StatusOfNewRun("tetrahedralize", "key", {}, ""));
   EXPECT_EQ(NewestField(FindRun(run / "2_tetrahedra")).kind, Kind::kStart);
+}
+
+TEST(ReadFieldFile, AFittedFieldComesWithTheExposuresOfItsPhotos) {
+  const ScratchFolder folder;
+  std::vector<glm::vec3> corners;
+  for (int i = 0; i < 8; ++i) corners.emplace_back(i & 1, (i >> 1) & 1, i >> 2);
+  RadianceField field;
+  field.mesh = BuildDelaunay(corners).mesh;
+  field.density.assign(8, 1.0f);
+  field.color_srgb.assign(8, glm::vec3(0.5f));
+  WriteField(folder / "field.tetf", field);
+  const FieldFile fitted{Kind::kFitted, folder / "field.tetf", {}};
+  EXPECT_TRUE(ReadFieldFile(fitted, {}).exposures.empty());
+  WritePhotoExposures(folder / kPhotoExposuresFile, {{"a.jpg", glm::dvec3(0.5), {}}});
+  const FieldContent content = ReadFieldFile(fitted, {});
+  EXPECT_EQ(content.field.density.size(), 8u);
+  ASSERT_EQ(content.exposures.size(), 1u);
+  EXPECT_EQ(content.exposures[0].name, "a.jpg");
+  EXPECT_EQ(content.exposures[0].gain, glm::dvec3(0.5));
+  // A start has seen no photo.
+  EXPECT_TRUE(ReadFieldFile({Kind::kStart, fitted.path, {}}, {}).exposures.empty());
 }
 
 TEST(NewestField, NeedsAFolderOfARun) {

@@ -1,0 +1,112 @@
+// Pictures of a field beside a photo.
+#include "view/paint.h"
+
+#include "mesh/delaunay.h"
+#include "scratch_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+constexpr int kWidth = 16, kHeight = 12;
+constexpr glm::dvec3 kColor{0.5, 0.25, 0.75};
+
+// An opaque box of one colour that fills the only camera's picture.
+FieldContent OpaqueBox() {
+  std::vector<glm::vec3> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.emplace_back((i & 1) ? 2 : -2, (i & 2) ? 2 : -2, (i & 4) ? 2 : 1);
+  }
+  FieldContent content;
+  content.field.mesh = BuildDelaunay(corners).mesh;
+  content.field.density.assign(8, 100.0f);
+  content.field.color_srgb.assign(8, glm::vec3(kColor));
+  return content;
+}
+
+// The photo shows `color`.
+ShownScene SceneWithPhoto(const ScratchFolder& folder, const glm::dvec3& color) {
+  ShownScene shown{folder.path(), {}};
+  shown.scene.cameras = {{kWidth, kHeight, 20, 20, 8, 6}};
+  View view;
+  view.name = "a.jpg";
+  view.image = "a.png";
+  shown.scene.views = {view};
+  Image photo = MakeImage(kWidth, kHeight, 3);
+  for (size_t i = 0; i < photo.pixels.size(); ++i) {
+    photo.pixels[i] = uint8_t(std::lround(255 * color[int(i % 3)]));
+  }
+  WriteImage(folder / "a.png", photo);
+  return shown;
+}
+
+PictureRequest RequestOf(PictureMode mode, const Scene& scene, int scale) {
+  PictureRequest request;
+  request.mode = mode;
+  request.view = 0;
+  const Camera& camera = scene.cameras[0];
+  request.from = {{camera.width * scale, camera.height * scale, camera.fx * scale,
+                   camera.fy * scale, camera.cx * scale, camera.cy * scale},
+                  scene.views[0].cam_from_world};
+  return request;
+}
+
+Image PaintNow(ShownField& field, const ShownScene& scene, const PictureRequest& request) {
+  return Paint(field, scene, request, [] { return false; }).value();
+}
+
+RendererOptions Reference() {
+  RendererOptions options;
+  options.kind = RendererKind::kReference;
+  return options;
+}
+
+int Brightest(const Image& image) {
+  return *std::max_element(image.pixels.begin(), image.pixels.end());
+}
+
+TEST(Paint, TheErrorOfAPhotoLeavesItsExposureOut) {
+  const ScratchFolder folder;
+  const glm::dvec3 gain(0.5, 1.2, 0.8), offset(0.1, -0.05, 0.02);
+  const ShownScene scene = SceneWithPhoto(folder, gain * kColor + offset);
+  const PictureRequest request = RequestOf(PictureMode::kError, scene.scene, 1);
+  FieldContent content = OpaqueBox();
+  ShownField plain = MakeShownField(content, Reference());
+  EXPECT_GT(Brightest(PaintNow(plain, scene, request)), 100);
+  content.exposures = {{"other.jpg", glm::dvec3(3), {}}, {"a.jpg", gain, offset}};
+  ShownField exposed = MakeShownField(content, Reference());
+  // A level of rounding is a 64th of the range that the colours show, of which red is a third.
+  EXPECT_LE(Brightest(PaintNow(exposed, scene, request)), 3 * 4);
+  // Colours are shown at the mean exposure.
+  const PictureRequest color = RequestOf(PictureMode::kColor, scene.scene, 1);
+  EXPECT_EQ(PaintNow(exposed, scene, color).pixels, PaintNow(plain, scene, color).pixels);
+}
+
+TEST(Paint, AnEnlargedPhotoHasNoHardPixels) {
+  const ScratchFolder folder;
+  const ShownScene scene = SceneWithPhoto(folder, kColor);
+  Image photo = MakeImage(kWidth, kHeight, 3);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) std::fill_n(photo.At(x, y), 3, uint8_t(x % 2 ? 180 : 100));
+  }
+  WriteImage(folder / "a.png", photo);
+  ShownField field = MakeShownField(OpaqueBox(), Reference());
+  for (const PictureMode mode : {PictureMode::kPhoto, PictureMode::kError}) {
+    const Image image = PaintNow(field, scene, RequestOf(mode, scene.scene, 10));
+    ASSERT_EQ(image.width, 10 * kWidth);
+    ASSERT_EQ(image.height, 10 * kHeight);
+    int largest_step = 0;
+    for (int x = 1; x < image.width; ++x) {
+      largest_step = std::max(largest_step, std::abs(image.At(x, 60)[2] - image.At(x - 1, 60)[2]));
+    }
+    EXPECT_GT(largest_step, 5);
+    EXPECT_LE(largest_step, 13);  // about a tenth of the step between two pixels
+  }
+}
+
+}  // namespace
+}  // namespace tetrec
