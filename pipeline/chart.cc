@@ -1,4 +1,4 @@
-// tetrec-chart: held-out PSNR over time for one or more runs.
+// tetrec-chart: held-out PSNR over time, and size against gain, for one or more runs.
 #include "eval/chart.h"
 
 #include "command/run_command.h"
@@ -8,7 +8,8 @@
 int main(int argc, char** argv) {
   CLI::App app(
       "Draws held-out PSNR over seconds of optimisation from the metrics.csv of one or more runs,\n"
-      "finished or not, and writes chart.svg, chart.png, chart.csv and chart.json.\n"
+      "finished or not, and writes chart.svg, chart.png, chart.csv and chart.json; from the\n"
+      "growth.json of finished runs judged PSNR over tets: growth.svg and growth.png.\n"
       "Example: tetrec-chart runs/fox runs/lego -o runs/chart",
       "tetrec-chart");
   std::vector<std::filesystem::path> runs;

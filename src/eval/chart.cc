@@ -1,9 +1,10 @@
-// Reads the runs' metrics.csv and draws them into one chart.
+// Reads what the runs recorded, and draws them into one chart of each kind.
 #include "eval/chart.h"
 
 #include "core/error.h"
 #include "core/file.h"
 #include "eval/csv.h"
+#include "eval/growth_plot.h"
 #include "eval/plot.h"
 #include "eval/run_facts.h"
 #include "scene/scene.h"
@@ -17,6 +18,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 namespace tetrec {
 namespace fs = std::filesystem;
@@ -95,6 +97,28 @@ std::vector<std::string> LegendsOf(const std::vector<RunCurve>& runs, bool with_
   return legends;
 }
 
+// What of an earlier chart is in the folder goes, too.
+void DrawGrowth(const std::vector<RunCurve>& runs, const std::vector<std::string>& legends,
+                const fs::path& out, const fs::path& scratch) {
+  std::vector<GrowthCurve> curves;
+  for (size_t i = 0; i < runs.size(); ++i) curves.push_back({legends[i], runs[i].growth});
+  const std::optional<Plot> plot = GrowthPlot(curves);
+  for (const char* name : {"growth.svg", "growth.png"}) {
+    std::error_code ignored;
+    fs::remove(out / name, ignored);
+    if (plot) DrawPlot(*plot, out / name, scratch);
+  }
+}
+
+// [tets, judged PSNR, standard error of its gain] of each mesh that was judged.
+nlohmann::json JudgedSizes(const std::vector<GrowthStep>& growth) {
+  nlohmann::json sizes = nlohmann::json::array();
+  for (const GrowthStep& step : growth) {
+    if (step.psnr > 0) sizes.push_back({step.tets, step.psnr, step.gain_standard_error});
+  }
+  return sizes;
+}
+
 }  // namespace
 
 RunCurve ReadRunCurve(const fs::path& run) {
@@ -119,6 +143,9 @@ RunCurve ReadRunCurve(const fs::path& run) {
     throw DataError(
         fmt::format("{}: no row has a held-out PSNR; let tetrec-optimize watch at least one view",
                     curve.metrics_csv.string()));
+  }
+  if (fs::exists(folder / kMeshGrowthFile)) {
+    curve.growth = ReadMeshGrowth(folder / kMeshGrowthFile);
   }
   return curve;
 }
@@ -162,7 +189,8 @@ void WriteChart(const std::vector<RunCurve>& runs, const ChartOptions& options,
                               {"best_psnr", best},
                               {"seconds", runs[i].rows.back().seconds},
                               {"tets", double(runs[i].rows.back().tets)},
-                              {"seconds_and_heldout_psnr", std::move(points)}});
+                              {"seconds_and_heldout_psnr", std::move(points)},
+                              {"tets_judged_psnr_and_error", JudgedSizes(runs[i].growth)}});
     plot.series.push_back(std::move(series));
   }
 
@@ -175,6 +203,7 @@ void WriteChart(const std::vector<RunCurve>& runs, const ChartOptions& options,
   const NewFolder scratch(out / ".tetrec-chart-XXXXXX");
   DrawPlot(plot, out / "chart.svg", scratch.path());
   DrawPlot(plot, out / "chart.png", scratch.path());
+  DrawGrowth(runs, legends, out, scratch.path());
   WriteText(out / "chart.csv", csv);
   WriteJson(out / "chart.json", record);
 }

@@ -1,6 +1,8 @@
-// Speed against accuracy: held-out PSNR over seconds of optimisation, for one or more runs.
+// Speed against accuracy: held-out PSNR over seconds of optimisation, and size against gain: judged
+// PSNR over the tets of a growing mesh, for one or more runs.
 #pragma once
 
+#include "run/mesh_growth.h"
 #include "run/training_log.h"
 
 #include <filesystem>
@@ -12,8 +14,9 @@ namespace tetrec {
 struct RunCurve {
   std::string name;  // the run folder's
   std::filesystem::path metrics_csv;
-  std::string protocol;           // "4 held-out views, 270x480 px, ..."; empty if unknown
-  std::vector<TrainingRow> rows;  // only those with a held-out PSNR
+  std::string protocol;            // "4 held-out views, 270x480 px, ..."; empty if unknown
+  std::vector<TrainingRow> rows;   // only those with a held-out PSNR
+  std::vector<GrowthStep> growth;  // of the mesh; empty until the run has finished
 };
 
 struct ChartOptions {
@@ -26,7 +29,8 @@ struct ChartOptions {
 RunCurve ReadRunCurve(const std::filesystem::path& run);
 
 // Writes chart.svg, chart.png, chart.csv (run, seconds, heldout_psnr, tets, ...) and chart.json
-// into `out`. Throws EnvironmentError if gnuplot is missing.
+// into `out`, and growth.svg and growth.png if two meshes of a run were judged. Throws
+// EnvironmentError if gnuplot is missing.
 void WriteChart(const std::vector<RunCurve>& runs, const ChartOptions& options,
                 const std::filesystem::path& out);
 

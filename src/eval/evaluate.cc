@@ -292,7 +292,7 @@ void DrawConvergence(const RunFacts& run, Stage& stage, ReportContent& content) 
       DrawPlot(plot, svg, scratch);
       content.curves_svg.push_back(ReadText(svg));
     }
-    if (const std::optional<Plot> plot = GrowthPlot(content.growth)) {
+    if (const std::optional<Plot> plot = GrowthPlot({{"", content.growth}})) {
       DrawPlot(*plot, scratch / "growth.svg", scratch);
       content.growth_svg = ReadText(scratch / "growth.svg");
     }

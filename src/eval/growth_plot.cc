@@ -4,31 +4,74 @@
 #include <algorithm>
 
 namespace tetrec {
+namespace {
 
-std::optional<Plot> GrowthPlot(const std::vector<GrowthStep>& steps) {
-  PlotSeries judged{"judging pictures", {}, {}, 1, false, true};
-  PlotSeries below{"- 1 standard error of the gain", {}, {}, 5, false, false, true};
-  PlotSeries above{"+ 1 standard error of the gain", {}, {}, 5, false, false, true};
+// The lines of one run, in the order in which they are drawn.
+struct GrowthLines {
+  PlotSeries judged, below, above, result;
+};
+
+GrowthLines LinesOf(const std::vector<GrowthStep>& steps) {
+  GrowthLines lines;
   for (const GrowthStep& step : steps) {
     if (!(step.psnr > 0)) continue;
-    for (PlotSeries* series : {&judged, &below, &above}) series->x.push_back(double(step.tets));
-    judged.y.push_back(step.psnr);
-    below.y.push_back(step.psnr - step.gain_standard_error);
-    above.y.push_back(step.psnr + step.gain_standard_error);
+    for (PlotSeries* series : {&lines.judged, &lines.below, &lines.above}) {
+      series->x.push_back(double(step.tets));
+    }
+    lines.judged.y.push_back(step.psnr);
+    lines.below.y.push_back(step.psnr - step.gain_standard_error);
+    lines.above.y.push_back(step.psnr + step.gain_standard_error);
   }
-  if (judged.x.size() < 2) return {};
+  if (lines.judged.x.empty()) return lines;
   const double tets = double(steps.back().tets);
-  const double lowest = *std::min_element(below.y.begin(), below.y.end());
-  const double highest = *std::max_element(above.y.begin(), above.y.end());
+  lines.result.x = {tets, tets};
+  lines.result.y = {std::ranges::min(lines.below.y), std::ranges::max(lines.above.y)};
+  for (PlotSeries* line : {&lines.below, &lines.above, &lines.result}) line->marks = false;
+  for (PlotSeries* line : {&lines.below, &lines.above}) line->dashed = true;
+  return lines;
+}
+
+void NameParts(GrowthLines& lines) {
+  lines.judged.legend = "judging pictures";
+  lines.below.legend = "- 1 standard error of the gain";
+  lines.above.legend = "+ 1 standard error of the gain";
+  lines.result.legend = "size of the result";
+  lines.judged.color = 1;
+  lines.below.color = lines.above.color = 5;
+  lines.result.color = 2;
+}
+
+void NameRun(const std::string& run, int color, GrowthLines& lines) {
+  lines.judged.legend = run;
+  for (PlotSeries* line : {&lines.judged, &lines.below, &lines.above, &lines.result}) {
+    line->color = color;
+  }
+}
+
+}  // namespace
+
+std::optional<Plot> GrowthPlot(const std::vector<GrowthCurve>& curves) {
   Plot plot;
   plot.title = "Size against gain";
   plot.x_label = "tets";
   plot.y_label = "judged PSNR [dB]";
   plot.height_px = 400;
-  plot.series = {judged,
-                 below,
-                 above,
-                 {"size of the result", {tets, tets}, {lowest, highest}, 2, false, false}};
+  for (size_t i = 0; i < curves.size(); ++i) {
+    GrowthLines lines = LinesOf(curves[i].steps);
+    if (lines.judged.x.size() < 2) continue;
+    if (curves.size() == 1) {
+      NameParts(lines);
+    } else {
+      NameRun(curves[i].run, int(i), lines);
+    }
+    for (PlotSeries* line : {&lines.judged, &lines.below, &lines.above, &lines.result}) {
+      plot.series.push_back(std::move(*line));
+    }
+  }
+  if (plot.series.empty()) return {};
+  if (curves.size() > 1) {
+    plot.title += " (dashed: 1 standard error of the gain; upright: size of the result)";
+  }
   return plot;
 }
 

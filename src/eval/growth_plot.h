@@ -5,13 +5,21 @@
 #include "run/mesh_growth.h"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace tetrec {
 
-// The judged PSNR of each mesh, as a line between one standard error of the gain below and above,
-// and a vertical line at the size of the result, whose PSNR is not known: the judging pictures have
-// been learned by then. None if fewer than two meshes were judged.
-std::optional<Plot> GrowthPlot(const std::vector<GrowthStep>& steps);
+// How the mesh of a run grew.
+struct GrowthCurve {
+  std::string run;  // its name in the legend; not shown if the run is alone
+  std::vector<GrowthStep> steps;
+};
+
+// For each run the judged PSNR of each mesh, as a line between one standard error of the gain below
+// and above, and a vertical line at the size of the result, whose PSNR is not known: the judging
+// pictures have been learned by then. Runs of which fewer than two meshes were judged are left out;
+// none if that leaves no run.
+std::optional<Plot> GrowthPlot(const std::vector<GrowthCurve>& curves);
 
 }  // namespace tetrec

@@ -120,6 +120,8 @@ class EndToEndTest(StageCase):
         self.assertTrue((self.folder / "chart" / "chart.png").exists())
         chart = json.loads((self.folder / "chart" / "chart.json").read_text())
         self.assertRegex(chart["runs"][0]["protocol"], r"^\d+ held-out views")
+        judged = chart["runs"][0]["tets_judged_psnr_and_error"]
+        self.assertEqual((self.folder / "chart" / "growth.svg").exists(), len(judged) > 1)
 
     def test_points_are_triangulated_on_lego(self):
         lego = DATASETS / "lego"
