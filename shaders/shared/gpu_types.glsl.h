@@ -81,6 +81,7 @@ struct MarchPush {
   uint max_steps;    // a ray that needs more is counted as lost
   uint score;        // for scores: kScore...
   uint row_count;    // of a slot of view-dependent colours
+  vec4 background;   // for sums of edges: rgb [display sRGB] behind the field
 };
 
 // One pass over a tile of a batch with per-pixel lists. All rays are jittered alike.
@@ -210,6 +211,9 @@ struct SpreadPush {
 // The same for kScoreVisible: light that a picture of 8 bits hardly shows is not counted.
 #define kLeastVisibleShare 1e-2
 
+// Sums of an edge (EdgeSums): slopes by red, green, blue, density; curvatures by colour and density.
+#define kEdgeSums 6
+
 // What the backward pass of projected tets keeps per ray between stretches (held_vertices.glsl),
 // without and with positions.
 #define kRayStateBytes 64
@@ -290,6 +294,8 @@ struct SpreadPush {
 // texels vec4: rows of kBindSlotGradients and kBindOtherGradients
 #define kBindSlotGradientTexels 55
 #define kBindOtherGradientTexels 56
+#define kBindTetEdges 57  // uint, six per tet: ids of its edges
+#define kBindEdgeSums 58  // kEdgeSums per edge
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);
