@@ -78,10 +78,10 @@ struct MarchPush {
   uint hull_planes;  // of a convex boundary without a tree
   uint tree_leaves;  // of the tree of boxes over the faces; 0 if there is none
   vec4 mesh_ball;    // centre, radius: contains the mesh
+  vec4 background;   // for sums of edges: rgb [display sRGB] behind the field
   uint max_steps;    // a ray that needs more is counted as lost
   uint score;        // for scores: kScore...
   uint row_count;    // of a slot of view-dependent colours
-  vec4 background;   // for sums of edges: rgb [display sRGB] behind the field
 };
 
 // One pass over a tile of a batch with per-pixel lists. All rays are jittered alike.
@@ -211,7 +211,7 @@ struct SpreadPush {
 // The same for kScoreVisible: light that a picture of 8 bits hardly shows is not counted.
 #define kLeastVisibleShare 1e-2
 
-// Sums of an edge (EdgeSums): slopes by red, green, blue, density; curvatures by colour and density.
+// Sums of an edge (EdgeSums): slopes by colour and density, then curvatures by both.
 #define kEdgeSums 6
 
 // What the backward pass of projected tets keeps per ray between stretches (held_vertices.glsl),
@@ -302,6 +302,7 @@ static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);
 // Every device takes 128 bytes of push constants; std430 aligns vec4 to 16.
 static_assert(sizeof(MarchPush) <= 128 && sizeof(LossPush) <= 128 && sizeof(AdamPush) <= 128);
 static_assert(sizeof(DssimPush) == 32 && sizeof(ProjectionPush) <= 128 && sizeof(PpllPush) <= 128);
+static_assert(offsetof(MarchPush, background) % 16 == 0);
 static_assert(offsetof(MarchPush, mesh_ball) % 16 == 0 && offsetof(PpllPush, mesh_ball) % 16 == 0);
 static_assert(offsetof(ProjectionPush, eye_high) % 16 == 0);
 }  // namespace tetrec::gpu_types

@@ -30,4 +30,16 @@ MeshEdges EdgesOf(const TetMesh& mesh) {
   return edges;
 }
 
+int LongestEdge(const TetMesh& mesh, const glm::uvec4& tet) {
+  const auto length = [&](int edge) {
+    return glm::distance(mesh.positions[tet[kTetEdges[edge][0]]],
+                         mesh.positions[tet[kTetEdges[edge][1]]]);
+  };
+  int longest = 0;
+  for (int edge = 1; edge < 6; ++edge) {
+    if (length(edge) > length(longest)) longest = edge;
+  }
+  return longest;
+}
+
 }  // namespace tetrec

@@ -17,4 +17,7 @@ struct MeshEdges {
 
 MeshEdges EdgesOf(const TetMesh& mesh);
 
+// The first of the longest edges of a tet, as its place in kTetEdges.
+int LongestEdge(const TetMesh& mesh, const glm::uvec4& tet);
+
 }  // namespace tetrec

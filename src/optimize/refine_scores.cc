@@ -56,28 +56,14 @@ GradientsOfRows SumGradients(TrainingRenderer& renderer, BatchDrawer& batches,
   return result;
 }
 
-// In the order of kTetEdges.
-size_t LongestEdgeOf(const TetMesh& mesh, size_t tet) {
-  size_t longest = 0;
-  double most = 0.0;
-  for (size_t e = 0; e < 6; ++e) {
-    const double length =
-        glm::distance(glm::dvec3(mesh.positions[mesh.tets[tet][kTetEdges[e][0]]]),
-                      glm::dvec3(mesh.positions[mesh.tets[tet][kTetEdges[e][1]]]));
-    if (!(length > most)) continue;
-    most = length;
-    longest = e;
-  }
-  return longest;
-}
-
 // Of tets, the gain of the edge that insertion and bisection split, the longest one; of vertices,
 // of all edges at them, which the prism scheme splits.
 RefineScores ScoresByGain(const TetMesh& mesh, const MeshEdges& edges,
                           const std::vector<double>& gains) {
   RefineScores scores;
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    scores.of_tets.push_back(float(gains[edges.of_tets[6 * t + LongestEdgeOf(mesh, t)]]));
+    const size_t longest = size_t(LongestEdge(mesh, mesh.tets[t]));
+    scores.of_tets.push_back(float(gains[edges.of_tets[6 * t + longest]]));
   }
   scores.of_vertices.assign(mesh.positions.size(), 0.0f);
   for (size_t e = 0; e < gains.size(); ++e) {

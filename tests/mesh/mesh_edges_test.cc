@@ -35,5 +35,12 @@ TEST(MeshEdges, AreNumberedOnceAndNamedByTheirTets) {
   EXPECT_EQ(named.size(), edges.ends.size());
 }
 
+TEST(MeshEdges, KnowTheLongestOfATet) {
+  TetMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+  EXPECT_EQ(LongestEdge(mesh, {0, 1, 2, 3}), 5);
+  EXPECT_EQ(LongestEdge(mesh, {3, 2, 0, 1}), 0);
+}
+
 }  // namespace
 }  // namespace tetrec

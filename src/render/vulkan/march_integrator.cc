@@ -73,10 +73,10 @@ gpu_types::MarchPush MarchIntegrator::PushOf(const RayPass& pass) const {
           .hull_planes = pass.field.hull_planes,
           .tree_leaves = pass.field.tree_leaves,
           .mesh_ball = pass.field.ball,
+          .background = glm::vec4(0.0f),
           .max_steps = max_steps_,
           .score = NumberOf(pass.score),
-          .row_count = pass.field.row_count,
-          .background = glm::vec4(0.0f)};
+          .row_count = pass.field.row_count};
 }
 
 void MarchIntegrator::Dispatch(CommandRecorder& recorder, const Program& program,
