@@ -132,8 +132,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   tetrec::AddWordOption(
       app, "--score", options.score,
       "What is worst: residual (squared errors), color or position (absolute gradients by colours "
-      "or by positions), variance (of the squared errors over the views), or auto (color with "
-      "--refine prism, else residual)");
+      "or by positions), variance (of the squared errors over the views), gain (predicted loss of "
+      "squared error by a vertex in the middle of an edge), or auto (color with --refine prism, "
+      "else "
+      "residual)");
   tetrec::AddWordOption(
       app, "--prism-diagonals", options.prism_diagonals,
       "How --refine prism cuts the sides of prisms: shorter (diagonal) or flips (the search of "

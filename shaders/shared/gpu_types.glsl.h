@@ -78,6 +78,7 @@ struct MarchPush {
   uint hull_planes;  // of a convex boundary without a tree
   uint tree_leaves;  // of the tree of boxes over the faces; 0 if there is none
   vec4 mesh_ball;    // centre, radius: contains the mesh
+  vec4 background;   // for sums of edges: rgb [display sRGB] behind the field
   uint max_steps;    // a ray that needs more is counted as lost
   uint score;        // for scores: kScore...
   uint row_count;    // of a slot of view-dependent colours
@@ -210,6 +211,9 @@ struct SpreadPush {
 // The same for kScoreVisible: light that a picture of 8 bits hardly shows is not counted.
 #define kLeastVisibleShare 1e-2
 
+// Sums of an edge (EdgeSums): slopes by colour and density, then curvatures by both.
+#define kEdgeSums 6
+
 // What the backward pass of projected tets keeps per ray between stretches (held_vertices.glsl),
 // without and with positions.
 #define kRayStateBytes 64
@@ -290,12 +294,15 @@ struct SpreadPush {
 // texels vec4: rows of kBindSlotGradients and kBindOtherGradients
 #define kBindSlotGradientTexels 55
 #define kBindOtherGradientTexels 56
+#define kBindTetEdges 57  // uint, six per tet: ids of its edges
+#define kBindEdgeSums 58  // kEdgeSums per edge
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);
 // Every device takes 128 bytes of push constants; std430 aligns vec4 to 16.
 static_assert(sizeof(MarchPush) <= 128 && sizeof(LossPush) <= 128 && sizeof(AdamPush) <= 128);
 static_assert(sizeof(DssimPush) == 32 && sizeof(ProjectionPush) <= 128 && sizeof(PpllPush) <= 128);
+static_assert(offsetof(MarchPush, background) % 16 == 0);
 static_assert(offsetof(MarchPush, mesh_ball) % 16 == 0 && offsetof(PpllPush, mesh_ball) % 16 == 0);
 static_assert(offsetof(ProjectionPush, eye_high) % 16 == 0);
 }  // namespace tetrec::gpu_types

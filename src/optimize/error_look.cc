@@ -46,27 +46,44 @@ std::vector<RayBlock> DrawJudgingBlocks(const TrainingSet& set, const OptimizeOp
   return blocks;
 }
 
-std::vector<float> ScoresOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
-                            const BatchDrawer& batches, uint64_t iteration,
-                            ScoreKind kind = ScoreKind::kSquaredResidual) {
-  renderer.ClearScores();
+// Calls add(batch) for batches of all blocks.
+template <class Add>
+void ForEachBatch(std::span<const RayBlock> blocks, const BatchDrawer& batches, uint64_t iteration,
+                  const Add& add) {
   for (size_t first = 0, count = 0; first < blocks.size(); first += count) {
     TrainingBatch batch;
     count = batches.few_views() ? CountOfFewViews(blocks, first)
                                 : std::min(kBatch, blocks.size() - first);
     batch.blocks = blocks.subspan(first, count);
     batch.background_srgb = batches.Background(iteration + first);
-    renderer.AddScores(batch, kind);
+    add(batch);
   }
+}
+
+std::vector<float> ScoresOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
+                            const BatchDrawer& batches, uint64_t iteration,
+                            ScoreKind kind = ScoreKind::kSquaredResidual) {
+  renderer.ClearScores();
+  ForEachBatch(blocks, batches, iteration,
+               [&](const TrainingBatch& batch) { renderer.AddScores(batch, kind); });
   return renderer.ReadScores();
+}
+
+// As DrawJudgingBlocks, by views where batches should have few.
+std::vector<RayBlock> DrawBatchedBlocks(const TrainingRenderer& renderer, const TrainingSet& set,
+                                        const BatchDrawer& batches, const OptimizeOptions& options,
+                                        uint64_t iteration) {
+  std::vector<RayBlock> blocks =
+      DrawJudgingBlocks(set, options, renderer.mesh().tets.size(), iteration);
+  if (batches.few_views()) std::ranges::stable_sort(blocks, {}, &RayBlock::view);
+  return blocks;
 }
 
 std::vector<float> Look(TrainingRenderer& renderer, const TrainingSet& set,
                         const BatchDrawer& batches, const OptimizeOptions& options,
                         uint64_t iteration, ScoreKind kind) {
-  std::vector<RayBlock> blocks =
-      DrawJudgingBlocks(set, options, renderer.mesh().tets.size(), iteration);
-  if (batches.few_views()) std::ranges::stable_sort(blocks, {}, &RayBlock::view);
+  const std::vector<RayBlock> blocks =
+      DrawBatchedBlocks(renderer, set, batches, options, iteration);
   return ScoresOf(renderer, blocks, batches, iteration, kind);
 }
 
@@ -114,6 +131,17 @@ std::vector<float> LookAtVariances(TrainingRenderer& renderer, const TrainingSet
     variances[t] = float(std::max(0.0, squares[t] / views - mean * mean));
   }
   return variances;
+}
+
+std::vector<EdgeSums> LookAtEdges(TrainingRenderer& renderer, const TrainingSet& set,
+                                  const BatchDrawer& batches, const OptimizeOptions& options,
+                                  uint64_t iteration, const MeshEdges& edges) {
+  const std::vector<RayBlock> blocks =
+      DrawBatchedBlocks(renderer, set, batches, options, iteration);
+  renderer.ClearEdgeSums(edges);
+  ForEachBatch(blocks, batches, iteration,
+               [&](const TrainingBatch& batch) { renderer.AddEdgeSums(batch); });
+  return renderer.TakeEdgeSums();
 }
 
 }  // namespace tetrec

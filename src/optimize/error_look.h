@@ -1,6 +1,7 @@
 // A look at the errors of a field: which tets the images blame.
 #pragma once
 
+#include "mesh/mesh_edges.h"
 #include "optimize/batches.h"
 #include "optimize/optimize_options.h"
 #include "optimize/training_set.h"
@@ -31,5 +32,10 @@ uint64_t CountEmpty(const std::vector<float>& light_of_tets);
 std::vector<float> LookAtVariances(TrainingRenderer& renderer, const TrainingSet& set,
                                    const BatchDrawer& batches, const OptimizeOptions& options,
                                    uint64_t iteration);
+
+// From the same blocks, what they say of a vertex in the middle of each edge of the field's mesh.
+std::vector<EdgeSums> LookAtEdges(TrainingRenderer& renderer, const TrainingSet& set,
+                                  const BatchDrawer& batches, const OptimizeOptions& options,
+                                  uint64_t iteration, const MeshEdges& edges);
 
 }  // namespace tetrec

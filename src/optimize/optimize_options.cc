@@ -65,6 +65,11 @@ void OptimizeOptions::Check() const {
         "density is signed, but storage is cell: density is constant in a cell, so there is no "
         "place at which it could change its sign; use storage vertex");
   }
+  if (score == RefineScore::kGain && storage == FieldStorage::kCell) {
+    throw UsageError(
+        "score is gain, but storage is cell: what is predicted is the gain of a vertex with values "
+        "of its own; use storage vertex, or score residual");
+  }
   const bool march =
       renderer.kind == RendererKind::kMarch || renderer.kind == RendererKind::kReference;
   if (fine_rays == FineRaysChoice::kOn && (loss.dssim > 0 || !march)) {

@@ -75,6 +75,7 @@ enum class RefineScore {
   kColor,     // absolute gradients by a vertex's colour, summed over rays
   kPosition,  // absolute gradients by a vertex's position across the rays, summed over rays (AbsGS)
   kVariance,  // variance over the views of what kResidual sums
+  kGain,      // what the squared error would lose by a vertex in the middle of an edge
 };
 template <>
 inline constexpr auto kWords<RefineScore> =
@@ -82,7 +83,8 @@ inline constexpr auto kWords<RefineScore> =
                                       {RefineScore::kResidual, "residual"},
                                       {RefineScore::kColor, "color"},
                                       {RefineScore::kPosition, "position"},
-                                      {RefineScore::kVariance, "variance"}});
+                                      {RefineScore::kVariance, "variance"},
+                                      {RefineScore::kGain, "gain"}});
 
 // How the size of the mesh is chosen, up to any bound that is given.
 enum class BudgetChoice {

@@ -2,10 +2,13 @@
 #include "optimize/refine_scores.h"
 
 #include "core/error.h"
+#include "mesh/mesh_edges.h"
+#include "optimize/edge_gains.h"
 #include "optimize/error_look.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace tetrec {
@@ -53,13 +56,36 @@ GradientsOfRows SumGradients(TrainingRenderer& renderer, BatchDrawer& batches,
   return result;
 }
 
+// Of tets, the gain of the edge that insertion and bisection split, the longest one; of vertices,
+// of all edges at them, which the prism scheme splits.
+RefineScores ScoresByGain(const TetMesh& mesh, const MeshEdges& edges,
+                          const std::vector<double>& gains) {
+  RefineScores scores;
+  for (size_t t = 0; t < mesh.tets.size(); ++t) {
+    const size_t longest = size_t(LongestEdge(mesh, mesh.tets[t]));
+    scores.of_tets.push_back(float(gains[edges.of_tets[6 * t + longest]]));
+  }
+  scores.of_vertices.assign(mesh.positions.size(), 0.0f);
+  for (size_t e = 0; e < gains.size(); ++e) {
+    scores.of_vertices[edges.ends[e].x] += float(gains[e]);
+    scores.of_vertices[edges.ends[e].y] += float(gains[e]);
+  }
+  return scores;
+}
+
+RefineScores LookAtGains(TrainingRenderer& renderer, const TrainingSet& set,
+                         const BatchDrawer& batches, const OptimizeOptions& options,
+                         uint64_t iteration) {
+  const MeshEdges edges = EdgesOf(renderer.mesh());
+  const std::vector<EdgeSums> sums = LookAtEdges(renderer, set, batches, options, iteration, edges);
+  return ScoresByGain(renderer.mesh(), edges, GainsOfEdges(edges, renderer.ReadState(), sums));
+}
+
 std::vector<float> ToFloat(const std::vector<double>& values) {
   return {values.begin(), values.end()};
 }
 
-}  // namespace
-
-RefineScores LookAtScores(TrainingRenderer& renderer, const TrainingSet& set, BatchDrawer& batches,
+RefineScores ScoresOfKind(TrainingRenderer& renderer, const TrainingSet& set, BatchDrawer& batches,
                           const OptimizeOptions& options, uint64_t iteration) {
   RefineScores scores;
   switch (ScoreOf(options)) {
@@ -67,13 +93,12 @@ RefineScores LookAtScores(TrainingRenderer& renderer, const TrainingSet& set, Ba
       break;
     case RefineScore::kResidual:
       scores.of_tets = LookAtErrors(renderer, set, batches, options, iteration);
-      if (options.refine == RefineScheme::kInsert) {
-        scores.visible_of_tets = LookAtLight(renderer, set, batches, options, iteration);
-      }
       return scores;
     case RefineScore::kVariance:
       scores.of_tets = LookAtVariances(renderer, set, batches, options, iteration);
       return scores;
+    case RefineScore::kGain:
+      return LookAtGains(renderer, set, batches, options, iteration);
     case RefineScore::kColor: {
       const bool has_cells = options.storage == FieldStorage::kCell;
       std::vector<float>& of_rows = has_cells ? scores.of_tets : scores.of_vertices;
@@ -90,6 +115,20 @@ RefineScores LookAtScores(TrainingRenderer& renderer, const TrainingSet& set, Ba
   }
   TETREC_CHECK(false, "no such score of refinement");
   return {};
+}
+
+}  // namespace
+
+RefineScores LookAtScores(TrainingRenderer& renderer, const TrainingSet& set, BatchDrawer& batches,
+                          const OptimizeOptions& options, uint64_t iteration) {
+  RefineScores scores = ScoresOfKind(renderer, set, batches, options, iteration);
+  if (options.refine != RefineScheme::kInsert) return scores;
+  const bool has_errors = ScoreOf(options) == RefineScore::kResidual;
+  const std::vector<float> errors =
+      has_errors ? scores.of_tets : LookAtErrors(renderer, set, batches, options, iteration);
+  scores.squared_error = std::accumulate(errors.begin(), errors.end(), 0.0);
+  scores.visible_of_tets = LookAtLight(renderer, set, batches, options, iteration);
+  return scores;
 }
 
 }  // namespace tetrec

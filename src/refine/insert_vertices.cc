@@ -5,6 +5,7 @@
 #include "mesh/boundary.h"
 #include "mesh/delaunay.h"
 #include "mesh/locate.h"
+#include "mesh/mesh_edges.h"
 #include "refine/spare_vertices.h"
 
 #include <algorithm>
@@ -23,13 +24,9 @@ double EdgeLength(const TetMesh& mesh, Edge e) {
   return glm::distance(mesh.positions[e.a], mesh.positions[e.b]);
 }
 
-Edge LongestEdge(const TetMesh& mesh, const glm::uvec4& tet) {
-  Edge longest{tet[0], tet[1]};
-  for (const auto& ends : kTetEdges) {
-    const Edge edge{tet[ends[0]], tet[ends[1]]};
-    if (EdgeLength(mesh, edge) > EdgeLength(mesh, longest)) longest = edge;
-  }
-  return {std::min(longest.a, longest.b), std::max(longest.a, longest.b)};
+Edge EdgeToSplit(const TetMesh& mesh, const glm::uvec4& tet) {
+  const auto& ends = kTetEdges[LongestEdge(mesh, tet)];
+  return {std::min(tet[ends[0]], tet[ends[1]]), std::max(tet[ends[0]], tet[ends[1]])};
 }
 
 // The edges to split, worst tets first.
@@ -41,7 +38,7 @@ std::vector<Edge> ChooseEdges(const TetMesh& mesh, const std::vector<float>& err
   std::vector<Edge> edges;
   for (const uint32_t t : WorstFirst(error)) {
     if (edges.size() >= count || error[t] <= 0.0f) break;
-    const Edge edge = LongestEdge(mesh, mesh.tets[t]);
+    const Edge edge = EdgeToSplit(mesh, mesh.tets[t]);
     // A point on an edge of the hull would make the hull rough; one on a chord between two of its
     // corners may lie in a face.
     if (on_hull[edge.a] && on_hull[edge.b]) continue;

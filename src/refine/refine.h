@@ -48,18 +48,19 @@ struct RefineOptions {
   uint64_t seed = 1;
 };
 
-// How much the images ask for a finer mesh at each place: measured at tets or at vertices. The
-// other is empty, or the same as seen from there.
+// How much the images ask for a finer mesh at each place: measured at tets or at vertices, or both.
+// The other is empty, or the same as seen from there.
 struct RefineScores {
   std::vector<float> of_tets;      // (T)
   std::vector<float> of_vertices;  // (V)
-  // (T) Where of_tets are squared errors, the light that the same rays lose in each tet
-  // (ScoreKind::kVisible), by which vertices are found that the mesh can do without
-  // (spare_vertices.h). Empty if that is not known.
+  // (T) The light that rays lose in each tet (ScoreKind::kVisible), by which vertices are found
+  // that the mesh can do without (spare_vertices.h); their squared error may grow by a share of
+  // squared_error. Empty if that is not known.
   std::vector<float> visible_of_tets;
   // (V) Not 0 for vertices that must stay, whatever the images show: those that keep the space of
   // the cameras empty. Empty if there are none.
   std::vector<uint8_t> is_kept;
+  double squared_error = 0.0;  // of the rays of visible_of_tets
 };
 
 // Fills the empty one: a vertex gets a quarter of the scores of its tets; a tet gets from each of

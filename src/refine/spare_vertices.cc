@@ -211,9 +211,8 @@ SpareVertices FindSpareVertices(const TetMesh& mesh, const FieldState& state,
   if (!knows_light || state.layout.storage == FieldStorage::kCell) return spare;
   std::vector<uint8_t> is_fixed = AtOrNextTo(mesh, spare.is_spare);
   for (size_t v = 0; v < count; ++v) is_fixed[v] |= stays[v];
-  const double error = std::accumulate(scores.of_tets.begin(), scores.of_tets.end(), 0.0);
-  TakeFlat(mesh, ErrorsWithout(mesh, state, light), options.flat_error * error, std::move(is_fixed),
-           spare);
+  TakeFlat(mesh, ErrorsWithout(mesh, state, light), options.flat_error * scores.squared_error,
+           std::move(is_fixed), spare);
   return spare;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "field/field_state.h"
+#include "mesh/mesh_edges.h"
 #include "render/exposure.h"
 #include "render/loss.h"
 #include "render/renderer.h"
@@ -115,6 +116,16 @@ enum class ScoreKind {
   kVisible,           // 1, where the share is at least kLeastVisibleShare: 0 for tets not seen
 };
 
+// What the rays say of a vertex that would halve an edge, by its hat function
+// (shared/edge_hat.glsl.h) and half the squared residual of what the view shows, summed over rays
+// and channels. Curvatures are Gauss-Newton's, sums of squared slopes of what a ray shows, for each
+// passage of a tet on its own; by colour, those of one channel.
+struct EdgeSums {
+  glm::dvec3 color{0.0};  // dL/dcolour
+  double density = 0;     // dL/ddensity [world units]
+  double color_curvature = 0, density_curvature = 0;
+};
+
 // The field is on the device between SetState and ReadState.
 class TrainingRenderer : public Renderer {
  public:
@@ -176,6 +187,13 @@ class TrainingRenderer : public Renderer {
   // At most kMostScoredRays rays between ClearScores and ReadScores.
   virtual StepResult AddScores(const TrainingBatch& batch, ScoreKind kind) = 0;
   virtual std::vector<float> ReadScores() = 0;  // per tet
+
+  // The same for edges, those of the mesh, of a field with values at vertices. Passages of tets in
+  // which a ray loses less than kLeastScoredShare add nothing.
+  virtual void ClearEdgeSums(const MeshEdges& edges) = 0;
+  virtual StepResult AddEdgeSums(const TrainingBatch& batch) = 0;
+  // Per edge; frees what ClearEdgeSums made.
+  virtual std::vector<EdgeSums> TakeEdgeSums() = 0;
 };
 
 }  // namespace tetrec

@@ -30,15 +30,19 @@ struct WrongRun : SmallRun {
 };
 
 TEST(RefineScores, OfEveryKindAreLargeWhereTheFieldIsWrong) {
-  for (const RefineScore score : {RefineScore::kAuto, RefineScore::kResidual, RefineScore::kColor,
-                                  RefineScore::kPosition, RefineScore::kVariance}) {
+  for (const RefineScore score :
+       {RefineScore::kAuto, RefineScore::kResidual, RefineScore::kColor, RefineScore::kPosition,
+        RefineScore::kVariance, RefineScore::kGain}) {
     SCOPED_TRACE(int(score));
     WrongRun run(score);
     RefineScores scores = run.Look();
     const TetMesh& mesh = run.field.mesh();
     const bool of_vertices = score == RefineScore::kColor || score == RefineScore::kPosition;
-    ASSERT_EQ(scores.of_vertices.size(), of_vertices ? mesh.positions.size() : 0u);
+    const bool of_both = score == RefineScore::kGain;
+    ASSERT_EQ(scores.of_vertices.size(), of_vertices || of_both ? mesh.positions.size() : 0u);
     ASSERT_EQ(scores.of_tets.size(), of_vertices ? 0u : mesh.tets.size());
+    EXPECT_EQ(scores.visible_of_tets.size(), mesh.tets.size());
+    EXPECT_GT(scores.squared_error, 0.0);
     CompleteScores(mesh, scores);
     double wrong = 0, all = 0;
     for (size_t v = 0; v < mesh.positions.size(); ++v) {

@@ -24,6 +24,7 @@ FieldState StateOfBump(const TetMesh& mesh, const std::function<float(const glm:
 RefineScores Scores(const TetMesh& mesh, float error, float light) {
   RefineScores scores;
   scores.of_tets.assign(mesh.tets.size(), error);
+  scores.squared_error = double(error) * double(mesh.tets.size());
   scores.visible_of_tets.assign(mesh.tets.size(), light);
   return scores;
 }

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "render/field_checks.h"
 #include "render/reference/batch_loss.h"
+#include "render/reference/edge_shares.h"
 #include "render/reference/error_shares.h"
 #include "render/reference/gradient_sums.h"
 #include "render/reference/ray_caster.h"
@@ -180,21 +181,31 @@ class ReferenceRenderer final : public ProbedRenderer {
 
   void ClearScores() override { scores_.assign(scores_.size(), 0.0); }
 
-  // A gradient scale of 1/2 makes the gradients of L2 the residuals themselves.
   StepResult AddScores(const TrainingBatch& batch, ScoreKind kind) override {
-    TETREC_CHECK(batch.samples == 1, "scores take one ray per pixel");
-    const BatchRays rays = RaysOf(targets_.views, batch);
-    TrainingBatch by_square = batch;
-    by_square.loss = LossKind::kL2;
-    std::vector<Vec4<Real>> residuals(rays.count());
-    const std::vector<Vec4<Real>> shown = ShownPixels(rays, caster_.March(field_, boxes_, rays));
-    const StepResult result =
-        CompareWithTargets<Real>(targets_, rays, shown, by_square, Real(0.5), residuals);
-    AddErrorShares<Real>(field_, boxes_, caster_.stop_depth(), rays, residuals, kind, scores_);
-    return OneStepLate(result);
+    return WithResiduals(batch, [&](const BatchRays& rays, const auto& residuals, const auto&) {
+      AddErrorShares<Real>(field_, boxes_, caster_.stop_depth(), rays, residuals, kind, scores_);
+    });
   }
 
   std::vector<float> ReadScores() override { return {scores_.begin(), scores_.end()}; }
+
+  void ClearEdgeSums(const MeshEdges& edges) override {
+    edges_ = edges;
+    edge_sums_.assign(edges.ends.size(), {});
+  }
+
+  StepResult AddEdgeSums(const TrainingBatch& batch) override {
+    return WithResiduals(
+        batch, [&](const BatchRays& rays, const auto& residuals, const auto& shown) {
+          AddEdgeShares<Real>(field_, boxes_, caster_.stop_depth(), rays, batch.background_srgb,
+                              residuals, shown, edges_, edge_sums_);
+        });
+  }
+
+  std::vector<EdgeSums> TakeEdgeSums() override {
+    edges_ = {};
+    return std::exchange(edge_sums_, {});
+  }
 
   RenderedImage Render(const RenderView& view, int samples) override {
     return caster_.Render(FieldSeenFrom(field_, CenterOf(view)), boxes_, view, samples);
@@ -251,6 +262,22 @@ class ReferenceRenderer final : public ProbedRenderer {
     for (size_t row = 0; row < state_.rows(); ++row) SpreadRow<Real>(state_, row, field_);
   }
 
+  // Calls use(rays, residuals, shown) for a batch. A gradient scale of 1/2 makes the gradients of
+  // L2 the residuals themselves.
+  template <class Use>
+  StepResult WithResiduals(const TrainingBatch& batch, const Use& use) {
+    TETREC_CHECK(batch.samples == 1, "scores take one ray per pixel");
+    const BatchRays rays = RaysOf(targets_.views, batch);
+    TrainingBatch by_square = batch;
+    by_square.loss = LossKind::kL2;
+    std::vector<Vec4<Real>> residuals(rays.count());
+    const std::vector<Vec4<Real>> shown = ShownPixels(rays, caster_.March(field_, boxes_, rays));
+    const StepResult result =
+        CompareWithTargets<Real>(targets_, rays, shown, by_square, Real(0.5), residuals);
+    use(rays, residuals, shown);
+    return OneStepLate(result);
+  }
+
   // Like the other renderers, which have two batches in flight.
   StepResult OneStepLate(const StepResult& result) {
     current_ ^= 1;
@@ -268,6 +295,8 @@ class ReferenceRenderer final : public ProbedRenderer {
   TrainingTargets targets_;
   std::vector<BlockExposureSums> block_sums_;  // since AddExposureSums
   std::vector<double> scores_;
+  MeshEdges edges_;
+  std::vector<EdgeSums> edge_sums_;
   std::array<StepResult, 2> results_;
   int current_ = 0;
 };

@@ -54,6 +54,7 @@ MarchIntegrator::Kernels MarchIntegrator::MakeKernels(const FieldLayout& layout,
   const SummingKernel positions{kMarchBackwardPositions, kMarchBackwardPositionsCas,
                                 kMarchBackwardPositionsFixed};
   const SummingKernel scores{kMarchScore, kMarchScoreCas, kMarchScoreFixed};
+  const SummingKernel edges{kMarchEdges, kMarchEdgesCas, kMarchEdgesFixed};
   Kernels kernels;
   kernels.forward = make("march_forward", kMarchForward);
   kernels.forward_counting = make("march_forward (counting)", kMarchForwardCounting);
@@ -62,21 +63,32 @@ MarchIntegrator::Kernels MarchIntegrator::MakeKernels(const FieldLayout& layout,
   kernels.backward_positions =
       make("march_backward (positions)", positions.For(device_, fixed_point_));
   kernels.score = make("march_score", scores.For(device_, fixed_point_));
+  kernels.edges = make("march_edges", edges.For(device_, fixed_point_));
   return kernels;
+}
+
+gpu_types::MarchPush MarchIntegrator::PushOf(const RayPass& pass) const {
+  return {.rays = pass.push,
+          .hull_faces = pass.field.hull_faces,
+          .hull_planes = pass.field.hull_planes,
+          .tree_leaves = pass.field.tree_leaves,
+          .mesh_ball = pass.field.ball,
+          .background = glm::vec4(0.0f),
+          .max_steps = max_steps_,
+          .score = NumberOf(pass.score),
+          .row_count = pass.field.row_count};
 }
 
 void MarchIntegrator::Dispatch(CommandRecorder& recorder, const Program& program,
                                const RayPass& pass, const BoundBuffers& more) const {
+  Dispatch(recorder, program, pass, more, PushOf(pass));
+}
+
+void MarchIntegrator::Dispatch(CommandRecorder& recorder, const Program& program,
+                               const RayPass& pass, const BoundBuffers& more,
+                               const gpu_types::MarchPush& push) const {
   BoundBuffers buffers = MeshAnd(pass, more);
   buffers.insert(buffers.end(), {{kBindHull, pass.field.hull}, {kBindCounters, pass.counters}});
-  const gpu_types::MarchPush push{.rays = pass.push,
-                                  .hull_faces = pass.field.hull_faces,
-                                  .hull_planes = pass.field.hull_planes,
-                                  .tree_leaves = pass.field.tree_leaves,
-                                  .mesh_ball = pass.field.ball,
-                                  .max_steps = max_steps_,
-                                  .score = NumberOf(pass.score),
-                                  .row_count = pass.field.row_count};
   recorder.Dispatch(program, buffers, push, pass.push.ray_count);
 }
 
@@ -111,6 +123,19 @@ void MarchIntegrator::Score(CommandRecorder& recorder, const RayPass& pass) {
            {{kBindRayEntries, pass.rays.entries},
             {kBindRayGradients, pass.rays.gradients},
             {kBindTetScores, pass.field.tet_scores}});
+}
+
+void MarchIntegrator::AddEdgeSums(CommandRecorder& recorder, const RayPass& pass,
+                                  const EdgeGather& edges, const glm::vec3& background) {
+  gpu_types::MarchPush push = PushOf(pass);
+  push.background = glm::vec4(background, 0.0f);
+  Dispatch(recorder, current_->edges, pass,
+           {{kBindRayColors, pass.rays.colors},
+            {kBindRayEntries, pass.rays.entries},
+            {kBindRayGradients, pass.rays.gradients},
+            {kBindTetEdges, edges.tet_edges()},
+            {kBindEdgeSums, edges.sums()}},
+           push);
 }
 
 }  // namespace tetrec

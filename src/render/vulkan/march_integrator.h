@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gpu/program.h"
+#include "render/vulkan/edge_gather.h"
 #include "render/vulkan/integrator.h"
 
 #include <map>
@@ -20,15 +21,21 @@ class MarchIntegrator final : public Integrator {
   void ForwardWithReaches(CommandRecorder& recorder, const RayPass& pass, const Buffer& reaches);
   // Records the commands that add to field.tet_scores; follows Forward and the loss.
   void Score(CommandRecorder& recorder, const RayPass& pass);
+  // The same for the sums of edges of rays in front of a background [display sRGB].
+  void AddEdgeSums(CommandRecorder& recorder, const RayPass& pass, const EdgeGather& edges,
+                   const glm::vec3& background);
 
  private:
   struct Kernels {
-    Program forward, forward_counting, forward_depth, backward, backward_positions, score;
+    Program forward, forward_counting, forward_depth, backward, backward_positions, score, edges;
   };
   Kernels MakeKernels(const FieldLayout& layout, bool any_boundary) const;
   // Binds what every march kernel reads, and `more`.
   void Dispatch(CommandRecorder& recorder, const Program& program, const RayPass& pass,
                 const BoundBuffers& more) const;
+  void Dispatch(CommandRecorder& recorder, const Program& program, const RayPass& pass,
+                const BoundBuffers& more, const gpu_types::MarchPush& push) const;
+  gpu_types::MarchPush PushOf(const RayPass& pass) const;
 
   const Device& device_;
   IntegralOptions integral_;

@@ -5,6 +5,7 @@
 #include "render/field_checks.h"
 #include "render/vulkan/device_memory.h"
 #include "render/vulkan/device_sums.h"
+#include "render/vulkan/edge_gather.h"
 #include "render/vulkan/exposure_gather.h"
 #include "render/vulkan/field_update.h"
 #include "render/vulkan/fixed_point.h"
@@ -221,30 +222,33 @@ class VulkanRenderer final : public ProbedRenderer {
     scored_rays_ = 0;
   }
 
-  // A gradient scale of 1/2 makes the rays' gradients of L2 the residuals themselves.
   StepResult AddScores(const TrainingBatch& batch, ScoreKind kind) override {
-    scored_rays_ += batch.rays();
-    TETREC_CHECK(!options_.deterministic || scored_rays_ <= kMostScoredRays,
-                 fmt::format("scores of {} rays: the fixed-point sums are for {} at most",
-                             scored_rays_, kMostScoredRays));
-    TrainingBatch by_square = batch;
-    by_square.loss = LossKind::kL2;
-    by_square.dssim_weight = 0;
-    by_square.sums_exposures = false;
-    TETREC_CHECK(batch.samples == 1, "scores take one ray per pixel");
-    FixedPoint fixed;
-    fixed.largest_quanta = float(kLargestScore * kScoreQuanta);
-    return InFlightBatch(integrators_.march(), by_square, {0.5f, true}, fixed,
-                         [&](CommandRecorder& recorder, const RayPass& pass) {
-                           RayPass scored = pass;
-                           scored.score = kind;
-                           integrators_.march().Score(recorder, scored);
-                         });
+    return Score(batch, [&](CommandRecorder& recorder, RayPass pass) {
+      pass.score = kind;
+      integrators_.march().Score(recorder, pass);
+    });
   }
 
   std::vector<float> ReadScores() override {
     WaitAll();
     return DownloadScores(field_);
+  }
+
+  void ClearEdgeSums(const MeshEdges& edges) override {
+    WaitAll();
+    edges_.Begin(*device_, edges, options_.deterministic);
+    scored_rays_ = 0;
+  }
+
+  StepResult AddEdgeSums(const TrainingBatch& batch) override {
+    return Score(batch, [&](CommandRecorder& recorder, const RayPass& pass) {
+      integrators_.march().AddEdgeSums(recorder, pass, edges_, batch.background_srgb);
+    });
+  }
+
+  std::vector<EdgeSums> TakeEdgeSums() override {
+    WaitAll();
+    return edges_.Take(double(field_.ball.w));
   }
 
   RenderedImage Render(const RenderView& view, int samples) override {
@@ -383,6 +387,24 @@ class VulkanRenderer final : public ProbedRenderer {
     return before;
   }
 
+  // Records what scores the batch's rays. A gradient scale of 1/2 makes the rays' gradients of L2
+  // the residuals themselves.
+  template <class Record>
+  StepResult Score(const TrainingBatch& batch, const Record& record) {
+    scored_rays_ += batch.rays();
+    TETREC_CHECK(!options_.deterministic || scored_rays_ <= kMostScoredRays,
+                 fmt::format("scores of {} rays: the fixed-point sums are for {} at most",
+                             scored_rays_, kMostScoredRays));
+    TETREC_CHECK(batch.samples == 1, "scores take one ray per pixel");
+    TrainingBatch by_square = batch;
+    by_square.loss = LossKind::kL2;
+    by_square.dssim_weight = 0;
+    by_square.sums_exposures = false;
+    FixedPoint fixed;
+    fixed.largest_quanta = float(kLargestScore * kScoreQuanta);
+    return InFlightBatch(integrators_.march(), by_square, {0.5f, true}, fixed, record);
+  }
+
   // The pass over the batch of Forward.
   RayPass ForwardPass() {
     return PassOver(part_.rays, forward_batch_, FixedPointOf(forward_batch_));
@@ -478,6 +500,7 @@ class VulkanRenderer final : public ProbedRenderer {
   std::array<std::unique_ptr<CommandRecorder>, 2> recorders_;
   CommandRecorder part_recorder_;
   DeviceField field_;
+  EdgeGather edges_;
   TrainingViews views_;
   std::array<BatchSlot, 2> in_flight_;  // of steps and scores
   BatchSlot part_;                      // for Forward and Backward

@@ -1,5 +1,7 @@
 // The parts of a training step add up to the whole one, and carry attributes that no kernel knows.
 #include "field/extra_attribute.h"
+#include "mesh/mesh_edges.h"
+#include "render/create_renderer.h"
 #include "render/reference_loss.h"
 #include "render/scenes.h"
 
@@ -33,6 +35,10 @@ class TrainingPartsTest : public EveryRendererTest {
   ProbedRenderer& MakeLearner(bool deterministic, const FieldState& state, const TetMesh& mesh) {
     ProbedRenderer& renderer =
         MakeRenderer({.stop_transmittance = 0.0f, .deterministic = deterministic});
+    TeachRandomPictures(renderer, state, mesh);
+    return renderer;
+  }
+  void TeachRandomPictures(ProbedRenderer& renderer, const FieldState& state, const TetMesh& mesh) {
     renderer.SetState(mesh, state);
     std::mt19937 random(41);
     std::vector<TargetImage> targets;
@@ -43,7 +49,6 @@ class TrainingPartsTest : public EveryRendererTest {
       }
     }
     renderer.SetTargets(views_, targets);
-    return renderer;
   }
   ProbedRenderer& MakeLearner(bool deterministic) {
     return MakeLearner(deterministic, StateOf(field_), field_.mesh);
@@ -418,6 +423,38 @@ TEST_P(TrainingPartsTest, ScoresCanCountTheLightThatRaysLose) {
   EXPECT_GE(sum, light - 40 * 1e-2 * rays);
   EXPECT_GT(sum, 0.7 * light);
   for (const float score : scores) EXPECT_TRUE(score == 0.0f || score > 0.0099f);
+}
+
+TEST_P(TrainingPartsTest, EdgesGetTheSumsOfTheReference) {
+  const MeshEdges edges = EdgesOf(field_.mesh);
+  const auto sums_of = [&](ProbedRenderer& renderer) {
+    renderer.ClearEdgeSums(edges);
+    for (const TrainingBatch& batch : Halves(Whole())) renderer.AddEdgeSums(batch);
+    return renderer.TakeEdgeSums();
+  };
+  const auto reference =
+      CreateProbedRenderer({.kind = RendererKind::kReference, .stop_transmittance = 0.0f});
+  TeachRandomPictures(*reference, StateOf(field_), field_.mesh);
+  const std::vector<EdgeSums> expected = sums_of(*reference);
+  std::array<double, 4> largest{};
+  const auto parts_of = [](const EdgeSums& sums) {
+    return std::array{glm::length(sums.color), sums.density, sums.color_curvature,
+                      sums.density_curvature};
+  };
+  for (const EdgeSums& sums : expected) {
+    for (size_t i = 0; i < 4; ++i) largest[i] = std::max(largest[i], std::abs(parts_of(sums)[i]));
+  }
+  for (const bool deterministic : {false, true}) {
+    const std::vector<EdgeSums> sums = sums_of(MakeLearner(deterministic));
+    ASSERT_EQ(sums.size(), edges.ends.size());
+    for (size_t e = 0; e < sums.size(); ++e) {
+      EXPECT_NEAR(glm::distance(sums[e].color, expected[e].color), 0.0, 3e-3 * largest[0]);
+      for (size_t i = 1; i < 4; ++i) {
+        EXPECT_NEAR(parts_of(sums[e])[i], parts_of(expected[e])[i], 3e-3 * largest[i])
+            << "edge " << e << ", sum " << i;
+      }
+    }
+  }
 }
 
 }  // namespace
