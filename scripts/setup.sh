@@ -25,6 +25,7 @@ libglm-dev                  geometry: vectors and matrices
 libopencv-core-dev          image, eval: images
 libopencv-imgproc-dev       image, eval: images
 libopencv-imgcodecs-dev     image, eval: image files
+libjpeg-dev                 image: finds damage that OpenCV passes over
 libtiff-dev                 image: TIFF files
 libboost-dev                start: minimum cuts
 libcgal-dev                 mesh: Delaunay tetrahedralization

@@ -6,6 +6,7 @@
 #include "image/depth_map.h"
 #include "image/exr_header.h"
 #include "image/image.h"
+#include "image/jpeg_data.h"
 #include "image/normal_map.h"
 #include "image/photo.h"
 #include "image/size_limits.h"
@@ -37,7 +38,6 @@ uint32_t BigEndian32(const uint8_t* p) { return BigEndian16(p) << 16 | BigEndian
 }
 
 constexpr uint8_t kPngSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-constexpr uint8_t kJpegSignature[] = {0xFF, 0xD8, 0xFF};
 
 template <size_t N>
 bool StartsWith(std::span<const uint8_t> bytes, const uint8_t (&signature)[N]) {
@@ -79,39 +79,18 @@ PngFacts CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
   FailTruncated(name, bytes.size());
 }
 
-// Position behind the two bytes of the next marker, 0 if there is none. Skips byte stuffing, fill
-// bytes and restart markers.
-size_t NextJpegMarker(std::span<const uint8_t> bytes, size_t position) {
-  for (; position + 1 < bytes.size(); ++position) {
-    const uint8_t code = bytes[position + 1];
-    const bool is_marker = code != 0x00 && code != 0xFF && (code < 0xD0 || code > 0xD7);
-    if (bytes[position] == 0xFF && is_marker) return position + 2;
-  }
-  return 0;
-}
+// More than any program writes; each scan of a short file may cost as much as the whole image.
+constexpr int kMostJpegScans = 500;
 
-// Walks the markers to EOI, because the decoder fills missing parts with grey. A search for the
-// last EOI is not enough, since thumbnails have one too. (JPEG, ITU T.81, annex B)
 void CheckJpeg(std::span<const uint8_t> bytes, const std::string& name) {
-  size_t position = 2;
-  while ((position = NextJpegMarker(bytes, position)) != 0) {
-    const uint8_t code = bytes[position - 1];
-    if (code == 0xD9) return;                    // EOI
-    if (code == 0x01 || code == 0xD8) continue;  // markers without a segment
-    if (bytes.size() - position < 2) break;
-    const size_t length = BigEndian16(&bytes[position]);
-    if (length > bytes.size() - position) break;
-    const bool is_frame =
-        code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC;
-    if (is_frame && length >= 7) {
-      const uint64_t width = BigEndian16(&bytes[position + 5]);
-      const uint64_t height = BigEndian16(&bytes[position + 3]);
-      CheckSize(width, height, name);
-      CheckAgainstFile(width * height, bytes.size(), name);
-    }
-    position += length;
+  const JpegFacts facts = ReadJpegMarkers(bytes, name);
+  CheckSize(facts.size.x, facts.size.y, name);
+  CheckAgainstFile(facts.size.x * facts.size.y, bytes.size(), name);
+  if (facts.scans > kMostJpegScans) {
+    throw DataError(fmt::format("{}: JPEG of {} scans, of which at most {} are read; save it again",
+                                name, facts.scans, kMostJpegScans));
   }
-  FailTruncated(name, bytes.size());
+  CheckJpegScans(bytes, name);
 }
 
 // OpenCV reads EXR only if this environment variable is set when it first looks. It is set before

@@ -502,6 +502,38 @@ TEST(ImageFiles, AJpegCutAnywhereIsRefused) {
   }
 }
 
+// A part of the scans was lost, was overwritten, or misses a single bit.
+TEST(ImageFiles, AJpegDamagedInItsMiddleIsRefused) {
+  for (const int progressive : {0, 1}) {
+    const std::vector<uint8_t> jpeg = SomeJpeg({cv::IMWRITE_JPEG_PROGRESSIVE, progressive});
+    const auto middle = jpeg.begin() + std::ptrdiff_t(jpeg.size() / 2);
+    std::vector<uint8_t> shorter(jpeg.begin(), middle);
+    shorter.insert(shorter.end(), middle + 200, jpeg.end());
+    std::vector<uint8_t> zeroed = jpeg;
+    std::fill_n(zeroed.begin() + (middle - jpeg.begin()), 1000, uint8_t(0));
+    for (const auto& damaged : {shorter, zeroed}) {
+      ExpectError<DataError>([&] { DecodeImage(damaged, "a.jpg"); },
+                             {"a.jpg", "damaged image (", "copy it again or remove it"});
+    }
+  }
+}
+
+// Cameras write such files, and nothing of the image is lost.
+TEST(ImageFiles, OddBytesInTheHeaderOfAJpegDoNotMatter) {
+  std::vector<uint8_t> jpeg = SomeJpeg();
+  const Image image = DecodeImage(jpeg, "plain");
+  constexpr int kBehindJfif = 20;
+  jpeg.insert(jpeg.begin() + kBehindJfif, 5, uint8_t(0x11));
+  EXPECT_EQ(DecodeImage(jpeg, "odd").pixels, image.pixels);
+}
+
+TEST(ImageFiles, AJpegOfEndlessScansIsRefused) {
+  std::vector<uint8_t> jpeg = SomeJpeg();
+  const std::vector<uint8_t> scan = {0xFF, 0xDA, 0, 8, 1, 1, 0, 0, 0, 0};
+  for (int i = 0; i < 600; ++i) jpeg.insert(jpeg.end() - 2, scan.begin(), scan.end());
+  ExpectError<DataError>([&] { DecodeImage(jpeg, "a.jpg"); }, {"a.jpg", "601 scans"});
+}
+
 TEST(ImageFiles, BytesBehindTheEndOfAJpegDoNotMatter) {
   std::vector<uint8_t> jpeg = SomeJpeg();
   const Image image = DecodeImage(jpeg, "plain");
