@@ -73,7 +73,8 @@ TEST(ChildProcess, MemoryIsLimited) {
   const auto exit_code = [](uint64_t limit) {
     ChildOptions options;
     options.max_memory_bytes = limit;
-    return RunChild(FindProgram("dd"), {"if=/dev/zero", "of=/dev/null", "bs=300M", "count=1"}, options)
+    return RunChild(FindProgram("dd"), {"if=/dev/zero", "of=/dev/null", "bs=300M", "count=1"},
+                    options)
         .exit_code;
   };
   EXPECT_EQ(exit_code(0), 0);

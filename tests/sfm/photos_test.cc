@@ -51,10 +51,9 @@ TEST_F(PhotosTest, ImagesOfOtherKindsAreNamed) {
   folder_.Write("photos/notes.txt", "no photo");
   TakeWarnings();
   ExpectError<DataError>([&] { Find(0.25); }, {"only one photo"});
-  EXPECT_THAT(TakeWarnings(),
-              ::testing::ElementsAre(::testing::AllOf(
-                  ::testing::HasSubstr("HEIC are left out: 1: b.WebP; convert"),
-                  ::testing::Not(::testing::HasSubstr("notes")))));
+  EXPECT_THAT(TakeWarnings(), ::testing::ElementsAre(::testing::AllOf(
+                                  ::testing::HasSubstr("HEIC are left out: 1: b.WebP; convert"),
+                                  ::testing::Not(::testing::HasSubstr("notes")))));
 }
 
 TEST_F(PhotosTest, NamesThatCannotBeStoredAreRefusedBeforeAnythingIsRead) {
