@@ -52,8 +52,15 @@ void Keep(j_common_ptr decoder) {
   std::longjmp(reinterpret_cast<Reports*>(decoder->err)->after_failure, 1);
 }
 
+// Cameras pad their scans with a few bytes. Damage leaves more behind.
+bool IsPadding(const jpeg_error_mgr& report) {
+  constexpr int kMostPadding_bytes = 64;
+  return report.msg_code == JWRN_EXTRANEOUS_DATA && report.msg_parm.i[0] <= kMostPadding_bytes;
+}
+
 void Warn(j_common_ptr decoder, int level) {
-  if (level < 0 && reinterpret_cast<Reports*>(decoder->err)->are_read) Keep(decoder);
+  const auto* reports = reinterpret_cast<const Reports*>(decoder->err);
+  if (level < 0 && reports->are_read && !IsPadding(reports->manager)) Keep(decoder);
 }
 
 // An eighth of the size has all of the scans' codes decoded, and the least of the rest done.

@@ -527,6 +527,13 @@ TEST(ImageFiles, OddBytesInTheHeaderOfAJpegDoNotMatter) {
   EXPECT_EQ(DecodeImage(jpeg, "odd").pixels, image.pixels);
 }
 
+TEST(ImageFiles, PaddingBehindTheScansOfAJpegDoesNotMatter) {
+  std::vector<uint8_t> jpeg = SomeJpeg();
+  const Image image = DecodeImage(jpeg, "plain");
+  jpeg.insert(jpeg.end() - 2, 16, uint8_t(0));
+  EXPECT_EQ(DecodeImage(jpeg, "padded").pixels, image.pixels);
+}
+
 TEST(ImageFiles, AJpegOfEndlessScansIsRefused) {
   std::vector<uint8_t> jpeg = SomeJpeg();
   const std::vector<uint8_t> scan = {0xFF, 0xDA, 0, 8, 1, 1, 0, 0, 0, 0};
