@@ -13,6 +13,7 @@
 #include <httplib.h>
 
 #include <chrono>
+#include <optional>
 #include <thread>
 
 namespace tetrec {
@@ -24,6 +25,8 @@ using namespace std::chrono_literals;
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr auto kRefreshEvery = 500ms, kStopEvery = 50ms;
 constexpr size_t kMostRequestBytes = 4096;  // of a body, which no request needs
+// A connection has a thread. Together these end a crowd of connections that ask for nothing.
+constexpr int kThreads = 32, kSilence_s = 1;
 constexpr int kDraftQuality = 80, kFullQuality = 95;
 
 void Refuse(httplib::Response& response, int status, const std::string& reason) {
@@ -41,6 +44,28 @@ httplib::Headers DefaultHeaders() {
            "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
            "connect-src 'self'; img-src blob: data:; base-uri 'none'; form-action 'none'; "
            "frame-ancestors 'none'"}};
+}
+
+// Why a request is not answered, and its status; nothing if it is.
+struct Refusal {
+  int status = 0;
+  const char* reason = "";
+};
+std::optional<Refusal> RefusalOf(const httplib::Request& request, int port,
+                                 const std::string& token) {
+  const bool has_one_host = request.get_header_value_count("Host") == 1;
+  if (!has_one_host || !IsLoopbackHost(request.get_header_value("Host"), port)) {
+    return Refusal{403, "this host is not served"};
+  }
+  if (!HasToken(request.path, token)) {
+    return Refusal{403, "the address lacks the token that tetrec-view printed"};
+  }
+  if (request.method != "GET" && request.method != "HEAD") {
+    return Refusal{405, "only GET and HEAD are answered"};
+  }
+  // Thousands of ranges of one answer would be as many answers.
+  if (request.has_header("Range")) return Refusal{400, "parts of answers are not served"};
+  return std::nullopt;
 }
 
 void AnswerPicture(ViewSession& session, const httplib::Request& request,
@@ -136,17 +161,14 @@ void RunViewer(const ViewOptions& options, const fs::path& run) {
   server.set_payload_max_length(kMostRequestBytes);
   server.set_tcp_nodelay(true);
   server.set_keep_alive_timeout(1);  // a stop waits for idle connections [s]
+  server.set_read_timeout(kSilence_s);
+  server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
   server.set_pre_routing_handler([&](const httplib::Request& request, httplib::Response& response) {
     using Next = httplib::Server::HandlerResponse;
-    if (!IsLoopbackHost(request.get_header_value("Host"), port)) {
-      Refuse(response, 403, "this host is not served");
-      return Next::Handled;
-    }
-    if (!HasToken(request.path, token)) {
-      Refuse(response, 403, "the address lacks the token that tetrec-view printed");
-      return Next::Handled;
-    }
-    return Next::Unhandled;
+    const std::optional<Refusal> refusal = RefusalOf(request, port, token);
+    if (!refusal) return Next::Unhandled;
+    Refuse(response, refusal->status, refusal->reason);
+    return Next::Handled;
   });
   AddAnswers(server, session, token);
   {

@@ -1,8 +1,11 @@
 """The viewer: its page in a browser, who may use it, and what it shows of a run."""
 import http.client
 import json
+import os
 import pathlib
+import shutil
 import signal
+import socket
 import subprocess
 import time
 import urllib.parse
@@ -56,6 +59,64 @@ class ViewTest(StageCase):
         _, stderr = process.communicate(timeout=TIME_LIMIT)
         self.assertEqual(process.returncode, 130, stderr)
         self.assertIn("tetrec-view: stopped by the user", stderr.splitlines()[-1])
+
+    def test_odd_requests_and_a_crowd_of_silent_connections_keep_nobody_out(self):
+        self.tiny_tetrahedra()
+        process, address = self.open_viewer(self.folder / "run")
+        url = urllib.parse.urlsplit(address)
+        host = f"Host: 127.0.0.1:{url.port}"
+
+        def answer(*lines):
+            """The status of the answer to a request of these lines, and its length."""
+            with socket.create_connection((url.hostname, url.port), timeout=TIME_LIMIT) as connection:
+                connection.sendall("".join(line + "\r\n" for line in (*lines, "Connection: close", "")).encode())
+                parts = iter(lambda: connection.recv(1 << 16), b"")
+                content = b"".join(parts)
+            return int(content.split()[1]), len(content)
+
+        get = f"GET {url.path} HTTP/1.1"
+        self.assertEqual(answer(get, host)[0], 200)
+        for lines, status in (((get,), 403), ((get, host, "Host: evil"), 403), ((get, "Host: evil", host), 403),
+                              ((get, host, "Range: bytes=" + ",".join(900 * ["0-"])), 400),
+                              ((f"POST {url.path} HTTP/1.1", host, "Content-Length: 99999999999"), 405),
+                              ((f"DELETE {url.path} HTTP/1.1", host), 405)):
+            status_of_answer, length = answer(*lines)
+            self.assertEqual(status_of_answer, status, lines)
+            self.assertLess(length, 200_000)  # 900 times the refusal, not 900 times the page
+        for query in ("w=-1&h=8", "w=nan&h=8", "w=8&h=1e300", "w=%00&h=%ff%fe", "w=8&h=8&view=-1",
+                      "w=8&h=8&eye=inf,0,0&forward=0,0,1&up=0,1,0&fov=40", "w=" + 5000 * "9" + "&h=8"):
+            status, _, reason = self.ask(address, "picture?mode=color&" + query)
+            self.assertEqual(status, 400, query)
+            self.assertRegex(reason, rb"\A[^\x00-\x1f]{1,200}\n\Z", query)
+        crowd = [socket.create_connection((url.hostname, url.port)) for _ in range(150)]
+        for connection in crowd:
+            self.addCleanup(connection.close)
+            connection.sendall(b"GET /")
+        before = time.monotonic()
+        self.assertEqual(self.ask(address, "status")[0], 200)
+        self.assertLess(time.monotonic() - before, 30)  # [s]
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 130)
+
+    def test_a_run_that_changes_or_vanishes_keeps_the_last_field_shown(self):
+        tetrahedra = self.tiny_tetrahedra()
+        process, address = self.open_viewer(self.folder / "run")
+
+        def problem():
+            return json.loads(self.ask(address, "status")[2])["problem"]
+
+        self.assertEqual(self.ask(address, PICTURE)[0], 200)
+        os.mkfifo(tetrahedra / "pipe")
+        (tetrahedra / "pipe").rename(tetrahedra / "field.tetf")
+        self.wait_for(lambda: "field.tetf" in problem(), process, "the pipe was noticed")
+        shutil.rmtree(self.folder / "run")
+        self.wait_for(lambda: "no field" in problem(), process, "the loss was noticed")
+        self.assertEqual(self.ask(address, PICTURE)[0], 200)
+        status, _, reason = self.ask(address, PICTURE.replace("color", "photo"))
+        self.assertEqual(status, 500)
+        self.assertIn(b".png", reason)
+        self.assertIsNone(process.poll())
 
     def test_a_newer_field_of_the_run_replaces_the_shown_one_and_a_checkpoint_can_be_seen(self):
         tetrahedra, field = self.tiny_tetrahedra(), self.folder / "run" / "3_field"

@@ -129,12 +129,13 @@ class ReferenceRenderer final : public ProbedRenderer {
     const BatchRays rays = RaysOf(targets_.views, forward_->batch);
     const bool with_positions = parts == GradientParts::kColorDensityPosition;
     for (const auto& [view, seen] : FieldsSeenBy(rays, field_)) {
+      const bool is_of_all_rays = seen.get() == &field_;
       ReferenceGradient sum(field_);
       caster_.AddGradients(
           *seen, boxes_, rays.count(), [&](size_t i) { return RayOf<Real>(rays, i); },
-          [&](size_t i) {
-            return seen.get() == &field_ || rays.IndexOfView(i) == view ? forward_->gradients[i]
-                                                                        : Vec4<Real>(Real(0));
+          [&, view = view](size_t i) {
+            return is_of_all_rays || rays.IndexOfView(i) == view ? forward_->gradients[i]
+                                                                 : Vec4<Real>(Real(0));
           },
           with_positions, sum);
       sums_.Add(sum, field_, CenterOf(targets_.views[view]), with_positions);
