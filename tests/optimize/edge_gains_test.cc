@@ -156,8 +156,6 @@ TEST(EdgeGains, RankTheEdgesByWhatALineSearchGains) {
                        run.LossOf(WithVertex(run.field_of_run, run.edges.ends[e], share * step)));
     }
     found.push_back(before - least);
-    RecordProperty("gain_" + std::to_string(found.size()), std::to_string(found.back()));
-    std::printf("predicted %.5f found %.5f\n", run.gains[e], found.back());
   }
   EXPECT_GT(RankCorrelation(found), 0.8);
 }

@@ -41,6 +41,10 @@ TEST(OptimizeOptions, AreRefusedWhereTheyContradictEachOther) {
         o.storage = FieldStorage::kCell;
       }),
       With([](OptimizeOptions& o) {
+        o.score = RefineScore::kGain;
+        o.storage = FieldStorage::kCell;
+      }),
+      With([](OptimizeOptions& o) {
         o.fine_rays = FineRaysChoice::kOn;
         o.loss.dssim = 0.2;
       }),
