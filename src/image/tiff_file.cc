@@ -18,8 +18,9 @@
 namespace tetrec {
 namespace {
 
-// libtiff's buffers, for example that of a strip or a tile.
-constexpr tmsize_t kMostAtOnce_bytes = tmsize_t{1} << 30;
+// Limits on libtiff's buffers. A strip or tile of a plausible file is not larger than its image.
+constexpr tmsize_t kMostAtOnce_bytes = tmsize_t{1} << 32;
+constexpr uint64_t kSmallPart_bytes = uint64_t{1} << 24, kMostBytesPerPixel = 16;
 
 // A file in memory, as libtiff reads it, and its first complaint.
 struct TiffSource {
@@ -80,6 +81,15 @@ TiffFile Open(TiffSource& source, const std::string& name) {
                 TIFFClose);
   if (!file) FailDamaged(name, source.complaint);
   return file;
+}
+
+void CheckParts(TIFF* file, uint64_t pixels, const std::string& name) {
+  const uint64_t part = TIFFIsTiled(file) != 0 ? TIFFTileSize64(file) : TIFFStripSize64(file);
+  if (part > std::max(kSmallPart_bytes, pixels * kMostBytesPerPixel)) {
+    throw DataError(
+        fmt::format("{}: TIFF with a strip or tile of {} bytes for {} pixels; save it again", name,
+                    part, pixels));
+  }
 }
 
 // Throws for what TIFFRGBAImage cannot read, or reads as something else.
@@ -143,6 +153,7 @@ Image DecodeTiff(std::span<const uint8_t> bytes, const std::string& name) {
   CheckSize(width, height, name);
   CheckAgainstFile(uint64_t{width} * height, bytes.size(), name);
   CheckKind(file.get(), name);
+  CheckParts(file.get(), uint64_t{width} * height, name);
   TIFFRGBAImage reader = {};
   char reason[1024] = "";
   if (TIFFRGBAImageBegin(&reader, file.get(), 1, reason) == 0) FailDamaged(name, reason);

@@ -149,8 +149,16 @@ def exr(channels, compression, pixels):
     return header + struct.pack("<QiI", len(header) + 8, 0, len(pixels)) + pixels
 
 
+def tiff(bits, samples, kind, pixels, *more):
+    """A TIFF file of 2 x 1 pixels; `kind` is its photometric interpretation, `more` are (tag, type, count, value)."""
+    entries = [(256, 3, 1, 2), (257, 3, 1, 1), (258, 3, 1, bits), (259, 3, 1, 1), (262, 3, 1, kind), (273, 4, 1, 8),
+               (277, 3, 1, samples), (278, 3, 1, 1), (279, 4, 1, len(pixels)), *more]
+    return (b"II*\0" + struct.pack("<I", 8 + len(pixels)) + pixels + struct.pack("<H", len(entries))
+            + b"".join(struct.pack("<HHII", *entry) for entry in sorted(entries)) + struct.pack("<I", 0))
+
+
 def image_seeds():
-    """PNG of every colour type, 8 and 16 bits; JPEG with EXIF; EXR."""
+    """PNG of every colour type, 8 and 16 bits; JPEG with EXIF; TIFF; EXR."""
     yield "grey.png", png(2, 2, 8, 0, [b"\x10\x20", b"\x30\x40"])
     yield "rgb.png", png(2, 1, 8, 2, [bytes(range(6))])
     yield "palette.png", png(2, 1, 8, 3, [b"\0\1"], (b"PLTE", bytes(range(6))), (b"tRNS", b"\x80"))
@@ -159,6 +167,11 @@ def image_seeds():
     yield "deep.png", png(1, 1, 16, 6, [bytes(range(8))])
     yield "bits.png", png(8, 1, 1, 0, [b"\x5a"])
     yield "grey.jpg", jpeg()
+    yield "rgb.tif", tiff(8, 3, 2, bytes(range(6)))
+    yield "rgba.tif", tiff(8, 4, 2, bytes(range(8)), (338, 3, 1, 2), (274, 3, 1, 6))
+    yield "deep.tif", tiff(16, 1, 1, bytes(range(4)))
+    yield "white0.tif", tiff(1, 1, 0, b"\x80")
+    yield "tiles.tif", tiff(8, 1, 1, bytes(256), (322, 3, 1, 16), (323, 3, 1, 16), (324, 4, 1, 8), (325, 4, 1, 256))
     yield "rgba.exr", exr([b"A", b"B", b"G", b"R"], 0, struct.pack("<8e", *(i / 8 for i in range(8))))
     yield "grey.exr", exr([b"Y"], 0, struct.pack("<2e", 0.5, 2))
     # A find: the mark of another format, which a decoder took for its own.

@@ -101,6 +101,9 @@ TEST(TiffFiles, DamagedAndStrangeFilesAreRefusedWithTheirName) {
   refused(GreyTiff({{258, {3, 1, 32}}, {339, {3, 1, 3}}}), "8 or 16 bits");
   refused(GreyTiff({{339, {3, 1, 2}}}), "8 or 16 bits");
   refused(GreyTiff({{322, {4, 1, 1u << 30}}, {323, {4, 1, 1u << 30}}, {324, {4, 1, 8}}}), "");
+  refused(
+      GreyTiff({{322, {4, 1, 16384}}, {323, {4, 1, 16384}}, {324, {4, 1, 8}}, {325, {4, 1, 6}}}),
+      "tile of 268435456 bytes for 6 pixels");
 }
 
 TEST(TiffFiles, TheFocalLengthReachesTheJpegForColmap) {

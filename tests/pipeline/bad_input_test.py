@@ -5,7 +5,7 @@ import subprocess
 import unittest
 
 from stage_case import StageCase, limit_file_size
-from tiny_dataset import join_splits, write_tiny_dataset
+from tiny_dataset import join_splits, write_png, write_tiny_dataset
 
 
 class BadInputTest(StageCase):
@@ -39,6 +39,32 @@ class BadInputTest(StageCase):
         self.assert_fails(strict, 3, "1 of 4 photos cannot be read, and max-unreadable is 0", "r_2.png")
         self.assertIn("warning: 1 of 4 photos cannot be read and are left out: ",
                       self.run_stage("sfm", photos, "-o", self.folder / "out").stderr)
+
+    def test_sfm_of_masks_that_do_not_fit(self):
+        photos, masks = self.photos(4), self.folder / "masks"
+        masks.mkdir()
+
+        def run(exit_code, *parts, folder=masks):
+            self.assert_fails(self.run_stage("sfm", photos, "-o", self.folder / "out", "--masks", folder),
+                              exit_code, *parts)
+
+        run(2, "--masks is", "the folder of the photos", folder=photos)
+        run(3, "4 of 4 photos have no mask: r_0.png")
+        for i in range(4):
+            write_png(masks / f"r_{i}.png", 32, 32, bytes((0, 0, 0, 255)) * 32 * 32)
+        run(3, "the masks of 4 of 4 photos leave no pixel", "inverted")
+        write_png(masks / "r_1.png", 32, 24, bytes([255]) * 4 * 32 * 24)
+        (masks / "r_2.png").write_text("no image")
+        run(3, "2 of 4 masks cannot be used", "r_1.png: mask of 32 x 24 pixels for a photo of 32 x 32", "r_2.png")
+        (self.folder / "walk.mp4").write_text("no video")
+        self.assert_fails(self.run_stage("sfm", self.folder / "walk.mp4", "-o", self.folder / "out",
+                                         "--masks", masks), 2, "--masks is", "PHOTOS is a video")
+
+    def test_sfm_of_heic_without_its_reader_in_path(self):
+        photos = self.photos(4)
+        (photos / "a.heic").write_bytes(b"\0\0\0\x18ftypheic" + bytes(100))
+        result = self.run_stage("sfm", photos, "-o", self.folder / "out", environment={"PATH": str(self.folder)})
+        self.assert_fails(result, 4, "a.heic: heif-convert", "apt-get install", "libheif-examples")
 
     def test_sfm_without_colmap_in_path(self):
         result = self.run_stage("sfm", self.photos(4), "-o", self.folder / "out",

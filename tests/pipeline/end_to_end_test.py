@@ -10,10 +10,9 @@ import sqlite3
 import struct
 import subprocess
 import unittest
-import zlib
 
 from stage_case import StageCase
-from tiny_dataset import (DISTANCE, FOV_RAD, RADIUS, SIZE, write_tiny_dataset,
+from tiny_dataset import (DISTANCE, FOV_RAD, RADIUS, SIZE, write_png, write_tiny_dataset,
                           write_tiny_photos)
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -22,15 +21,6 @@ DEMO_PHOTOS = ROOT / "datasets_spec" / "demo" / "photos"
 DATASETS = pathlib.Path(os.environ.get("TETREC_DATASETS", ROOT / ".." / "shared" / "datasets"))
 # Width of a pixel at the centre of the ball.
 PIXEL = 2 * DISTANCE * math.tan(FOV_RAD / 2) / SIZE
-
-
-def write_grey_png(path, rows):
-    """Writes rows of bytes as an image."""
-    def chunk(kind, content):
-        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
-    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 0, 0, 0, 0)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header)
-                     + chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) + chunk(b"IEND", b""))
 
 
 def read_points(path):
@@ -250,9 +240,10 @@ class EndToEndTest(StageCase):
         # White in an ellipse around the middle.
         rows = [bytes(255 * (((x - 320) / 200) ** 2 + ((y - 240) / 170) ** 2 < 1) for x in range(640))
                 for y in range(480)]
+        pixels = b"".join(bytes((level, level, level, 255)) for row in rows for level in row)
         for path in sorted(DEMO_PHOTOS.glob("*.jpg"))[:10]:
             shutil.copy(path, photos)
-            write_grey_png(masks / f"{path.stem}.png", rows)
+            write_png(masks / f"{path.stem}.png", 640, 480, pixels)
         if shutil.which("heif-enc"):
             subprocess.run(["heif-enc", "-q", "95", photos / "0003.jpg", "-o", photos / "0003.heic"], check=True,
                            capture_output=True)
