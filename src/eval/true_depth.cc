@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "image/image.h"
+#include "image/pixels_around.h"
 
 #include <fmt/format.h>
 
@@ -76,19 +77,12 @@ bool IsOnOneSurface(const Image& map, int x, int y) {
 }
 
 // The value of the map between the centres of its pixels; nothing beside a surface.
-std::optional<double> ValueAt(const Image& map, double x, double y) {
-  const double left = std::clamp(x - 0.5, 0.0, double(map.width - 1)),
-               top = std::clamp(y - 0.5, 0.0, double(map.height - 1));
-  const int x0 = std::min(int(left), std::max(map.width - 2, 0)),
-            y0 = std::min(int(top), std::max(map.height - 2, 0));
-  const double u = left - x0, v = top - y0;
+std::optional<double> ValueAt(const Image& map, const glm::dvec2& position) {
   double value = 0;
-  for (const auto& [dx, dy] :
-       {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)}) {
-    const double weight = (dx ? u : 1 - u) * (dy ? v : 1 - v);
+  for (const auto& [x, y, weight] : PixelsAround(map.width, map.height, position)) {
     if (weight == 0) continue;
-    if (!IsOnOneSurface(map, x0 + dx, y0 + dy)) return std::nullopt;
-    value += weight * map.At(x0 + dx, y0 + dy)[0];
+    if (!IsOnOneSurface(map, x, y)) return std::nullopt;
+    value += weight * map.At(x, y)[0];
   }
   return value;
 }
@@ -114,8 +108,8 @@ DepthMap ReadNerfDepth(const std::filesystem::path& folder, const std::string& v
   DepthMap map = MakeDepthMap(camera.width, camera.height);
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
-      const auto value = ValueAt(stored, (x + 0.5) * stored.width / camera.width,
-                                 (y + 0.5) * stored.height / camera.height);
+      const auto value = ValueAt(stored, {(x + 0.5) * stored.width / camera.width,
+                                          (y + 0.5) * stored.height / camera.height});
       if (!value) continue;
       const double distance = world_from_input_scale * kNerfRange * (1 - *value / 255);
       map.At(x, y) = float(DepthOfDistance(camera, {x, y}, distance));

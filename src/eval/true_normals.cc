@@ -3,12 +3,12 @@
 
 #include "eval/true_depth.h"
 #include "image/image.h"
+#include "image/pixels_around.h"
 #include "image/srgb.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 #include <vector>
 
 namespace tetrec {
@@ -49,19 +49,13 @@ std::optional<glm::dvec3> Completed(glm::dvec3 positive) {
   return positive;
 }
 
-std::optional<glm::dvec3> NormalAt(const Image& map, double x, double y) {
-  const double left = std::clamp(x - 0.5, 0.0, double(map.width - 1)),
-               top = std::clamp(y - 0.5, 0.0, double(map.height - 1));
-  const int x0 = int(left), y0 = int(top);
-  const double u = left - x0, v = top - y0;
+std::optional<glm::dvec3> NormalAt(const Image& map, const glm::dvec2& position) {
   glm::dvec3 sum(0.0);
   std::vector<glm::dvec3> around;
-  for (const auto& [dx, dy] :
-       {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)}) {
-    const double weight = (dx ? u : 1 - u) * (dy ? v : 1 - v);
+  for (const auto& [x, y, weight] : PixelsAround(map.width, map.height, position)) {
     if (weight == 0) continue;
-    if (HasBlackNeighbor(map, x0 + dx, y0 + dy)) return std::nullopt;
-    const auto normal = Completed(StoredAt(map, x0 + dx, y0 + dy));
+    if (HasBlackNeighbor(map, x, y)) return std::nullopt;
+    const auto normal = Completed(StoredAt(map, x, y));
     if (!normal) return std::nullopt;
     around.push_back(*normal);
     sum += weight * *normal;
@@ -79,8 +73,8 @@ NormalMap ReadNerfNormals(const std::filesystem::path& folder, const std::string
   NormalMap map = MakeNormalMap(camera.width, camera.height);
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
-      const auto normal = NormalAt(stored, (x + 0.5) * stored.width / camera.width,
-                                   (y + 0.5) * stored.height / camera.height);
+      const auto normal = NormalAt(stored, {(x + 0.5) * stored.width / camera.width,
+                                            (y + 0.5) * stored.height / camera.height});
       if (!normal) continue;
       const glm::dvec3 ray = input_from_cam * camera.CamFromImage({x + 0.5, y + 0.5});
       if (glm::dot(*normal, ray) < 0) map.At(x, y) = glm::vec3(*normal);

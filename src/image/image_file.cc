@@ -199,7 +199,7 @@ void CheckExr(std::span<const uint8_t> bytes, const std::string& name) {
   CheckAgainstFile(size.x * size.y, bytes.size(), name);
 }
 
-// What an EXR file that is no picture has to contain.
+// The type of values that an EXR file of measurements must have.
 struct ExrContent {
   int type;             // of OpenCV
   const char* refusal;  // of a file of another type

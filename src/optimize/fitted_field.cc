@@ -17,7 +17,7 @@ FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
     : renderer_(renderer), batches_(batches), seen_space_(std::move(seen_space)) {
   const glm::dvec3 size = scene.subject_bounds.Size();
   subject_size_ = std::max({size.x, size.y, size.z});
-  if (options.camera_space == CameraSpace::kEmpty) camera_space_ = FindCameraSpace(scene);
+  if (options.camera_space == SpaceContent::kEmpty) camera_space_ = FindCameraSpace(scene);
 }
 
 void FittedField::Put(TetMesh mesh, FieldState state) {

@@ -17,23 +17,15 @@
 
 namespace tetrec {
 
-// What is in the space in which the cameras stand and move (camera_space.h).
-enum class CameraSpace {
+// What is in space that should be empty: where the cameras stand and move (camera_space.h), and
+// what a few photos see to be empty (seen_space.h).
+enum class SpaceContent {
   kEmpty,    // no density
   kLearned,  // what the photos ask for
 };
 template <>
-inline constexpr auto kWords<CameraSpace> = std::to_array<Word<CameraSpace>>(
-    {{CameraSpace::kEmpty, "empty"}, {CameraSpace::kLearned, "learned"}});
-
-// What is in space that a few photos see to be empty (seen_space.h).
-enum class SeenSpaceChoice {
-  kEmpty,    // no density
-  kLearned,  // what the photos ask for
-};
-template <>
-inline constexpr auto kWords<SeenSpaceChoice> = std::to_array<Word<SeenSpaceChoice>>(
-    {{SeenSpaceChoice::kEmpty, "empty"}, {SeenSpaceChoice::kLearned, "learned"}});
+inline constexpr auto kWords<SpaceContent> = std::to_array<Word<SpaceContent>>(
+    {{SpaceContent::kEmpty, "empty"}, {SpaceContent::kLearned, "learned"}});
 
 // What becomes of parts of the training pictures (judging.h).
 enum class JudgingPictures {
@@ -136,8 +128,8 @@ struct OptimizeOptions {
   double score_rays_per_tet = 1;  // by which a refinement judges the tets
   int watched_views = 4;          // held-out views whose PSNR goes into metrics.csv
   double checkpoint_interval_s = 30;
-  CameraSpace camera_space = CameraSpace::kEmpty;
-  SeenSpaceChoice seen_space = SeenSpaceChoice::kEmpty;
+  SpaceContent camera_space = SpaceContent::kEmpty;
+  SpaceContent seen_space = SpaceContent::kEmpty;
   JudgingPictures judging_pictures = JudgingPictures::kKept;
   FieldStorage storage = FieldStorage::kVertex;  // of the fitted field
   DensityForm density = DensityForm::kAuto;

@@ -56,8 +56,8 @@ GradientsOfRows SumGradients(TrainingRenderer& renderer, BatchDrawer& batches,
   return result;
 }
 
-// Of tets, the gain of the edge that insertion and bisection split, the longest one; of vertices,
-// of all edges at them, which the prism scheme splits.
+// A tet's score is the gain of its longest edge, which insertion and bisection split; a vertex's
+// score is the sum of the gains of all edges at it, which the prism scheme splits.
 RefineScores ScoresByGain(const TetMesh& mesh, const MeshEdges& edges,
                           const std::vector<double>& gains) {
   RefineScores scores;

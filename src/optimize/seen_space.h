@@ -29,8 +29,9 @@ class SeenSpace {
   std::vector<uint8_t> Contains(std::span<const glm::vec3> points) const;
   bool empty() const { return maps_.empty(); }
 
-  // Of the maps that tetrec-tetrahedralize --start dense wrote below `start_folder`; nothing is
-  // known without them. Throws DataError, naming the file, for a map that does not fit the scene.
+  // Reads the depth maps that tetrec-tetrahedralize --start dense wrote below `start_folder`.
+  // Without them nothing is known to be empty. Throws DataError, naming the file, for a map that
+  // does not fit the scene.
   static SeenSpace Read(const Scene& scene, const std::filesystem::path& start_folder);
 
  private:

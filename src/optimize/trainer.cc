@@ -456,8 +456,7 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   CheckConvexDomain(start.mesh);  // refinement fills it with new tets
   TrainingSet set = LoadTrainingSet(scene_folder, scene, scene.ViewsOf(Split::kTrain));
   SeenSpace seen_space;
-  if (options.seen_space == SeenSpaceChoice::kEmpty)
-    seen_space = SeenSpace::Read(scene, start_folder);
+  if (options.seen_space == SpaceContent::kEmpty) seen_space = SeenSpace::Read(scene, start_folder);
   Trainer trainer(options, scene_folder, scene, std::move(set), std::move(seen_space), start.mesh,
                   stage);
   WriteField(stage.Output("field.tetf"), trainer.Run(start));

@@ -21,7 +21,7 @@ struct SpareVertices {
 // little without them. The squared error that the pictures gain is estimated from the deviation
 // and from the light that rays lose around the vertex; the flattest are taken, no two of them
 // neighbours, until the estimates add up to options.flat_error times the present squared error.
-// That needs scores.visible_of_tets and a field with a row per vertex.
+// The estimate needs scores.visible_of_tets and a field with a row per vertex.
 SpareVertices FindSpareVertices(const TetMesh& mesh, const FieldState& state,
                                 const RefineScores& scores, const RefineOptions& options);
 

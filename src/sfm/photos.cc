@@ -23,8 +23,8 @@ namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
-// Of the JPEG files that COLMAP reads instead of TIFF files. Pixels of the scene are not taken from
-// them.
+// The quality of the JPEG files that COLMAP reads instead of TIFF files. The scene's pixels come
+// from the TIFF files themselves.
 constexpr int kQualityForColmap = 98;
 constexpr uint64_t kMostBytesToConvert = uint64_t{1} << 31;
 

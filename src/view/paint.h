@@ -30,10 +30,10 @@ struct ShownScene {
   Scene scene;
 };
 
-// RGB. Rendered in bands of rows; after each band `give_up` returns
-// whether something else is more urgent, and if so there is no picture. A photo that is shown
-// larger than it is gets no hard pixels, and its error is that of its own pixels. The error is
-// between the photo and the field as the photo's exposure shows it.
+// Returns RGB. The picture is rendered in bands of rows. After each band `give_up` is asked whether
+// something else is more urgent; if so, no picture is returned. A photo that is shown larger than
+// it is gets interpolated, and so does its error, which is that of its own pixels, between the
+// photo and the field as the photo's exposure shows it.
 std::optional<Image> Paint(ShownField& shown, const ShownScene& scene,
                            const PictureRequest& request, const std::function<bool()>& give_up);
 

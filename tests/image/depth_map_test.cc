@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "expect_error.h"
+#include "image/plane_depth.h"
 #include "scratch_folder.h"
 
 #include <gtest/gtest.h>
@@ -11,19 +12,6 @@
 
 namespace tetrec {
 namespace {
-
-constexpr Camera kCamera{40, 30, 50, 50, 20, 15};
-
-// The depth of the plane n.p = d in the camera frame.
-DepthMap PlaneDepth(const glm::dvec3& n, double d) {
-  DepthMap map = MakeDepthMap(kCamera.width, kCamera.height);
-  for (int y = 0; y < map.height; ++y) {
-    for (int x = 0; x < map.width; ++x) {
-      map.At(x, y) = float(d / glm::dot(n, kCamera.CamFromImage({x + 0.5, y + 0.5})));
-    }
-  }
-  return map;
-}
 
 TEST(DepthMap, AFileGivesTheSameBitsAgain) {
   const ScratchFolder folder;

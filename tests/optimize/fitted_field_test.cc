@@ -29,7 +29,7 @@ TEST(FittedField, HasNoDensityWhereTheCamerasStand) {
   const RadianceField box = LargeBox();
   const std::vector<uint8_t> is_inside = InsideCapsules(box.mesh.positions, FindCameraSpace(scene));
   OptimizeOptions options = run.options;
-  options.camera_space = CameraSpace::kEmpty;
+  options.camera_space = SpaceContent::kEmpty;
   FittedField field(options, scene, *run.renderer, run.batches);
   const std::vector<float> density = DensityOf(field, box);
   for (size_t v = 0; v < density.size(); ++v) {

@@ -16,7 +16,7 @@ inline OptimizeOptions SmallRunOptions() {
   OptimizeOptions options;
   options.iterations = 100;
   options.rays_per_step = 256;
-  options.camera_space = CameraSpace::kLearned;
+  options.camera_space = SpaceContent::kLearned;
   options.seed = 7;  // tiles of views 0, 2 and 4 judge
   return options;
 }

@@ -123,7 +123,7 @@ TEST(VertexMotion, NothingEntersTheSpaceOfTheCameras) {
     const std::vector<Capsule> space = FindCameraSpace(scene);
     SmallRun run(MovingOptions(MoveChoice::kSafe), 5, kDensity);
     OptimizeOptions options = run.options;
-    options.camera_space = CameraSpace::kEmpty;
+    options.camera_space = SpaceContent::kEmpty;
     FittedField field(options, scene, *run.renderer, run.batches);
     RadianceField box = WavyBox(0.4, kDensity);
     for (glm::vec3& position : box.mesh.positions) position *= 4.0f;  // the cameras stand inside
