@@ -3,8 +3,10 @@
 
 #include "core/child_process.h"
 #include "core/error.h"
+#include "core/file.h"
 #include "core/log.h"
 #include "core/printable.h"
+#include "image/jpeg_data.h"
 
 #include <fmt/format.h>
 
@@ -26,6 +28,17 @@ std::string ReasonOf(const ChildResult& result) {
     return fmt::format("heif-convert was ended by signal {}", result.exit_code - 128);
   }
   return result.last_lines.empty() ? "no reason given" : Printable(result.last_lines.back());
+}
+
+// heif-convert does not notice that a disk is full, and a file that was cut off must not be taken
+// for the photo by later runs.
+bool IsComplete(const fs::path& jpeg) {
+  try {
+    ReadJpegMarkers(ReadBytes(jpeg), jpeg.string());
+    return true;
+  } catch (const DataError&) {
+    return false;
+  }
 }
 
 }  // namespace
@@ -64,6 +77,12 @@ void ConvertHeic(const fs::path& photo, const fs::path& jpeg, const fs::path& sc
     throw DataError(
         fmt::format("{}: cannot be read as HEIC ({}); copy it again, or convert it to JPEG",
                     photo.string(), reason));
+  }
+  if (!IsComplete(written)) {
+    fs::remove_all(scratch);
+    throw EnvironmentError(
+        fmt::format("{}: heif-convert could not write all of it; free some space and run it again",
+                    jpeg.string()));
   }
   if (has_several) {
     LogInfo("{}: HEIC file of several images, of which the first is used", photo.string());

@@ -13,7 +13,7 @@ bool IsHeic(std::span<const uint8_t> front);
 
 // Writes the photo as JPEG of the highest quality, turned as its file prescribes, with its EXIF.
 // `scratch` is a folder of this call alone. Throws DataError, and EnvironmentError if heif-convert
-// is not installed.
+// is not installed or cannot write.
 void ConvertHeic(const std::filesystem::path& photo, const std::filesystem::path& jpeg,
                  const std::filesystem::path& scratch);
 

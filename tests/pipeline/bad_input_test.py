@@ -66,6 +66,17 @@ class BadInputTest(StageCase):
         result = self.run_stage("sfm", photos, "-o", self.folder / "out", environment={"PATH": str(self.folder)})
         self.assert_fails(result, 4, "a.heic: heif-convert", "apt-get install", "libheif-examples")
 
+    def test_a_heic_photo_that_cannot_be_written_is_no_damaged_photo(self):
+        photos, programs = self.photos(4), self.folder / "programs"
+        (photos / "a.heic").write_bytes(b"\0\0\0\x18ftypheic" + bytes(100))
+        programs.mkdir()
+        # Like the real one on a full disk, it reports success.
+        (programs / "heif-convert").write_text("#!/bin/sh\nprintf '\\377\\330\\377\\340' > photo.jpg\n")
+        (programs / "heif-convert").chmod(0o755)
+        result = self.run_stage("sfm", photos, "-o", self.folder / "out", environment={"PATH": str(programs)})
+        self.assert_fails(result, 4, "heif-convert could not write all of it", "free some space")
+        self.assertEqual(list((self.folder / "out" / "photos").iterdir()), [])
+
     def test_sfm_without_colmap_in_path(self):
         result = self.run_stage("sfm", self.photos(4), "-o", self.folder / "out",
                                 environment={"PATH": str(self.folder)})
