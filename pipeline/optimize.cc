@@ -82,8 +82,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
       app, "--camera-space", options.camera_space,
       "Where the cameras of photos stand and move: empty (no density) or learned");
   tetrec::AddWordOption(app, "--seen-space", options.seen_space,
-                        "In front of what depth maps show, where at most 12 photos look: empty (no "
-                        "density) or learned");
+                        "Space in front of the surfaces in the depth maps, where at most 12 photos "
+                        "look: empty (no density) or learned");
   tetrec::AddWordOption(app, "--judging-pictures", options.judging_pictures,
                         "Parts of the training pictures: kept back in the first part of a run, to "
                         "judge refinements, or learned throughout, while nothing judges");
@@ -134,8 +134,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
       "What is worst: residual (squared errors), color or position (absolute gradients by colours "
       "or by positions), variance (of the squared errors over the views), gain (predicted loss of "
       "squared error by a vertex in the middle of an edge), or auto (color with --refine prism, "
-      "else "
-      "residual)");
+      "else residual)");
   tetrec::AddWordOption(
       app, "--prism-diagonals", options.prism_diagonals,
       "How --refine prism cuts the sides of prisms: shorter (diagonal) or flips (the search of "

@@ -99,8 +99,8 @@ void CheckKind(TIFF* file, const std::string& name) {
   TIFFGetFieldDefaulted(file, TIFFTAG_SAMPLEFORMAT, &format);
   if (bits > 16 || (format != SAMPLEFORMAT_UINT && format != SAMPLEFORMAT_VOID)) {
     throw DataError(fmt::format(
-        "{}: TIFF whose samples are no integers of at most 16 bits without sign; save it again "
-        "with 8 or 16 bits",
+        "{}: TIFF whose samples are not unsigned integers of at most 16 bits; save it again with 8 "
+        "or 16 bits per sample",
         name));
   }
   char reason[1024] = "";

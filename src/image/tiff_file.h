@@ -13,8 +13,8 @@ namespace tetrec {
 bool IsTiff(std::span<const uint8_t> bytes);
 
 // The first page, with its pixels as stored, whatever orientation the file gives. 16 bits are
-// rounded to 8. Throws DataError (damaged, too large, samples that are no integers of at most 16
-// bits).
+// rounded to 8. Throws DataError (damaged, too large, samples that are not unsigned integers of at
+// most 16 bits).
 Image DecodeTiff(std::span<const uint8_t> bytes, const std::string& name);
 
 // As far as the file has them.

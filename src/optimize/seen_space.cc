@@ -1,4 +1,4 @@
-// The space in which photos see that nothing is.
+// Space that photos show to be empty.
 #include "optimize/seen_space.h"
 
 #include "core/error.h"

@@ -1,5 +1,5 @@
-// The space in which photos see that nothing is: in front of what their depth maps agree on. Many
-// photos forbid fog there by themselves, a few do not.
+// Space that photos show to be empty: in front of the surfaces on which their depth maps agree.
+// Many photos forbid fog there by themselves; a few do not.
 #pragma once
 
 #include "geometry/camera.h"

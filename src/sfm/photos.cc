@@ -76,9 +76,8 @@ std::vector<std::string> PhotoNames(const fs::path& folder, const fs::path& mask
             ShortList(others));
   }
   if (!other_images.empty()) {
-    LogWarning(
-        "{}: images that are neither JPEG, PNG, TIFF nor HEIC are left out: {}: {}; convert them",
-        folder.string(), other_images.size(), ShortList(other_images));
+    LogWarning("{}: images other than JPEG, PNG, TIFF and HEIC are left out: {}: {}; convert them",
+               folder.string(), other_images.size(), ShortList(other_images));
   }
   std::sort(names.begin(), names.end());
   return names;
