@@ -31,10 +31,10 @@ class InterruptTest(StageCase):
         for delay in (0.005, 0.02, 0.05, 0.1, 0.2, 0.4):
             code = self.interrupt(signal.SIGKILL, delay, *command, "-o", folder)
             killed += code == -signal.SIGKILL
-            if code == 0:
+            # A stage may be killed between its last write, that of the manifest, and its exit.
+            if code == 0 or (folder / "manifest.json").exists():
                 break
             self.assertEqual(code, -signal.SIGKILL)
-            self.assertFalse((folder / "manifest.json").exists())
         self.assertGreater(killed, 0)
         self.assert_done(self.run_stage(*command, "-o", folder))
         self.assertEqual(hashes(folder), hashes(whole))
