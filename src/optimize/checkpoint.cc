@@ -171,8 +171,7 @@ CoarseningState ReadCoarsening(ByteReader& reader, const std::string& name) {
   state.has_failed = reader.Read<uint32_t>("failure of coarsening");
   state.kept_share = reader.Read<double>("kept share");
   state.reference = ReadViews(reader, name);
-  if (state.ended > 1 || state.has_failed > 1 ||
-      !(state.kept_share > 0 && state.kept_share <= 1)) {
+  if (state.ended > 1 || state.has_failed > 1 || !(state.kept_share > 0 && state.kept_share <= 1)) {
     throw DataError(fmt::format("{}: the state of coarsening is {}, {}, {}, which is not possible",
                                 name, state.ended, state.has_failed, state.kept_share));
   }

@@ -15,6 +15,8 @@ namespace {
 
 // A trial that would keep more of the vertices is not worth its steps.
 constexpr double kMostKept = 0.75;
+// The progress of a run from which on none is held.
+constexpr double kLastTrial = 0.8;
 
 bool IsWanted(const OptimizeOptions& options) {
   const bool chooses_size = options.budget == BudgetChoice::kAuto && !options.schedule.rounds;
@@ -34,8 +36,9 @@ Coarsening::Coarsening(const OptimizeOptions& options, const RefinedParts& parts
       finer_file_(std::move(finer_file)),
       is_wanted_(IsWanted(options)) {}
 
-bool Coarsening::IsDue() const {
-  if (IsOver() || !rounds_.IsOver() || parts_.pictures.learns_all()) return false;
+bool Coarsening::IsDue(double progress) const {
+  if (progress >= kLastTrial || IsOver() || !rounds_.IsOver() || parts_.pictures.learns_all())
+    return false;
   const std::vector<GrowthStep>& steps = rounds_.state().steps;
   const uint64_t last = steps.empty() ? 0 : steps.back().iteration;
   return parts_.steps.iteration() >= last + kFewestTrialSteps;

@@ -37,8 +37,9 @@ class Coarsening {
   // True if the mesh is coarsened no more. A mesh whose rounds are given is never coarsened, nor is
   // one that grows in full, nor where it is not known which vertices are needed.
   bool IsOver() const { return state_.ended != 0 || !is_wanted_; }
-  // Once the rounds are over, and what they inserted has been learned, while pictures judge.
-  bool IsDue() const;
+  // Once the rounds are over, and what they inserted has been learned, while pictures judge. One
+  // trial that succeeds may follow another, but what they leave needs time to settle.
+  bool IsDue(double progress) const;
   // Judges the mesh as it is, the first time; then holds one trial. `seconds`: of the run so far,
   // for the record. `progress`: of the run.
   void Advance(double seconds, double progress);

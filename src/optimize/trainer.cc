@@ -239,7 +239,7 @@ class Trainer {
         rounds_.Advance(seconds_);
         continue;
       }
-      if (coarsening_.IsDue()) {
+      if (coarsening_.IsDue(done)) {
         coarsening_.Advance(seconds_, done);
         continue;
       }

@@ -70,7 +70,8 @@ std::string ReasonOf(const GrowthStep& step) {
     case GrowthDecision::kMatched:
       return "fine enough: the judging pictures are matched to within two grey levels";
     case GrowthDecision::kCoarsen:
-      return "coarsened to this mesh: the judging pictures lost no more than the standard error, or "
+      return "coarsened to this mesh: the judging pictures lost no more than the standard error, "
+             "or "
              "are matched to within two grey levels";
     case GrowthDecision::kTooCoarse:
       return "tried and taken back: this coarser mesh lost more than the standard error";

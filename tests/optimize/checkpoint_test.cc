@@ -17,10 +17,10 @@ namespace {
 
 // Where the fields start: "TETRECKC", u64 iteration, f64 seconds, u64 rays, u32 x 2 and f64 of the
 // rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x 11 of
-// their growth, u32 x 2, f64, u64 and f64 x 2 of the coarsening, u64 x 3 and f64 of the convergence, u64
-// metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64 T, then
-// the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the name, the
-// name, and 3 u32 each. Positions follow.
+// their growth, u32 x 2, f64, u64 and f64 x 2 of the coarsening, u64 x 3 and f64 of the
+// convergence, u64 metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64
+// T, then the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the
+// name, the name, and 3 u32 each. Positions follow.
 constexpr size_t kSecondsAt = 16, kFineRaysAt = 276, kMotionAt = 280, kVertexCountAt = 284,
                  kTetCountAt = 292, kStorageAt = 300,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);

@@ -20,8 +20,7 @@ struct GrownRun {
 
   const ScratchFolder folder;
   SmallRun run;
-  RefinedParts parts{run.field,   run.motion, run.pictures,
-                     run.batches, run.steps,  *run.renderer};
+  RefinedParts parts{run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer};
   RefinementRounds rounds{run.options, {{0.1, 1000}}, parts, folder / "best.bin"};
   Coarsening coarsening{run.options, parts, rounds, folder / "finer.bin"};
 };
@@ -29,7 +28,7 @@ struct GrownRun {
 TEST(Coarsening, KeepsACoarserMeshWhoseJudgingPicturesAreMatched) {
   GrownRun grown;
   const size_t vertices = grown.run.field.mesh().positions.size();
-  ASSERT_TRUE(grown.coarsening.IsDue());
+  ASSERT_TRUE(grown.coarsening.IsDue(0.6));
   grown.coarsening.Advance(0.0, 0.6);
   EXPECT_EQ(grown.run.field.mesh().positions.size(), vertices);
   EXPECT_FALSE(grown.coarsening.state().reference.empty());
@@ -70,13 +69,14 @@ TEST(Coarsening, TakesBackACoarserMeshThatLost) {
 TEST(Coarsening, WaitsUntilTheRoundsAreOverAndWhatTheyInsertedIsLearned) {
   GrownRun grown;
   grown.rounds.Resume({});
-  EXPECT_FALSE(grown.coarsening.IsDue());
+  EXPECT_FALSE(grown.coarsening.IsDue(0.6));
   grown.rounds.Resume({.rounds = 1, .steps = {{.iteration = 90}}});
-  EXPECT_FALSE(grown.coarsening.IsDue());
+  EXPECT_FALSE(grown.coarsening.IsDue(0.6));
   grown.rounds.Resume({.rounds = 1, .steps = {{.iteration = 50}}});
-  EXPECT_TRUE(grown.coarsening.IsDue());
+  EXPECT_TRUE(grown.coarsening.IsDue(0.6));
+  EXPECT_FALSE(grown.coarsening.IsDue(0.8));
   grown.run.pictures.PlaceCameras({}, 0.9);
-  EXPECT_FALSE(grown.coarsening.IsDue());
+  EXPECT_FALSE(grown.coarsening.IsDue(0.6));
 }
 
 TEST(Coarsening, LeavesMeshesWhoseSizeTheOptionsGive) {
@@ -88,7 +88,7 @@ TEST(Coarsening, LeavesMeshesWhoseSizeTheOptionsGive) {
     if (i == 3) options.judging_pictures = JudgingPictures::kLearned;
     const GrownRun grown(options);
     EXPECT_TRUE(grown.coarsening.IsOver()) << i;
-    EXPECT_FALSE(grown.coarsening.IsDue()) << i;
+    EXPECT_FALSE(grown.coarsening.IsDue(0.6)) << i;
   }
 }
 

@@ -18,7 +18,7 @@ inline OptimizeOptions SmallRunOptions() {
   options.rays_per_step = 256;
   options.camera_space = CameraSpace::kLearned;
   options.schedule.matched_psnr = 1000;  // the true field matches its photos
-  options.seed = 7;  // tiles of views 0, 2 and 4 judge
+  options.seed = 7;                      // tiles of views 0, 2 and 4 judge
   return options;
 }
 
