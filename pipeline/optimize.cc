@@ -182,7 +182,7 @@ int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   Words words;
   tetrec::StageCommand command(
-      "optimize", 11,
+      "optimize", 12,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

@@ -17,7 +17,7 @@ namespace {
 
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'B'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'C'};
 
 constexpr size_t kChecksumBytes = 64;  // hexadecimal SHA-256 of all before it
 
@@ -144,7 +144,7 @@ RoundsState ReadRounds(ByteReader& reader, const std::string& name) {
   state.steps = reader.ReadArray<GrowthStep>(reader.Read<uint64_t>("growth step count"), "growth");
   for (const GrowthStep& step : state.steps) {
     const double sum = step.seconds + step.psnr + step.gain + step.gain_standard_error;
-    if (!std::isfinite(sum) || step.decision > GrowthDecision::kBudget) {
+    if (!std::isfinite(sum) || step.decision > GrowthDecision::kTooCoarse) {
       throw DataError(
           fmt::format("{}: the growth after {} steps is not possible", name, step.iteration));
     }
@@ -154,6 +154,26 @@ RoundsState ReadRounds(ByteReader& reader, const std::string& name) {
   }
   if (state.ended > 1) {
     throw DataError(fmt::format("{}: the end of rounds is {}, not 0 or 1", name, state.ended));
+  }
+  return state;
+}
+
+void WriteCoarsening(ByteWriter& writer, const CoarseningState& state) {
+  writer.Write(state.ended);
+  writer.Write(state.has_failed);
+  writer.Write(state.kept_share);
+  WriteViews(writer, state.reference);
+}
+
+CoarseningState ReadCoarsening(ByteReader& reader, const std::string& name) {
+  CoarseningState state;
+  state.ended = reader.Read<uint32_t>("end of coarsening");
+  state.has_failed = reader.Read<uint32_t>("failure of coarsening");
+  state.kept_share = reader.Read<double>("kept share");
+  state.reference = ReadViews(reader, name);
+  if (state.ended > 1 || state.has_failed > 1 || !(state.kept_share > 0 && state.kept_share <= 1)) {
+    throw DataError(fmt::format("{}: the state of coarsening is {}, {}, {}, which is not possible",
+                                name, state.ended, state.has_failed, state.kept_share));
   }
   return state;
 }
@@ -223,6 +243,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   head.Write(checkpoint.seconds);
   head.Write(checkpoint.rays);
   WriteRounds(head, checkpoint.rounds);
+  WriteCoarsening(head, checkpoint.coarsening);
   head.Write(checkpoint.convergence);
   head.Write(checkpoint.metrics_bytes);
   head.Write(checkpoint.harmonics);
@@ -268,6 +289,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.seconds = reader.Read<double>("seconds");
   result.rays = reader.Read<uint64_t>("rays");
   result.rounds = ReadRounds(reader, name);
+  result.coarsening = ReadCoarsening(reader, name);
   result.convergence = reader.Read<ConvergenceState>("convergence");
   result.metrics_bytes = reader.Read<uint64_t>("metrics bytes");
   result.harmonics = reader.Read<HarmonicsState>("harmonics");

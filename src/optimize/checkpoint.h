@@ -4,6 +4,7 @@
 #include "field/field_state.h"
 #include "mesh/tet_mesh.h"
 #include "optimize/camera_poses.h"
+#include "optimize/coarsening.h"
 #include "optimize/convergence.h"
 #include "optimize/exposure.h"
 #include "optimize/harmonics.h"
@@ -25,6 +26,7 @@ struct Checkpoint {
   uint64_t rays = 0;
   double share_of_rates = 1;  // TrainingSteps
   RoundsState rounds;
+  CoarseningState coarsening;
   ConvergenceState convergence;
   uint64_t metrics_bytes = 0;  // length of metrics.csv at that time
   HarmonicsState harmonics;
@@ -37,10 +39,11 @@ struct Checkpoint {
   PoseState poses;
 };
 
-// Own format, little endian: "TETRECKB", u64 iteration, f64 seconds, u64 rays, u32 rounds
+// Own format, little endian: "TETRECKC", u64 iteration, f64 seconds, u64 rays, u32 rounds
 // and u32 ended (0 or 1), f64 best PSNR, u64 judging views and for each f64 squares and rays,
 // u64 growth steps and their fields, 8 bytes each (GrowthStep),
-// of the convergence u64 x 3 and f64 (ConvergenceState),
+// of the coarsening u32 ended and u32 has failed (each 0 or 1), f64 kept share, u64 views and for
+// each f64 squares and rays, of the convergence u64 x 3 and f64 (ConvergenceState),
 // u64 metrics bytes, harmonics unlocked, judged and closed u32 x 3, u32 fine rays
 // and u32 moving vertices (each 0 not tried, 1 not used, 2 used), u64 V, u64 T,
 // the layout (AppendLayout), positions f32 x 3 V, tets and neighbours u32 x 4 T each, then

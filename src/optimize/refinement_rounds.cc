@@ -74,6 +74,9 @@ bool RefinementRounds::IsWorthRefining(GrowthStep& step) {
   if (step.decision == GrowthDecision::kFineEnough) {
     LogInfo("the mesh is fine enough: rounds gain no more than the standard error");
   }
+  if (step.decision == GrowthDecision::kMatched) {
+    LogInfo("the mesh is fine enough: the judging pictures are matched");
+  }
   state_.ended = step.decision != GrowthDecision::kRefine;
   if (state_.ended != 0) return false;
   if (state_.rounds == 0 || now.psnr > state_.best_psnr) SaveBest(now.psnr);
@@ -81,14 +84,18 @@ bool RefinementRounds::IsWorthRefining(GrowthStep& step) {
   return true;
 }
 
+bool RefinementRounds::AsksForAll() const {
+  return options_.budget == BudgetChoice::kFull || options_.schedule.rounds;
+}
+
 GrowthDecision RefinementRounds::Decide(const Judgement& now, const JudgedGain& gain) const {
-  if (state_.rounds == 0) return GrowthDecision::kRefine;
+  const bool is_matched = !AsksForAll() && now.psnr >= options_.schedule.matched_psnr;
+  if (state_.rounds == 0) return is_matched ? GrowthDecision::kMatched : GrowthDecision::kRefine;
   if (!(now.psnr > state_.best_psnr - options_.schedule.judged_loss)) {
     return GrowthDecision::kReturn;
   }
-  if (options_.budget == BudgetChoice::kFull || options_.schedule.rounds) {
-    return GrowthDecision::kRefine;
-  }
+  if (AsksForAll()) return GrowthDecision::kRefine;
+  if (is_matched) return GrowthDecision::kMatched;
   // One early round may gain nothing by the noise of high learning rates; two in a row do not.
   const bool must_gain = plan_[state_.rounds].is_late || !LastRoundGained();
   return must_gain && !(gain.gain > gain.standard_error) ? GrowthDecision::kFineEnough

@@ -38,7 +38,7 @@ struct RefinedParts {
   VertexMotion& motion;
   TrainingPictures& pictures;
   BatchDrawer& batches;
-  const TrainingSteps& steps;
+  TrainingSteps& steps;
   TrainingRenderer& renderer;
 };
 
@@ -59,14 +59,18 @@ class RefinementRounds {
   bool IsOver() const { return state_.ended != 0 || state_.rounds >= plan_.size(); }
   // Refines the mesh. If the judging pictures lost since the round before, the run returns to the
   // field before that one and refines no more; nor does it once growth has gained no more than the
-  // standard error: by one late round or by two rounds in a row, unless the options ask for all.
+  // standard error, by one late round or by two rounds in a row, or once the judging pictures are
+  // matched, unless the options ask for all.
   // `seconds`: of the run so far, for the record.
   void Advance(double seconds);
+  // An entry about a mesh that another part of the run decided about.
+  void Record(const GrowthStep& step) { state_.steps.push_back(step); }
   // The judging pictures gained by something else than the field [dB].
   void RaiseBest(double gain) { state_.best_psnr += gain; }
 
  private:
   bool IsTaught() const;
+  bool AsksForAll() const;
   GrowthDecision Decide(const Judgement& now, const JudgedGain& gain) const;
   bool LastRoundGained() const;
   bool IsWorthRefining(GrowthStep& step);

@@ -10,6 +10,7 @@
 #include "field/change_storage.h"
 #include "optimize/batches.h"
 #include "optimize/checkpoint.h"
+#include "optimize/coarsening.h"
 #include "optimize/convergence.h"
 #include "optimize/error_look.h"
 #include "optimize/exposure.h"
@@ -118,6 +119,8 @@ class Trainer {
                 PlanRounds(options, start.positions.size(), max_vertices_, pictures_.set().pixels),
                 {field_, motion_, pictures_, batches_, steps_, *renderer_},
                 stage.Scratch("best.bin"), max_tets_),
+        coarsening_(options, {field_, motion_, pictures_, batches_, steps_, *renderer_}, rounds_,
+                    stage.Scratch("finer.bin")),
         checkpoint_path_(stage.Scratch(kCheckpointFile)) {}
 
   RadianceField Run(const RadianceField& start) {
@@ -199,6 +202,7 @@ class Trainer {
     steps_.Resume(checkpoint.iteration, checkpoint.rays);
     steps_.UseShareOfRates(checkpoint.share_of_rates);
     rounds_.Resume(std::move(checkpoint.rounds));
+    coarsening_.Resume(std::move(checkpoint.coarsening));
     convergence_.Resume(checkpoint.convergence);
     harmonics_.Resume(checkpoint.harmonics);
     fine_rays_.Resume(checkpoint.fine_rays);
@@ -234,6 +238,10 @@ class Trainer {
       const double growth = Growth();
       if (rounds_.IsDue(growth)) {
         rounds_.Advance(seconds_);
+        continue;
+      }
+      if (coarsening_.IsDue(done)) {
+        coarsening_.Advance(seconds_, done);
         continue;
       }
       if (motion_trial_.Advance(growth, done) || harmonics_.Advance(growth) ||
@@ -288,7 +296,7 @@ class Trainer {
 
   void LookForConvergence() {
     const double psnr = pictures_.JudgeField().psnr;
-    convergence_.Look(steps_.iteration(), psnr, rounds_.IsOver());
+    convergence_.Look(steps_.iteration(), psnr, rounds_.IsOver() && coarsening_.IsOver());
     const ConvergenceState& state = convergence_.state();
     LogInfo("judging pictures after {} steps: {:.2f} dB, at their best {:.2f}{}",
             WithThousands(steps_.iteration()), psnr, state.best_psnr,
@@ -325,6 +333,7 @@ class Trainer {
     checkpoint.rays = steps_.rays();
     checkpoint.share_of_rates = steps_.share_of_rates();
     checkpoint.rounds = rounds_.state();
+    checkpoint.coarsening = coarsening_.state();
     checkpoint.convergence = convergence_.state();
     checkpoint.metrics_bytes = metrics_bytes;
     checkpoint.harmonics = harmonics_.state();
@@ -439,6 +448,7 @@ class Trainer {
   FineRays fine_rays_;
   MotionTrial motion_trial_;
   RefinementRounds rounds_;
+  Coarsening coarsening_;
   GrowthStep end_of_growth_;
   Convergence convergence_;
   fs::path checkpoint_path_;

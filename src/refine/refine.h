@@ -43,6 +43,9 @@ struct RefineOptions {
   double empty_depth = 0.02;     // insert: optical depth over an edge below which a vertex is empty
   double drop_share = 1.0;       // insert: of the empty vertices, per round
   double flat_error = 0.01;      // insert: share of the squared error that flat vertices may cost
+  // insert: of the vertices, in a mesh that is coarsened; below 1, the least needed go until so
+  // many are left, whatever that costs, instead of flat ones. With a growth of 0 none are inserted.
+  double kept_share = 1.0;
   PrismDiagonals diagonals = PrismDiagonals::kShorter;
   double split_share = 1.0;  // prism: of the vertices, which are split in one round at most
   uint64_t seed = 1;

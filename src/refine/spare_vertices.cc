@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
+#include <queue>
+#include <utility>
 
 namespace tetrec {
 namespace {
@@ -185,6 +188,42 @@ void TakeFlat(const TetMesh& mesh, const std::vector<double>& errors, double mos
   }
 }
 
+// The other vertices of the tets around a vertex.
+std::vector<uint32_t> NeighborsOf(const TetMesh& mesh, const Stars& stars, uint32_t vertex) {
+  std::vector<uint32_t> neighbors;
+  for (uint32_t at = stars.first[vertex]; at < stars.first[vertex + 1]; ++at) {
+    const glm::uvec4& tet = mesh.tets[stars.tets[at]];
+    for (int i = 0; i < 4; ++i) {
+      if (tet[i] != vertex) neighbors.push_back(tet[i]);
+    }
+  }
+  std::ranges::sort(neighbors);
+  neighbors.erase(std::ranges::unique(neighbors).begin(), neighbors.end());
+  return neighbors;
+}
+
+// `count`: of all vertices that are spare then.
+void TakeLeastNeeded(const TetMesh& mesh, std::vector<double> errors, uint64_t count,
+                     const std::vector<uint8_t>& stays, SpareVertices& spare) {
+  using Candidate = std::pair<double, uint32_t>;
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> candidates;
+  for (uint32_t v = 0; v < errors.size(); ++v) {
+    if (!stays[v] && !spare.is_spare[v]) candidates.emplace(errors[v], v);
+  }
+  const Stars stars = StarsOf(mesh);
+  while (spare.empty + spare.flat < count && !candidates.empty()) {
+    const auto [error, v] = candidates.top();
+    candidates.pop();
+    if (error < errors[v]) {
+      candidates.emplace(errors[v], v);
+      continue;
+    }
+    spare.is_spare[v] = 1;
+    ++spare.flat;
+    for (const uint32_t neighbor : NeighborsOf(mesh, stars, v)) errors[neighbor] += error;
+  }
+}
+
 }  // namespace
 
 SpareVertices FindSpareVertices(const TetMesh& mesh, const FieldState& state,
@@ -209,10 +248,15 @@ SpareVertices FindSpareVertices(const TetMesh& mesh, const FieldState& state,
     ++spare.empty;
   }
   if (!knows_light || state.layout.storage == FieldStorage::kCell) return spare;
+  std::vector<double> errors = ErrorsWithout(mesh, state, light);
+  if (options.kept_share < 1) {
+    TakeLeastNeeded(mesh, std::move(errors), uint64_t((1 - options.kept_share) * double(count)),
+                    stays, spare);
+    return spare;
+  }
   std::vector<uint8_t> is_fixed = AtOrNextTo(mesh, spare.is_spare);
   for (size_t v = 0; v < count; ++v) is_fixed[v] |= stays[v];
-  TakeFlat(mesh, ErrorsWithout(mesh, state, light), options.flat_error * scores.squared_error,
-           std::move(is_fixed), spare);
+  TakeFlat(mesh, errors, options.flat_error * scores.squared_error, std::move(is_fixed), spare);
   return spare;
 }
 

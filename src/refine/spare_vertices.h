@@ -21,7 +21,9 @@ struct SpareVertices {
 // little without them. The squared error that the pictures gain is estimated from the deviation
 // and from the light that rays lose around the vertex; the flattest are taken, no two of them
 // neighbours, until the estimates add up to options.flat_error times the present squared error.
-// The estimate needs scores.visible_of_tets and a field with a row per vertex.
+// If options.kept_share is below 1, the least needed ones instead: those of the least estimates,
+// where a vertex takes over the estimates of the neighbours that go, so that what is left is
+// spread. Both need scores.visible_of_tets and a field with a row per vertex.
 SpareVertices FindSpareVertices(const TetMesh& mesh, const FieldState& state,
                                 const RefineScores& scores, const RefineOptions& options);
 

@@ -5,6 +5,7 @@
 #include "core/file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -14,13 +15,15 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<const char*, 5> kDecisions = {"refine", "return", "fine-enough", "end",
-                                                   "budget"};
+constexpr std::array<const char*, 8> kDecisions = {
+    "refine", "return", "fine-enough", "end", "budget", "matched", "coarsen", "too-coarse"};
 constexpr double kLargest = 1e18;
 
 GrowthDecision ReadDecision(const CheckedJson& field) {
   const auto found = std::find(kDecisions.begin(), kDecisions.end(), field.Text());
-  if (found == kDecisions.end()) field.Fail("is none of refine, return, fine-enough, end, budget");
+  if (found == kDecisions.end()) {
+    field.Fail(fmt::format("is none of {}", fmt::join(kDecisions, ", ")));
+  }
   return GrowthDecision(found - kDecisions.begin());
 }
 
@@ -64,6 +67,14 @@ std::string ReasonOf(const GrowthStep& step) {
       return "the mesh of the result";
     case GrowthDecision::kBudget:
       return "stayed: a refined mesh would exceed the budget";
+    case GrowthDecision::kMatched:
+      return "fine enough: the judging pictures are matched to within two grey levels";
+    case GrowthDecision::kCoarsen:
+      return "coarsened to this mesh: the judging pictures lost no more than the standard error, "
+             "or "
+             "are matched to within two grey levels";
+    case GrowthDecision::kTooCoarse:
+      return "tried and taken back: this coarser mesh lost more than the standard error";
   }
   return "";
 }

@@ -19,6 +19,9 @@ enum class GrowthDecision : uint64_t {
   kFineEnough,  // the mesh stays as it is
   kEnd,         // the run ended
   kBudget,      // the mesh stays as it is, because a refined one would exceed the budget
+  kMatched,     // the mesh stays as it is, because the pictures are matched
+  kCoarsen,     // this coarser mesh took the place of the one before
+  kTooCoarse,   // this coarser mesh was tried, and the one before stayed
 };
 
 inline constexpr uint64_t kNotCounted = ~uint64_t{0};

@@ -81,6 +81,23 @@ TEST_F(RefinementRoundsTest, EndEarlyOnceTwoInARowGainNothing) {
   EXPECT_EQ(rounds_.state().steps.back().decision, GrowthDecision::kFineEnough);
 }
 
+TEST_F(RefinementRoundsTest, EndOnceTheJudgingPicturesAreMatched) {
+  const size_t before = vertices();
+  run_.options.schedule.matched_psnr = run_.pictures.JudgeField().psnr - 0.01;
+  rounds_.Advance(0.0);
+  EXPECT_EQ(vertices(), before);
+  EXPECT_TRUE(rounds_.IsOver());
+  EXPECT_EQ(rounds_.state().steps.back().decision, GrowthDecision::kMatched);
+}
+
+TEST_F(RefinementRoundsTest, GoOnWhereThePicturesAreMatchedIfTheOptionsAskForAll) {
+  run_.options.schedule.matched_psnr = 1;
+  run_.options.budget = BudgetChoice::kFull;
+  const size_t before = vertices();
+  rounds_.Advance(0.0);
+  EXPECT_GT(vertices(), before);
+}
+
 TEST_F(RefinementRoundsTest, AreAllDoneWhereTheOptionsAskForThem) {
   for (const bool is_full : {true, false}) {
     OptimizeOptions options = SmallRunOptions();

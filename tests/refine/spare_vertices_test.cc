@@ -134,5 +134,41 @@ TEST(SpareVertices, LeaveAWholeMesh) {
   EXPECT_EQ(MeasureQuality(result.mesh).boundary_faces, 12u);
 }
 
+RefineOptions KeepShare(double share) {
+  RefineOptions options = DropAll();
+  options.kept_share = share;
+  return options;
+}
+
+TEST(SpareVertices, AreAsManyAsAShareOfTheMeshAsks) {
+  const TetMesh mesh = JitteredBox();
+  const FieldState state = RandomState(mesh, FieldStorage::kVertex);
+  const SpareVertices spare =
+      FindSpareVertices(mesh, state, Scores(mesh, 1e-9f, 1.0f), KeepShare(0.5));
+  EXPECT_EQ(spare.empty, 0u);
+  EXPECT_EQ(spare.flat, mesh.positions.size() / 2);
+  EXPECT_EQ(std::ranges::count(spare.is_spare, 1), std::ptrdiff_t(spare.flat));
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    EXPECT_FALSE(spare.is_spare[v] && IsCorner(mesh.positions[v]));
+  }
+}
+
+// The half with noise is needed more than the flat one.
+TEST(SpareVertices, AreFirstThoseThatAreNeededLeast) {
+  const TetMesh mesh = JitteredBox();
+  FieldState state = StateOfBump(mesh, [](const glm::vec3&) { return 0.0f; });
+  const FieldState noise = RandomState(mesh, FieldStorage::kVertex);
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (mesh.positions[v].x > 0) state.parameters[4 * v] = noise.parameters[4 * v];
+  }
+  const SpareVertices spare =
+      FindSpareVertices(mesh, state, Scores(mesh, 1e-9f, 1.0f), KeepShare(0.8));
+  uint64_t flat = 0;
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    flat += spare.is_spare[v] && mesh.positions[v].x <= 0;
+  }
+  EXPECT_GT(double(flat), 0.9 * double(spare.flat));
+}
+
 }  // namespace
 }  // namespace tetrec

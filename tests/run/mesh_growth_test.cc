@@ -16,6 +16,12 @@ std::vector<GrowthStep> Example() {
           {2000, 50.0, 2200, 13000, kNotCounted, 320000000, 26.0, 0.0, 0.25,
            GrowthDecision::kFineEnough},
           {2500, 60.0, 2200, 13000, 2600, 320000000, 26.5, 0.5, 0.25, GrowthDecision::kBudget},
+          {2600, 62.0, 2200, 13000, kNotCounted, 320000000, 42.5, 16.0, 0.25,
+           GrowthDecision::kMatched},
+          {2700, 65.0, 1100, 6500, kNotCounted, 320000000, 42.25, -0.25, 0.25,
+           GrowthDecision::kCoarsen},
+          {2800, 68.0, 300, 1600, kNotCounted, 320000000, 39.0, -3.5, 0.25,
+           GrowthDecision::kTooCoarse},
           {3000, 80.0, 2200, 13000, 2500, 320000000, 0.0, 0.0, 0.0, GrowthDecision::kEnd}};
 }
 
@@ -25,8 +31,8 @@ TEST(MeshGrowth, WhatWasWrittenIsReadBack) {
   EXPECT_TRUE(ReadMeshGrowth(folder / kMeshGrowthFile) == Example());
   const nlohmann::json value = ReadJson(folder / kMeshGrowthFile);
   EXPECT_EQ(value["steps"][1]["reason"], "refined");
-  EXPECT_TRUE(value["steps"][4]["psnr"].is_null());
-  EXPECT_EQ(value["steps"][4]["empty_tets"], 2500);
+  EXPECT_TRUE(value["steps"][7]["psnr"].is_null());
+  EXPECT_EQ(value["steps"][7]["empty_tets"], 2500);
   EXPECT_TRUE(value["steps"][2]["empty_tets"].is_null());
 }
 

@@ -1,0 +1,62 @@
+// Coarsening once the mesh has grown: it keeps no more vertices than the pictures need.
+#pragma once
+
+#include "optimize/optimize_options.h"
+#include "optimize/refinement_rounds.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace tetrec {
+
+// What a resumed run needs.
+struct CoarseningState {
+  uint32_t ended = 0;       // 1: the mesh stays as it is
+  uint32_t has_failed = 0;  // 1: a trial has
+  double kept_share = 0.5;  // of the vertices, in the next trial
+  // What the judging pictures say of the best mesh so far; empty until it has been judged.
+  std::vector<ErrorSum> reference;
+  bool operator==(const CoarseningState&) const = default;
+};
+
+// A trial drops the least needed vertices (spare_vertices.h), learns some steps and judges: if the
+// pictures lose no more than the standard error against the best mesh so far, or are matched
+// (ScheduleOptions::matched_psnr), the coarser mesh stays, and otherwise the finer one. The first
+// trial keeps a half of the vertices, and each further one the square of the share before, until
+// one fails; then shares become milder, until they are not worth a trial.
+class Coarsening {
+ public:
+  // Trials are recorded with the rounds. `finer_file`: keeps the field before a trial on disk.
+  Coarsening(const OptimizeOptions& options, const RefinedParts& parts, RefinementRounds& rounds,
+             std::filesystem::path finer_file);
+
+  void Resume(CoarseningState state) { state_ = std::move(state); }
+  const CoarseningState& state() const { return state_; }
+
+  // True if the mesh is coarsened no more. A mesh whose rounds are given is never coarsened, nor is
+  // one that grows in full, nor where it is not known which vertices are needed.
+  bool IsOver() const { return state_.ended != 0 || !is_wanted_; }
+  // Once the rounds are over, and what they inserted has been learned, while pictures judge. One
+  // trial that succeeds may follow another, but what they leave needs time to settle.
+  bool IsDue(double progress) const;
+  // Judges the mesh as it is, the first time; then holds one trial. `seconds`: of the run so far,
+  // for the record. `progress`: of the run.
+  void Advance(double seconds, double progress);
+
+ private:
+  void LookAtFinest(uint64_t steps, double progress);
+  bool DropLeastNeeded(const FieldState& before);
+  void Decide(double seconds, uint64_t steps, const MotionState& motion);
+  void Keep(Judgement judgement, uint64_t steps);
+  void TakeBack(const MotionState& motion);
+
+  const OptimizeOptions& options_;
+  RefinedParts parts_;
+  RefinementRounds& rounds_;
+  std::filesystem::path finer_file_;
+  bool is_wanted_;
+  CoarseningState state_;
+};
+
+}  // namespace tetrec

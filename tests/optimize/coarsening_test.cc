@@ -1,0 +1,96 @@
+#include "optimize/coarsening.h"
+
+#include "optimize/small_run.h"
+#include "scratch_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace tetrec {
+namespace {
+
+// A run whose single round has been done.
+struct GrownRun {
+  explicit GrownRun(const OptimizeOptions& options = SmallRunOptions()) : run(options) {
+    rounds.Resume({.rounds = 1});
+    run.steps.Resume(100, 0);
+  }
+
+  const ScratchFolder folder;
+  SmallRun run;
+  RefinedParts parts{run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer};
+  RefinementRounds rounds{run.options, {{0.1, 1000}}, parts, folder / "best.bin"};
+  Coarsening coarsening{run.options, parts, rounds, folder / "finer.bin"};
+};
+
+TEST(Coarsening, KeepsACoarserMeshWhoseJudgingPicturesAreMatched) {
+  GrownRun grown;
+  const size_t vertices = grown.run.field.mesh().positions.size();
+  ASSERT_TRUE(grown.coarsening.IsDue(0.6));
+  grown.coarsening.Advance(0.0, 0.6);
+  EXPECT_EQ(grown.run.field.mesh().positions.size(), vertices);
+  EXPECT_FALSE(grown.coarsening.state().reference.empty());
+  grown.run.options.schedule.matched_psnr = 1;
+  grown.coarsening.Advance(0.0, 0.6);
+  const TetMesh& mesh = grown.run.field.mesh();
+  CheckTetMesh(mesh);
+  EXPECT_LT(mesh.positions.size(), vertices);
+  EXPECT_EQ(grown.coarsening.state().kept_share, 0.25);
+  const GrowthStep& step = grown.rounds.state().steps.back();
+  EXPECT_EQ(step.decision, GrowthDecision::kCoarsen);
+  EXPECT_EQ(step.tets, mesh.tets.size());
+  EXPECT_GT(step.psnr, 0.0);
+}
+
+// Nothing is as good as a reference without errors.
+TEST(Coarsening, TakesBackACoarserMeshThatLost) {
+  GrownRun grown;
+  grown.coarsening.Advance(0.0, 0.6);
+  CoarseningState state = grown.coarsening.state();
+  for (ErrorSum& view : state.reference) view.squares *= 1e-6;
+  grown.coarsening.Resume(state);
+  const std::vector<glm::vec3> positions = grown.run.field.mesh().positions;
+  const FieldState before = grown.run.field.ReadState();
+  const uint64_t iteration = grown.run.steps.iteration();
+  grown.coarsening.Advance(0.0, 0.6);
+  EXPECT_TRUE(grown.run.field.mesh().positions == positions);
+  EXPECT_TRUE(grown.run.field.ReadState().parameters == before.parameters);
+  EXPECT_EQ(grown.run.steps.iteration(), iteration);
+  EXPECT_EQ(grown.rounds.state().steps.back().decision, GrowthDecision::kTooCoarse);
+  EXPECT_LT(grown.rounds.state().steps.back().vertices, positions.size());
+  EXPECT_EQ(grown.coarsening.state().kept_share, std::sqrt(0.5));
+  EXPECT_FALSE(grown.coarsening.IsOver());
+  grown.coarsening.Advance(0.0, 0.6);
+  EXPECT_TRUE(grown.coarsening.IsOver());
+}
+
+TEST(Coarsening, WaitsUntilTheRoundsAreOverAndWhatTheyInsertedIsLearned) {
+  GrownRun grown;
+  grown.rounds.Resume({});
+  EXPECT_FALSE(grown.coarsening.IsDue(0.6));
+  grown.rounds.Resume({.rounds = 1, .steps = {{.iteration = 90}}});
+  EXPECT_FALSE(grown.coarsening.IsDue(0.6));
+  grown.rounds.Resume({.rounds = 1, .steps = {{.iteration = 50}}});
+  EXPECT_TRUE(grown.coarsening.IsDue(0.6));
+  EXPECT_FALSE(grown.coarsening.IsDue(0.8));
+  grown.run.pictures.PlaceCameras({}, 0.9);
+  EXPECT_FALSE(grown.coarsening.IsDue(0.6));
+}
+
+TEST(Coarsening, LeavesMeshesWhoseSizeTheOptionsGive) {
+  for (int i = 0; i < 4; ++i) {
+    OptimizeOptions options = SmallRunOptions();
+    if (i == 0) options.budget = BudgetChoice::kFull;
+    if (i == 1) options.schedule.rounds = 1;
+    if (i == 2) options.refine = RefineScheme::kBisect;
+    if (i == 3) options.judging_pictures = JudgingPictures::kLearned;
+    const GrownRun grown(options);
+    EXPECT_TRUE(grown.coarsening.IsOver()) << i;
+    EXPECT_FALSE(grown.coarsening.IsDue(0.6)) << i;
+  }
+}
+
+}  // namespace
+}  // namespace tetrec
