@@ -11,12 +11,12 @@
 
 namespace tetrec {
 
-VkShaderModule MakeShaderModule(const Device& device, std::span<const uint32_t> spirv) {
+VkShaderModule MakeShaderModule(VkDevice device, std::span<const uint32_t> spirv) {
   VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                 .codeSize = spirv.size_bytes(),
                                 .pCode = spirv.data()};
   VkShaderModule shader = VK_NULL_HANDLE;
-  TETREC_VK(vkCreateShaderModule(device.handle, &info, nullptr, &shader));
+  TETREC_VK(vkCreateShaderModule(device, &info, nullptr, &shader));
   return shader;
 }
 
@@ -36,14 +36,44 @@ void CheckKernel(const std::string& name, const Reflection& kernel,
                            size[0], size[1], size[2]));
 }
 
+VkResult MakeComputePipeline(VkDevice device, std::span<const uint32_t> spirv,
+                             std::span<const SpecializationConstant> constants,
+                             VkPipelineLayout layout, VkPipeline* pipeline) {
+  const VkShaderModule shader = MakeShaderModule(device, spirv);
+  std::vector<VkSpecializationMapEntry> entries;
+  for (size_t i = 0; i < constants.size(); ++i) {
+    entries.push_back({.constantID = constants[i].id,
+                       .offset = uint32_t(i * sizeof(SpecializationConstant) +
+                                          offsetof(SpecializationConstant, value)),
+                       .size = sizeof(int32_t)});
+  }
+  const VkSpecializationInfo specialization{.mapEntryCount = uint32_t(entries.size()),
+                                            .pMapEntries = entries.data(),
+                                            .dataSize = constants.size_bytes(),
+                                            .pData = constants.data()};
+  VkComputePipelineCreateInfo info{
+      .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+      .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+                .module = shader,
+                .pName = "main",
+                .pSpecializationInfo = &specialization},
+      .layout = layout};
+  const VkResult result =
+      vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, pipeline);
+  vkDestroyShaderModule(device, shader, nullptr);
+  return result;
+}
+
 }  // namespace
 
 Program::Program(const Device& device, std::string name, Reflection reflection,
-                 VkShaderStageFlags stages)
+                 VkShaderStageFlags stages, MakePipeline make_pipeline)
     : device_(&device),
       name_(std::move(name)),
       reflection_(std::move(reflection)),
-      stages_(stages) {
+      stages_(stages),
+      make_pipeline_(std::move(make_pipeline)) {
   TETREC_CHECK(push_bytes() <= device.properties.limits.maxPushConstantsSize,
                fmt::format("kernel {} has {} bytes of push constants; the device takes {}", name_,
                            push_bytes(), device.properties.limits.maxPushConstantsSize));
@@ -75,32 +105,18 @@ Program::Program(const Device& device, std::string name, Reflection reflection,
 
 Program::Program(const Device& device, std::string name, std::span<const uint32_t> spirv,
                  std::span<const SpecializationConstant> constants)
-    : Program(device, name, Reflect(name, spirv), VK_SHADER_STAGE_COMPUTE_BIT) {
+    : Program(
+          device, name, Reflect(name, spirv), VK_SHADER_STAGE_COMPUTE_BIT,
+          [handle = device.handle, spirv, values = std::vector(constants.begin(), constants.end())](
+              VkPipelineLayout layout, VkPipeline* pipeline) {
+            return MakeComputePipeline(handle, spirv, values, layout, pipeline);
+          }) {
   CheckKernel(name_, reflection_, constants);
-  const VkShaderModule shader = MakeShaderModule(device, spirv);
-  std::vector<VkSpecializationMapEntry> entries;
-  for (size_t i = 0; i < constants.size(); ++i) {
-    entries.push_back({.constantID = constants[i].id,
-                       .offset = uint32_t(i * sizeof(SpecializationConstant) +
-                                          offsetof(SpecializationConstant, value)),
-                       .size = sizeof(int32_t)});
-  }
-  const VkSpecializationInfo specialization{.mapEntryCount = uint32_t(entries.size()),
-                                            .pMapEntries = entries.data(),
-                                            .dataSize = constants.size_bytes(),
-                                            .pData = constants.data()};
-  VkComputePipelineCreateInfo info{
-      .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
-      .stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                .stage = VK_SHADER_STAGE_COMPUTE_BIT,
-                .module = shader,
-                .pName = "main",
-                .pSpecializationInfo = &specialization},
-      .layout = layout_};
-  const VkResult result =
-      vkCreateComputePipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
-  vkDestroyShaderModule(device.handle, shader, nullptr);
-  CheckVulkan(result, name_.c_str());
+}
+
+VkPipeline Program::pipeline() const {
+  if (pipeline_ == VK_NULL_HANDLE) CheckVulkan(make_pipeline_(layout_, &pipeline_), name_.c_str());
+  return pipeline_;
 }
 
 Program::~Program() {
@@ -117,6 +133,7 @@ void Program::Swap(Program& other) noexcept {
   std::swap(stages_, other.stages_);
   std::swap(set_layout_, other.set_layout_);
   std::swap(layout_, other.layout_);
+  std::swap(make_pipeline_, other.make_pipeline_);
   std::swap(pipeline_, other.pipeline_);
 }
 

@@ -4,6 +4,7 @@
 #include "gpu/device.h"
 #include "gpu/reflection.h"
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,7 +17,9 @@ struct SpecializationConstant {
   int32_t value;
 };
 
-// What the kernel binds and how large its push constants and workgroups are comes from its SPIR-V.
+// What the kernel binds and how large its push constants and workgroups are comes from its SPIR-V,
+// which must stay where it is: the driver compiles it when the pipeline is asked for the first
+// time, because a run needs few of the kernels that a renderer has.
 class Program {
  public:
   Program() = default;
@@ -31,7 +34,8 @@ class Program {
   }
   ~Program();
 
-  VkPipeline pipeline() const { return pipeline_; }
+  // Throws EnvironmentError if the driver cannot compile the kernel.
+  VkPipeline pipeline() const;
   VkPipelineLayout layout() const { return layout_; }
   VkShaderStageFlags stages() const { return stages_; }
   const std::vector<KernelBinding>& bindings() const { return reflection_.bindings; }
@@ -40,8 +44,10 @@ class Program {
   const std::string& name() const { return name_; }
 
  private:
-  // Without a pipeline.
-  Program(const Device& device, std::string name, Reflection reflection, VkShaderStageFlags stages);
+  using MakePipeline = std::function<VkResult(VkPipelineLayout layout, VkPipeline* pipeline)>;
+
+  Program(const Device& device, std::string name, Reflection reflection, VkShaderStageFlags stages,
+          MakePipeline make_pipeline);
   friend Program MakeRasterProgram(const Device& device, std::string name,
                                    std::span<const uint32_t> vertex_spirv,
                                    std::span<const uint32_t> fragment_spirv);
@@ -53,10 +59,11 @@ class Program {
   VkShaderStageFlags stages_ = 0;
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
   VkPipelineLayout layout_ = VK_NULL_HANDLE;
-  VkPipeline pipeline_ = VK_NULL_HANDLE;
+  MakePipeline make_pipeline_;
+  mutable VkPipeline pipeline_ = VK_NULL_HANDLE;  // once it has been asked for
 };
 
 // The caller destroys it.
-VkShaderModule MakeShaderModule(const Device& device, std::span<const uint32_t> spirv);
+VkShaderModule MakeShaderModule(VkDevice device, std::span<const uint32_t> spirv);
 
 }  // namespace tetrec

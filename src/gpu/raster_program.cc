@@ -7,19 +7,11 @@
 
 namespace tetrec {
 
-Program MakeRasterProgram(const Device& device, std::string name,
-                          std::span<const uint32_t> vertex_spirv,
-                          std::span<const uint32_t> fragment_spirv) {
-  if (!device.has_raster) {
-    throw EnvironmentError(
-        fmt::format("Vulkan device '{}' cannot rasterise into buffers (no graphics queue, dynamic "
-                    "rendering or fragmentStoresAndAtomics): choose another device or the renderer "
-                    "'march'",
-                    device.properties.deviceName));
-  }
-  Reflection both = Merge(name, Reflect(name, vertex_spirv), Reflect(name, fragment_spirv));
-  Program program(device, std::move(name), std::move(both),
-                  VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT);
+namespace {
+
+VkResult MakeRasterPipeline(VkDevice device, std::span<const uint32_t> vertex_spirv,
+                            std::span<const uint32_t> fragment_spirv, VkPipelineLayout layout,
+                            VkPipeline* pipeline) {
   const VkShaderModule vertex = MakeShaderModule(device, vertex_spirv);
   const VkShaderModule fragment = MakeShaderModule(device, fragment_spirv);
   const VkPipelineShaderStageCreateInfo stages[] = {
@@ -66,13 +58,33 @@ Program MakeRasterProgram(const Device& device, std::string name,
                                           .pRasterizationState = &both_sides,
                                           .pMultisampleState = &one_sample,
                                           .pDynamicState = &dynamic,
-                                          .layout = program.layout_};
-  const VkResult result = vkCreateGraphicsPipelines(device.handle, VK_NULL_HANDLE, 1, &info,
-                                                    nullptr, &program.pipeline_);
-  vkDestroyShaderModule(device.handle, vertex, nullptr);
-  vkDestroyShaderModule(device.handle, fragment, nullptr);
-  CheckVulkan(result, program.name_.c_str());
-  return program;
+                                          .layout = layout};
+  const VkResult result =
+      vkCreateGraphicsPipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, pipeline);
+  vkDestroyShaderModule(device, vertex, nullptr);
+  vkDestroyShaderModule(device, fragment, nullptr);
+  return result;
+}
+
+}  // namespace
+
+Program MakeRasterProgram(const Device& device, std::string name,
+                          std::span<const uint32_t> vertex_spirv,
+                          std::span<const uint32_t> fragment_spirv) {
+  if (!device.has_raster) {
+    throw EnvironmentError(
+        fmt::format("Vulkan device '{}' cannot rasterise into buffers (no graphics queue, dynamic "
+                    "rendering or fragmentStoresAndAtomics): choose another device or the renderer "
+                    "'march'",
+                    device.properties.deviceName));
+  }
+  Reflection both = Merge(name, Reflect(name, vertex_spirv), Reflect(name, fragment_spirv));
+  return {device, std::move(name), std::move(both),
+          VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
+          [handle = device.handle, vertex_spirv, fragment_spirv](VkPipelineLayout layout,
+                                                                 VkPipeline* pipeline) {
+            return MakeRasterPipeline(handle, vertex_spirv, fragment_spirv, layout, pipeline);
+          }};
 }
 
 }  // namespace tetrec
