@@ -139,13 +139,12 @@ class ViewTest(StageCase):
         self.wait_for(lambda: picture() != start, process, "the picture changed")
         optimize.kill()
         optimize.wait()
-        time.sleep(1)  # what is being read is shown
         # A damaged file keeps the last field shown.
-        loaded = status()["loaded"]
         (field / "checkpoint.bin").write_bytes(b"TETRECKB, and nothing else")
         self.wait_for(lambda: status()["problem"], process, "the damage was noticed")
         self.assertIn("checkpoint.bin", status()["problem"])
-        self.assertEqual((status()["loaded"], self.ask(address, PICTURE)[0]), (loaded, 200))
+        shown = status()["loaded"]
+        self.assertEqual((self.ask(address, PICTURE)[0], status()["loaded"]), (200, shown))
 
     def test_wrong_input_is_refused_in_one_line(self):
         empty = self.folder / "empty"
