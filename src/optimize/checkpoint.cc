@@ -162,6 +162,7 @@ void WriteCoarsening(ByteWriter& writer, const CoarseningState& state) {
   writer.Write(state.ended);
   writer.Write(state.has_failed);
   writer.Write(state.kept_share);
+  writer.Write(state.finest_vertices);
   WriteViews(writer, state.reference);
 }
 
@@ -170,6 +171,7 @@ CoarseningState ReadCoarsening(ByteReader& reader, const std::string& name) {
   state.ended = reader.Read<uint32_t>("end of coarsening");
   state.has_failed = reader.Read<uint32_t>("failure of coarsening");
   state.kept_share = reader.Read<double>("kept share");
+  state.finest_vertices = reader.Read<uint64_t>("finest vertices");
   state.reference = ReadViews(reader, name);
   if (state.ended > 1 || state.has_failed > 1 || !(state.kept_share > 0 && state.kept_share <= 1)) {
     throw DataError(fmt::format("{}: the state of coarsening is {}, {}, {}, which is not possible",

@@ -7,6 +7,7 @@
 #include "optimize/refine_scores.h"
 #include "refine/refine.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -17,6 +18,7 @@ namespace {
 constexpr double kMostKept = 0.75;
 // The progress of a run from which on none is held.
 constexpr double kLastTrial = 0.8;
+constexpr double kMostSteps = 200;
 
 bool IsWanted(const OptimizeOptions& options) {
   const bool chooses_size = options.budget == BudgetChoice::kAuto && !options.schedule.rounds;
@@ -29,45 +31,82 @@ bool IsWanted(const OptimizeOptions& options) {
 }  // namespace
 
 Coarsening::Coarsening(const OptimizeOptions& options, const RefinedParts& parts,
-                       RefinementRounds& rounds, std::filesystem::path finer_file)
+                       RefinementRounds& rounds, const std::filesystem::path& finer_file,
+                       const std::filesystem::path& coarser_file)
     : options_(options),
       parts_(parts),
       rounds_(rounds),
-      finer_file_(std::move(finer_file)),
+      finer_file_(finer_file),
+      coarser_file_(coarser_file),
       is_wanted_(IsWanted(options)) {}
 
 bool Coarsening::IsDue(double progress) const {
-  if (progress >= kLastTrial || IsOver() || !rounds_.IsOver() || parts_.pictures.learns_all())
-    return false;
+  if (progress >= kLastTrial || IsOver() || !rounds_.IsOver()) return false;
+  if (parts_.pictures.learns_all()) return false;
   const std::vector<GrowthStep>& steps = rounds_.state().steps;
   const uint64_t last = steps.empty() ? 0 : steps.back().iteration;
   return parts_.steps.iteration() >= last + kFewestTrialSteps;
 }
 
 void Coarsening::Advance(double seconds, double progress) {
-  const uint64_t steps = TrialSteps(parts_.steps.iteration());
   if (state_.reference.empty()) {
-    LookAtFinest(steps, progress);
+    LookAtFinest(progress);
     return;
   }
-  Checkpoint finer;
-  finer.mesh = parts_.field.mesh();
-  finer.state = parts_.field.ReadState();
-  WriteCheckpoint(finer_file_, finer);
-  finer.mesh = {};
-  const MotionState motion = parts_.motion.state();
-  if (!DropLeastNeeded(finer.state)) {
+  const uint64_t steps = StepsOfTrial();
+  const FieldState before = parts_.field.ReadState();
+  const Waiting finer = Save(finer_file_, before);
+  if (!DropLeastNeeded(before)) {
     state_.ended = 1;
-    TakeBack(motion);
+    PutBack(finer);
     return;
   }
-  finer = {};
   parts_.steps.Try(steps, kRatesOfTrials, progress);
-  Decide(seconds, steps, motion);
+  const Judgement judgement = parts_.pictures.JudgeField();
+  const GrowthStep coarser = StepOf(seconds, parts_.steps.iteration(), parts_.field.mesh());
+  const bool is_matched = judgement.psnr >= options_.schedule.matched_psnr;
+  const bool seems_as_good = is_matched || IsAsGood(judgement.views);
+  if (!seems_as_good) PutBack(finer);
+  const bool stays =
+      seems_as_good && (is_matched || !FinerLearnsMore(finer, judgement.views, steps, progress));
+  Record(coarser, judgement, stays);
+  if (stays) {
+    parts_.steps.CountTried(steps);
+    RaiseReference(judgement.views);
+    if (state_.has_failed == 0) state_.kept_share *= state_.kept_share;
+    return;
+  }
+  state_.has_failed = 1;
+  state_.kept_share = std::sqrt(state_.kept_share);
+  if (state_.kept_share > kMostKept) state_.ended = 1;
 }
 
-// As long as each trial, so that they can be compared.
-void Coarsening::LookAtFinest(uint64_t steps, double progress) {
+// What fewer vertices have to take over takes longer to learn, and costs less.
+uint64_t Coarsening::StepsOfTrial() const {
+  const double vertices = state_.kept_share * double(parts_.field.mesh().positions.size());
+  const double longer = std::sqrt(std::max(double(state_.finest_vertices) / vertices, 1.0));
+  const uint64_t steps = TrialSteps(parts_.steps.iteration());
+  return uint64_t(std::clamp(double(steps) * longer, double(steps), kMostSteps));
+}
+
+Coarsening::Waiting Coarsening::Save(const std::filesystem::path& file,
+                                     const FieldState& field) const {
+  Checkpoint checkpoint;
+  checkpoint.mesh = parts_.field.mesh();
+  checkpoint.state = field;
+  WriteCheckpoint(file, checkpoint);
+  return {file, parts_.motion.state()};
+}
+
+void Coarsening::PutBack(const Waiting& waiting) {
+  Checkpoint checkpoint = ReadCheckpoint(waiting.file);
+  parts_.field.Put(std::move(checkpoint.mesh), std::move(checkpoint.state));
+  parts_.motion.Resume(waiting.motion);
+}
+
+void Coarsening::LookAtFinest(double progress) {
+  const uint64_t steps = TrialSteps(parts_.steps.iteration());
+  state_.finest_vertices = parts_.field.mesh().positions.size();
   parts_.steps.Try(steps, kRatesOfTrials, progress);
   parts_.steps.CountTried(steps);
   state_.reference = parts_.pictures.JudgeField().views;
@@ -90,13 +129,35 @@ bool Coarsening::DropLeastNeeded(const FieldState& before) {
   return is_coarser;
 }
 
-void Coarsening::Decide(double seconds, uint64_t steps, const MotionState& motion) {
-  Judgement now = parts_.pictures.JudgeField();
-  const JudgedGain gain = GainBetween(state_.reference, now.views);
-  const bool stays =
-      now.psnr >= options_.schedule.matched_psnr || gain.gain >= -gain.standard_error;
-  GrowthStep step = StepOf(seconds, parts_.steps.iteration(), parts_.field.mesh());
-  step.psnr = now.psnr;
+bool Coarsening::IsAsGood(std::span<const ErrorSum> views) const {
+  const JudgedGain gain = GainBetween(state_.reference, views);
+  return gain.gain >= -gain.standard_error;
+}
+
+void Coarsening::RaiseReference(std::vector<ErrorSum> views) {
+  if (GainBetween(state_.reference, views).gain > 0) state_.reference = std::move(views);
+}
+
+// Lets the finer mesh learn as many steps as the coarser one, which steps alone may have made as
+// good. Whichever is better is the field then.
+bool Coarsening::FinerLearnsMore(const Waiting& finer, std::span<const ErrorSum> coarser,
+                                 uint64_t steps, double progress) {
+  const Waiting waiting = Save(coarser_file_, parts_.field.ReadState());
+  PutBack(finer);
+  parts_.steps.Try(steps, kRatesOfTrials, progress);
+  RaiseReference(parts_.pictures.JudgeField().views);
+  if (IsAsGood(coarser)) {
+    PutBack(waiting);
+    return false;
+  }
+  parts_.steps.CountTried(steps);
+  return true;
+}
+
+// `step`: of the coarser mesh.
+void Coarsening::Record(GrowthStep step, const Judgement& judgement, bool stays) {
+  const JudgedGain gain = GainBetween(state_.reference, judgement.views);
+  step.psnr = judgement.psnr;
   step.gain = gain.gain;
   step.gain_standard_error = gain.standard_error;
   step.decision = stays ? GrowthDecision::kCoarsen : GrowthDecision::kTooCoarse;
@@ -104,30 +165,8 @@ void Coarsening::Decide(double seconds, uint64_t steps, const MotionState& motio
   LogInfo(
       "judging pictures with {} vertices, {} tets: {:.2f} dB; gain {:+.2f} dB, standard error "
       "{:.2f}: {}",
-      WithThousands(step.vertices), WithThousands(step.tets), now.psnr, gain.gain,
+      WithThousands(step.vertices), WithThousands(step.tets), judgement.psnr, gain.gain,
       gain.standard_error, stays ? "the coarser mesh stays" : "the finer mesh stays");
-  if (stays) {
-    Keep(std::move(now), steps);
-  } else {
-    TakeBack(motion);
-  }
-}
-
-void Coarsening::Keep(Judgement judgement, uint64_t steps) {
-  parts_.steps.CountTried(steps);
-  if (GainBetween(state_.reference, judgement.views).gain > 0) {
-    state_.reference = std::move(judgement.views);
-  }
-  if (state_.has_failed == 0) state_.kept_share *= state_.kept_share;
-}
-
-void Coarsening::TakeBack(const MotionState& motion) {
-  Checkpoint finer = ReadCheckpoint(finer_file_);
-  parts_.field.Put(std::move(finer.mesh), std::move(finer.state));
-  parts_.motion.Resume(motion);
-  state_.has_failed = 1;
-  state_.kept_share = std::sqrt(state_.kept_share);
-  if (state_.kept_share > kMostKept) state_.ended = 1;
 }
 
 }  // namespace tetrec

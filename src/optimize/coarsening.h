@@ -6,30 +6,33 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 namespace tetrec {
 
 // What a resumed run needs.
 struct CoarseningState {
-  uint32_t ended = 0;       // 1: the mesh stays as it is
-  uint32_t has_failed = 0;  // 1: a trial has
-  double kept_share = 0.5;  // of the vertices, in the next trial
+  uint32_t ended = 0;            // 1: the mesh stays as it is
+  uint32_t has_failed = 0;       // 1: a trial has
+  double kept_share = 0.5;       // of the vertices, in the next trial
+  uint64_t finest_vertices = 0;  // of the mesh that has grown
   // What the judging pictures say of the best mesh so far; empty until it has been judged.
   std::vector<ErrorSum> reference;
   bool operator==(const CoarseningState&) const = default;
 };
 
-// A trial drops the least needed vertices (spare_vertices.h), learns some steps and judges: if the
-// pictures lose no more than the standard error against the best mesh so far, or are matched
-// (ScheduleOptions::matched_psnr), the coarser mesh stays, and otherwise the finer one. The first
-// trial keeps a half of the vertices, and each further one the square of the share before, until
-// one fails; then shares become milder, until they are not worth a trial.
+// A trial drops the least needed vertices (spare_vertices.h), learns some steps and judges. If the
+// pictures are matched (ScheduleOptions::matched_psnr), or lose no more than the standard error
+// against the best mesh so far, the finer one after as many steps included, the coarser mesh stays,
+// and otherwise the finer one. The first trial keeps a half of the vertices, and each further one
+// the square of the share before, until one fails; then shares become milder, until they are not
+// worth a trial.
 class Coarsening {
  public:
-  // Trials are recorded with the rounds. `finer_file`: keeps the field before a trial on disk.
+  // Trials are recorded with the rounds. The files keep fields that wait while others learn.
   Coarsening(const OptimizeOptions& options, const RefinedParts& parts, RefinementRounds& rounds,
-             std::filesystem::path finer_file);
+             const std::filesystem::path& finer_file, const std::filesystem::path& coarser_file);
 
   void Resume(CoarseningState state) { state_ = std::move(state); }
   const CoarseningState& state() const { return state_; }
@@ -37,24 +40,34 @@ class Coarsening {
   // True if the mesh is coarsened no more. A mesh whose rounds are given is never coarsened, nor is
   // one that grows in full, nor where it is not known which vertices are needed.
   bool IsOver() const { return state_.ended != 0 || !is_wanted_; }
-  // Once the rounds are over, and what they inserted has been learned, while pictures judge. One
-  // trial that succeeds may follow another, but what they leave needs time to settle.
+  // Once the rounds are over, and what they inserted has been learned, while pictures judge.
   bool IsDue(double progress) const;
   // Judges the mesh as it is, the first time; then holds one trial. `seconds`: of the run so far,
   // for the record. `progress`: of the run.
   void Advance(double seconds, double progress);
 
  private:
-  void LookAtFinest(uint64_t steps, double progress);
+  // A field that waits on disk while another one learns.
+  struct Waiting {
+    std::filesystem::path file;
+    MotionState motion;
+  };
+
+  uint64_t StepsOfTrial() const;
+  Waiting Save(const std::filesystem::path& file, const FieldState& field) const;
+  void PutBack(const Waiting& waiting);
+  void LookAtFinest(double progress);
   bool DropLeastNeeded(const FieldState& before);
-  void Decide(double seconds, uint64_t steps, const MotionState& motion);
-  void Keep(Judgement judgement, uint64_t steps);
-  void TakeBack(const MotionState& motion);
+  bool IsAsGood(std::span<const ErrorSum> views) const;
+  void RaiseReference(std::vector<ErrorSum> views);
+  bool FinerLearnsMore(const Waiting& finer, std::span<const ErrorSum> coarser, uint64_t steps,
+                       double progress);
+  void Record(GrowthStep step, const Judgement& judgement, bool stays);
 
   const OptimizeOptions& options_;
   RefinedParts parts_;
   RefinementRounds& rounds_;
-  std::filesystem::path finer_file_;
+  std::filesystem::path finer_file_, coarser_file_;
   bool is_wanted_;
   CoarseningState state_;
 };

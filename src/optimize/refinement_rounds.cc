@@ -18,6 +18,13 @@
 
 namespace tetrec {
 
+namespace {
+
+// What the judging pictures may gain by a few steps at low rates [dB].
+constexpr double kMostNoise = 5;
+
+}  // namespace
+
 GrowthStep StepOf(double seconds, uint64_t iteration, const TetMesh& mesh) {
   return {.iteration = iteration,
           .seconds = seconds,
@@ -59,7 +66,7 @@ void RefinementRounds::Advance(double seconds) {
 
 // Judges the field that the last round led to.
 bool RefinementRounds::IsWorthRefining(GrowthStep& step) {
-  const Judgement now = parts_.pictures.JudgeField();
+  const Judgement now = JudgeSettled();
   const JudgedGain gain = GainBetween(state_.last_views, now.views);
   step.psnr = now.psnr;
   step.gain = gain.gain;
@@ -82,6 +89,17 @@ bool RefinementRounds::IsWorthRefining(GrowthStep& step) {
   if (state_.rounds == 0 || now.psnr > state_.best_psnr) SaveBest(now.psnr);
   state_.last_views = now.views;
   return true;
+}
+
+// The noise of high learning rates may hide that the pictures are matched.
+Judgement RefinementRounds::JudgeSettled() {
+  const Judgement now = parts_.pictures.JudgeField();
+  const double missing = options_.schedule.matched_psnr - now.psnr;
+  if (AsksForAll() || missing <= 0 || missing > kMostNoise) return now;
+  const uint64_t steps = TrialSteps(parts_.steps.iteration());
+  parts_.steps.Try(steps, kRatesOfTrials);
+  parts_.steps.CountTried(steps);
+  return parts_.pictures.JudgeField();
 }
 
 bool RefinementRounds::AsksForAll() const {

@@ -71,6 +71,7 @@ class RefinementRounds {
  private:
   bool IsTaught() const;
   bool AsksForAll() const;
+  Judgement JudgeSettled();
   GrowthDecision Decide(const Judgement& now, const JudgedGain& gain) const;
   bool LastRoundGained() const;
   bool IsWorthRefining(GrowthStep& step);

@@ -20,9 +20,9 @@ struct ScheduleOptions {
   double last_judging = 0.7;
   // A refinement that loses more than this on the judging pictures is taken back [dB].
   double judged_loss = 0.1;
-  // The judging pictures are matched: their error is two grey levels of 255 (root mean square),
-  // which nobody sees. More vertices are not needed then, and fewer are tried [dB].
-  double matched_psnr = 42;
+  // From this PSNR on, an error of 2.6 grey levels of 255 (root mean square), the judging pictures
+  // are matched: more vertices are not needed, and fewer are tried [dB].
+  double matched_psnr = 40;
   // Steps before each refinement of a run by time: on a slow machine a round may be due before the
   // mesh is fitted, and a mesh that is not fitted cannot be judged.
   uint64_t min_round_steps = 150;

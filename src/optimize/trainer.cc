@@ -120,7 +120,7 @@ class Trainer {
                 {field_, motion_, pictures_, batches_, steps_, *renderer_},
                 stage.Scratch("best.bin"), max_tets_),
         coarsening_(options, {field_, motion_, pictures_, batches_, steps_, *renderer_}, rounds_,
-                    stage.Scratch("finer.bin")),
+                    stage.Scratch("finer.bin"), stage.Scratch("coarser.bin")),
         checkpoint_path_(stage.Scratch(kCheckpointFile)) {}
 
   RadianceField Run(const RadianceField& start) {

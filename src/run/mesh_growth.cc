@@ -68,11 +68,10 @@ std::string ReasonOf(const GrowthStep& step) {
     case GrowthDecision::kBudget:
       return "stayed: a refined mesh would exceed the budget";
     case GrowthDecision::kMatched:
-      return "fine enough: the judging pictures are matched to within two grey levels";
+      return "fine enough: the judging pictures are matched";
     case GrowthDecision::kCoarsen:
-      return "coarsened to this mesh: the judging pictures lost no more than the standard error, "
-             "or "
-             "are matched to within two grey levels";
+      return "coarsened to this mesh: the judging pictures are matched, or lost no more than the "
+             "standard error";
     case GrowthDecision::kTooCoarse:
       return "tried and taken back: this coarser mesh lost more than the standard error";
   }

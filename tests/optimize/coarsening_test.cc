@@ -22,7 +22,7 @@ struct GrownRun {
   SmallRun run;
   RefinedParts parts{run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer};
   RefinementRounds rounds{run.options, {{0.1, 1000}}, parts, folder / "best.bin"};
-  Coarsening coarsening{run.options, parts, rounds, folder / "finer.bin"};
+  Coarsening coarsening{run.options, parts, rounds, folder / "finer.bin", folder / "coarser.bin"};
 };
 
 TEST(Coarsening, KeepsACoarserMeshWhoseJudgingPicturesAreMatched) {
@@ -64,6 +64,22 @@ TEST(Coarsening, TakesBackACoarserMeshThatLost) {
   EXPECT_FALSE(grown.coarsening.IsOver());
   grown.coarsening.Advance(0.0, 0.6);
   EXPECT_TRUE(grown.coarsening.IsOver());
+}
+
+// Almost anything is as good as a reference with large errors, but the finer mesh is better, too.
+TEST(Coarsening, LetsTheFinerMeshLearnAsMuchBeforeACoarserOneReplacesIt) {
+  GrownRun grown;
+  grown.coarsening.Advance(0.0, 0.6);
+  CoarseningState state = grown.coarsening.state();
+  for (ErrorSum& view : state.reference) view.squares *= 1e6;
+  grown.coarsening.Resume(state);
+  const std::vector<glm::vec3> positions = grown.run.field.mesh().positions;
+  const uint64_t iteration = grown.run.steps.iteration();
+  grown.coarsening.Advance(0.0, 0.6);
+  EXPECT_EQ(grown.run.field.mesh().positions.size(), positions.size());
+  EXPECT_GT(grown.run.steps.iteration(), iteration);
+  EXPECT_EQ(grown.rounds.state().steps.back().decision, GrowthDecision::kTooCoarse);
+  EXPECT_GT(GainBetween(state.reference, grown.coarsening.state().reference).gain, 10.0);
 }
 
 TEST(Coarsening, WaitsUntilTheRoundsAreOverAndWhatTheyInsertedIsLearned) {

@@ -11,18 +11,17 @@ namespace tetrec {
 namespace {
 
 std::vector<GrowthStep> Example() {
-  return {{150, 3.5, 1000, 6000, 4000, 300000000, 24.5, 0.0, 0.0, GrowthDecision::kRefine},
-          {900, 20.25, 1500, 9100, 3000, 310000000, 26.0, 1.5, 0.125, GrowthDecision::kRefine},
-          {2000, 50.0, 2200, 13000, kNotCounted, 320000000, 26.0, 0.0, 0.25,
-           GrowthDecision::kFineEnough},
-          {2500, 60.0, 2200, 13000, 2600, 320000000, 26.5, 0.5, 0.25, GrowthDecision::kBudget},
-          {2600, 62.0, 2200, 13000, kNotCounted, 320000000, 42.5, 16.0, 0.25,
-           GrowthDecision::kMatched},
-          {2700, 65.0, 1100, 6500, kNotCounted, 320000000, 42.25, -0.25, 0.25,
-           GrowthDecision::kCoarsen},
-          {2800, 68.0, 300, 1600, kNotCounted, 320000000, 39.0, -3.5, 0.25,
-           GrowthDecision::kTooCoarse},
-          {3000, 80.0, 2200, 13000, 2500, 320000000, 0.0, 0.0, 0.0, GrowthDecision::kEnd}};
+  return {
+      {150, 3.5, 1000, 6000, 4000, 300000000, 24.5, 0.0, 0.0, GrowthDecision::kRefine},
+      {900, 20.25, 1500, 9100, 3000, 310000000, 26.0, 1.5, 0.125, GrowthDecision::kRefine},
+      {2000, 50.0, 2200, 13000, kNotCounted, 320000000, 26.0, 0.0, 0.25,
+       GrowthDecision::kFineEnough},
+      {2500, 60.0, 2200, 13000, 2600, 320000000, 26.5, 0.5, 0.25, GrowthDecision::kBudget},
+      {2600, 62.0, 2200, 13000, kNotCounted, 320000000, 42.5, 16.0, 0.25, GrowthDecision::kMatched},
+      {2700, 65.0, 1100, 6500, kNotCounted, 320000000, 42.25, -0.25, 0.25,
+       GrowthDecision::kCoarsen},
+      {2800, 68.0, 300, 1600, kNotCounted, 320000000, 39.0, -3.5, 0.25, GrowthDecision::kTooCoarse},
+      {3000, 80.0, 2200, 13000, 2500, 320000000, 0.0, 0.0, 0.0, GrowthDecision::kEnd}};
 }
 
 TEST(MeshGrowth, WhatWasWrittenIsReadBack) {
