@@ -105,9 +105,9 @@ struct OptimizeOptions {
   // Added to the loss while vertices move; none by default, because moves are safe without it.
   QualityRegulariser quality{.strength = 0, .sharpness = 100};
   double max_density = AdamUpdate().max_density;  // [1 / world unit]
-  // Pull of seen vertices towards empty, as a share of Adam's largest step: without it, fog in
-  // front of the cameras explains why photos differ in exposure.
-  double density_decay = 0.05;
+  // Pull of seen vertices towards empty, as a share of Adam's largest step. By default
+  // DensityDecay.
+  std::optional<double> density_decay;
   // Rays are moved inside their share of the pixel by up to half of this part of it: more blurs.
   double jitter_px = 0.0;
   double subject_share = 0.85;    // share of the rays drawn where the masks show something
@@ -144,5 +144,8 @@ struct OptimizeOptions {
 RefineScore ScoreOf(const OptimizeOptions& options);
 // The first rate of positions: 0.1 of the edges, or the article's 1e-5 in a box of 0.5.
 double PositionRateOf(const OptimizeOptions& options);
+// Photos differ in exposure, which fog in front of their cameras explains unless density decays.
+// Pictures with alpha do not, and show what is empty.
+inline double DensityDecay(bool has_alpha) { return has_alpha ? 0.0 : 0.05; }
 
 }  // namespace tetrec

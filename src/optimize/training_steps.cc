@@ -46,7 +46,7 @@ AdamUpdate TrainingSteps::UpdateOf(uint64_t step, double progress) const {
           .density_rate = options_.density_rate * share,
           .harmonics_rate = options_.harmonics_rate * share,
           .max_density = options_.max_density,
-          .density_decay = options_.density_decay};
+          .density_decay = density_decay_};
 }
 
 }  // namespace tetrec

@@ -22,9 +22,14 @@ inline constexpr double kRatesOfTrials = 0.95;
 // `progress` is that of the run, in [0, 1].
 class TrainingSteps {
  public:
-  TrainingSteps(const OptimizeOptions& options, BatchDrawer& batches, TrainingRenderer& renderer,
-                VertexMotion& motion)
-      : options_(options), batches_(batches), renderer_(renderer), motion_(motion) {}
+  // `has_alpha`: the training pictures have.
+  TrainingSteps(const OptimizeOptions& options, bool has_alpha, BatchDrawer& batches,
+                TrainingRenderer& renderer, VertexMotion& motion)
+      : options_(options),
+        density_decay_(options.density_decay.value_or(DensityDecay(has_alpha))),
+        batches_(batches),
+        renderer_(renderer),
+        motion_(motion) {}
 
   uint64_t iteration() const { return iteration_; }  // steps counted so far
   uint64_t rays() const { return rays_; }            // of all steps, tried ones too
@@ -57,6 +62,7 @@ class TrainingSteps {
   AdamUpdate UpdateOf(uint64_t step, double progress) const;
 
   const OptimizeOptions& options_;
+  double density_decay_;
   BatchDrawer& batches_;
   TrainingRenderer& renderer_;
   VertexMotion& motion_;

@@ -52,7 +52,7 @@ struct SmallRun {
         batches(options, pictures.set(), false, glm::vec3(0.0f), "scene"),
         field(options, SceneOfWavyBox(), *renderer, batches),
         motion(options, field, *renderer, views),
-        steps(options, batches, *renderer, motion) {
+        steps(options, false, batches, *renderer, motion) {
     pictures.PlaceCameras({}, 0.0);
     PutField(0.4);
   }

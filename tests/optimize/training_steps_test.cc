@@ -36,6 +36,21 @@ TEST(TrainingSteps, AfterAResumeAreThoseThatWouldHaveFollowed) {
   EXPECT_EQ(resumed.steps.rays(), 3u * 256u);
 }
 
+// A step of Adam is as long for any gradient, so only the decay tells the fields apart.
+TEST(TrainingSteps, LetDensityDecayForPhotosAndNotForPicturesWithAlpha) {
+  const auto densities = [](bool has_alpha, std::optional<double> decay) {
+    OptimizeOptions options = SmallRunOptions();
+    options.density_decay = decay;
+    SmallRun run(options);
+    TrainingSteps steps(run.options, has_alpha, run.batches, *run.renderer, run.motion);
+    steps.Take(0.1, false);
+    return run.field.ReadState().parameters;
+  };
+  EXPECT_TRUE(densities(true, {}) == densities(false, 0.0));
+  EXPECT_TRUE(densities(false, {}) == densities(true, 0.05));
+  EXPECT_TRUE(densities(true, {}) != densities(false, {}));
+}
+
 // Blocks of fine rays are halves of the blocks that would have been drawn, inside the same
 // pictures.
 TEST(BatchDrawer, DrawsFineRaysThroughTheSamePixels) {
