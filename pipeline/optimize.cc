@@ -9,12 +9,7 @@
 
 namespace {
 
-// Options that the command line gives as words.
-struct Words {
-  std::string background = "random";
-};
-
-void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options, Words& words) {
+void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options) {
   CLI::App& app = command.app();
   app.add_option("--time-limit", options.time_limit_s,
                  "Seconds of optimisation, refinement included; 0: limited by --iterations, or, if "
@@ -75,10 +70,11 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
   app.add_option("--subject-share", options.subject_share,
                  "Share of the rays drawn from pixels that show the subject")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--background", words.background,
-                 "Background of images with alpha: random (another colour in each step, which "
-                 "distinguishes empty from background-coloured) or scene (as imported)")
-      ->check(CLI::IsMember({"random", "scene"}));
+  tetrec::AddWordOption(
+      app, "--background", options.background,
+      "Background of images with alpha: random (another colour in each step, which distinguishes "
+      "empty from background-coloured), scene (as imported) or auto (random in the first half of "
+      "the run, then scene)");
   tetrec::AddWordOption(
       app, "--camera-space", options.camera_space,
       "Where the cameras of photos stand and move: empty (no density) or learned");
@@ -185,17 +181,15 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options,
 
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
-  Words words;
   tetrec::StageCommand command(
       "optimize", 12,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});
-  AddOptions(command, options, words);
+  AddOptions(command, options);
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunOptimize(options, stage); },
       [&] {
-        options.random_background = words.background == "random";
         options.renderer.Check();
         options.Check();
       });

@@ -55,7 +55,8 @@ TrainingBatch BatchDrawer::Draw(uint64_t iteration, int samples) {
 }
 
 glm::vec3 BatchDrawer::Background(uint64_t iteration) const {
-  return options_.random_background ? DrawColor(options_.seed, iteration) : background_srgb_;
+  return options_.background == BackgroundChoice::kScene ? background_srgb_
+                                                         : DrawColor(options_.seed, iteration);
 }
 
 // Fills blocks_; returns the shape of its tiles, if it consists of tiles.

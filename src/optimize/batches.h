@@ -24,8 +24,9 @@ class BatchDrawer {
   // If `few`, each batch draws its rays from at most kMostViewsOfBatch views.
   void UseFewViews(bool few) { few_views_ = few; }
   bool few_views() const { return few_views_; }
-  // Behind field and targets: random, or the scene's own.
+  // Behind field and targets: random, or the scene's own if that is chosen.
   glm::vec3 Background(uint64_t iteration) const;
+  const glm::vec3& background_of_scene_srgb() const { return background_srgb_; }
 
   // Whether the loss or the renderer needs tiles, which have one ray per pixel.
   bool DrawsTiles() const { return needs_tiles_ || options_.loss.dssim > 0; }

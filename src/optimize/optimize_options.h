@@ -78,6 +78,19 @@ inline constexpr auto kWords<RefineScore> =
                                       {RefineScore::kVariance, "variance"},
                                       {RefineScore::kGain, "gain"}});
 
+// What is behind the field and its training pictures. Another colour in each step distinguishes
+// what is empty from what has the colour of the background, but adds noise.
+enum class BackgroundChoice {
+  kAuto,    // random and, once half of a run on pictures with alpha is over, the scene's own
+  kRandom,  // another colour in each step
+  kScene,   // the scene's own
+};
+template <>
+inline constexpr auto kWords<BackgroundChoice> =
+    std::to_array<Word<BackgroundChoice>>({{BackgroundChoice::kAuto, "auto"},
+                                           {BackgroundChoice::kRandom, "random"},
+                                           {BackgroundChoice::kScene, "scene"}});
+
 // How the size of the mesh is chosen, up to any bound that is given.
 enum class BudgetChoice {
   kAuto,  // as the time affords; growth ends once the judging pictures gain no more by it
@@ -110,10 +123,10 @@ struct OptimizeOptions {
   std::optional<double> density_decay;
   // Rays are moved inside their share of the pixel by up to half of this part of it: more blurs.
   double jitter_px = 0.0;
-  double subject_share = 0.85;    // share of the rays drawn where the masks show something
-  bool random_background = true;  // behind field and target; false: the scene's own
-  ExposureMode exposure = ExposureMode::kAuto;  // of the training photos
-  PoseMode poses = PoseMode::kAuto;             // corrections of the training cameras
+  double subject_share = 0.85;  // share of the rays drawn where the masks show something
+  BackgroundChoice background = BackgroundChoice::kAuto;  // behind field and target
+  ExposureMode exposure = ExposureMode::kAuto;            // of the training photos
+  PoseMode poses = PoseMode::kAuto;                       // corrections of the training cameras
   HarmonicsChoice harmonics = HarmonicsChoice::kAuto;
   FineRaysChoice fine_rays = FineRaysChoice::kAuto;
   MoveChoice move = MoveChoice::kAuto;

@@ -34,7 +34,12 @@ StepResult TrainingSteps::TakeStep(uint64_t iteration, double progress,
 
 TrainingBatch TrainingSteps::Draw(uint64_t iteration, double progress) {
   const bool fine = uses_fine_rays_ && progress >= options_.schedule.fine_rays;
-  const TrainingBatch batch = batches_.Draw(iteration, fine ? 2 : 1);
+  TrainingBatch batch = batches_.Draw(iteration, fine ? 2 : 1);
+  // What is empty is known by then. Photos have nothing that shows it.
+  if (options_.background == BackgroundChoice::kAuto && has_alpha_ &&
+      progress >= options_.schedule.scene_background) {
+    batch.background_srgb = batches_.background_of_scene_srgb();
+  }
   rays_ += batch.rays();
   return batch;
 }

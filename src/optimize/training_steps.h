@@ -26,6 +26,7 @@ class TrainingSteps {
   TrainingSteps(const OptimizeOptions& options, bool has_alpha, BatchDrawer& batches,
                 TrainingRenderer& renderer, VertexMotion& motion)
       : options_(options),
+        has_alpha_(has_alpha),
         density_decay_(options.density_decay.value_or(DensityDecay(has_alpha))),
         batches_(batches),
         renderer_(renderer),
@@ -62,6 +63,7 @@ class TrainingSteps {
   AdamUpdate UpdateOf(uint64_t step, double progress) const;
 
   const OptimizeOptions& options_;
+  bool has_alpha_;
   double density_decay_;
   BatchDrawer& batches_;
   TrainingRenderer& renderer_;

@@ -82,7 +82,7 @@ struct CoarseRun : SmallRun {
   }
   static OptimizeOptions Options() {
     OptimizeOptions options = SmallRunOptions();
-    options.random_background = false;
+    options.background = BackgroundChoice::kScene;
     options.score_rays_per_tet = 1e6;  // all of them
     return options;
   }

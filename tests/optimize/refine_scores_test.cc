@@ -23,7 +23,7 @@ struct WrongRun : SmallRun {
   static OptimizeOptions Options(RefineScore score) {
     OptimizeOptions options = SmallRunOptions();
     options.score = score;
-    options.random_background = false;
+    options.background = BackgroundChoice::kScene;
     return options;
   }
   RefineScores Look() { return LookAtScores(*renderer, pictures.set(), batches, options, 7); }

@@ -51,6 +51,25 @@ TEST(TrainingSteps, LetDensityDecayForPhotosAndNotForPicturesWithAlpha) {
   EXPECT_TRUE(densities(true, {}) != densities(false, {}));
 }
 
+// The scene's own is black here.
+TEST(TrainingSteps, TakeTheScenesBackgroundInTheSecondHalfForPicturesWithAlpha) {
+  const auto parameters = [](BackgroundChoice background, bool has_alpha, double progress) {
+    OptimizeOptions options = SmallRunOptions();
+    options.background = background;
+    options.density_decay = 0.0;
+    SmallRun run(options, 5, 0.5f);
+    run.PutField(0.2);
+    TrainingSteps steps(run.options, has_alpha, run.batches, *run.renderer, run.motion);
+    steps.Take(progress, false);
+    return run.field.ReadState().parameters;
+  };
+  using enum BackgroundChoice;
+  EXPECT_TRUE(parameters(kAuto, true, 0.6) == parameters(kScene, true, 0.6));
+  EXPECT_TRUE(parameters(kAuto, true, 0.4) == parameters(kRandom, true, 0.4));
+  EXPECT_TRUE(parameters(kAuto, false, 0.6) == parameters(kRandom, false, 0.6));
+  EXPECT_TRUE(parameters(kRandom, true, 0.6) != parameters(kScene, true, 0.6));
+}
+
 // Blocks of fine rays are halves of the blocks that would have been drawn, inside the same
 // pictures.
 TEST(BatchDrawer, DrawsFineRaysThroughTheSamePixels) {
