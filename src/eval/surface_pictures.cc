@@ -1,56 +1,16 @@
-// The surface drawn over the photos' cameras.
+// The surface drawn over the photos, and its error.
 #include "eval/surface_pictures.h"
 
 #include "core/parallel.h"
 #include "eval/find_view.h"
 #include "image/psnr.h"
-#include "mesh/seen_triangles.h"
+#include "surface/draw_surface.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 namespace tetrec {
 namespace {
 using nlohmann::json;
-
-constexpr int kRaysPerSide = 2;
-
-// Bilinear between texels' centres; coordinates as TriangleMesh has them.
-glm::dvec3 TextureColor(const Image& texture, const glm::dvec2& coordinates) {
-  const double x = std::clamp(coordinates.x * texture.width - 0.5, 0.0, texture.width - 1.0),
-               y = std::clamp((1 - coordinates.y) * texture.height - 0.5, 0.0,
-                              texture.height - 1.0);
-  const int x0 = int(x), y0 = int(y);
-  const auto at = [&](int i, int j) {
-    const uint8_t* rgb =
-        texture.At(std::min(x0 + i, texture.width - 1), std::min(y0 + j, texture.height - 1));
-    return glm::dvec3(rgb[0], rgb[1], rgb[2]);
-  };
-  return glm::mix(glm::mix(at(0, 0), at(1, 0), x - x0), glm::mix(at(0, 1), at(1, 1), x - x0),
-                  y - y0);
-}
-
-glm::dvec3 ColorOf(const TriangleMesh& mesh, const Image& texture, uint32_t triangle,
-                   const glm::dvec3& weights) {
-  if (texture.pixels.empty() && mesh.colors_srgb.empty()) return glm::dvec3(128);
-  glm::dvec3 color(0.0);
-  glm::dvec2 coordinates(0.0);
-  for (int k = 0; k < 3; ++k) {
-    if (!texture.pixels.empty()) {
-      coordinates += weights[k] * glm::dvec2(mesh.corner_coordinates[triangle][size_t(k)]);
-    } else {
-      const auto& rgb = mesh.colors_srgb[mesh.triangles[triangle][k]];
-      color += weights[k] * glm::dvec3(rgb[0], rgb[1], rgb[2]);
-    }
-  }
-  return texture.pixels.empty() ? color : TextureColor(texture, coordinates);
-}
-
-Camera Finer(const Camera& camera) {
-  return {camera.width * kRaysPerSide, camera.height * kRaysPerSide, camera.fx * kRaysPerSide,
-          camera.fy * kRaysPerSide,    camera.cx * kRaysPerSide,     camera.cy * kRaysPerSide};
-}
 
 // The pixels of both, as a mask of MaskedMeanSquaredError.
 Image MaskOf(const SurfacePicture& picture, const std::optional<Image>& seen) {
@@ -88,34 +48,6 @@ std::optional<SurfaceViewScore> ScoreView(const TriangleMesh& mesh, const Image&
 }
 
 }  // namespace
-
-SurfacePicture DrawSurface(const TriangleMesh& mesh, const Image& texture, const Camera& camera,
-                           const Rigid3& cam_from_world) {
-  const Camera finer = Finer(camera);
-  const SeenTriangles seen = FindSeenTriangles(mesh, finer, cam_from_world);
-  SurfacePicture picture{MakeImage(camera.width, camera.height, 3), {}};
-  for (int y = 0; y < camera.height; ++y) {
-    for (int x = 0; x < camera.width; ++x) {
-      glm::dvec3 sum(0.0);
-      int hits = 0;
-      for (int ray = 0; ray < kRaysPerSide * kRaysPerSide; ++ray) {
-        const int i = x * kRaysPerSide + ray % kRaysPerSide,
-                  j = y * kRaysPerSide + ray / kRaysPerSide;
-        const uint32_t triangle = seen.triangle[seen.Index(i, j)];
-        if (triangle == kNoTriangle) continue;
-        const glm::dvec3 weights =
-            CornerWeights(mesh, triangle, finer, cam_from_world, glm::dvec2(i, j) + 0.5);
-        sum += ColorOf(mesh, texture, triangle, weights);
-        ++hits;
-      }
-      picture.covered.push_back(hits == kRaysPerSide * kRaysPerSide);
-      for (int c = 0; c < 3 && hits > 0; ++c) {
-        picture.image.At(x, y)[c] = uint8_t(std::lround(std::clamp(sum[c] / hits, 0.0, 255.0)));
-      }
-    }
-  }
-  return picture;
-}
 
 std::optional<SurfacePictures> ScoreSurfacePictures(const TriangleMesh& mesh, const Image& texture,
                                                     const Scene& scene,

@@ -14,16 +14,6 @@
 
 namespace tetrec {
 
-// The surface as a camera sees it: unlit, in the colours of its texture or of its vertices.
-struct SurfacePicture {
-  Image image;                // RGB; black where there is no surface
-  std::vector<bool> covered;  // (height x width) pixels that the surface fills
-};
-// With 4 rays per pixel. `texture` is empty for the colours of vertices, and grey is drawn without
-// either.
-SurfacePicture DrawSurface(const TriangleMesh& mesh_in_world, const Image& texture,
-                           const Camera& camera, const Rigid3& cam_from_world);
-
 // PSNR over the pixels that the surface fills (and that count, in scenes with masks) [dB].
 struct SurfaceViewScore {
   std::string name;              // of the view

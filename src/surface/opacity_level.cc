@@ -14,10 +14,13 @@
 namespace tetrec {
 namespace {
 
-// A wider band averages more views and makes the surface smoother; a narrower one keeps thin parts,
-// of which both sides lie in each other's band. Of 2 to 20, 5 and 6 are best on the demo, 4 on
-// lego.
-constexpr double kBand_px = 5;
+// A wider band averages more views and makes the surface smoother; a narrower one keeps thin parts
+// and narrow gaps.
+constexpr double kBand_px = 7;
+
+// From this share of the band on, a camera counts the less the farther it sees the point behind its
+// surface, because it may as well see something else in front of it, and may not close a gap.
+constexpr double kFullWeight = 0.3;
 
 // Depths of neighbouring pixels that differ by more footprints belong to different surfaces.
 constexpr double kJump_px = 8;
@@ -102,19 +105,18 @@ void MarkSmallPatches(const LevelSet& set, double largest_diagonal, std::vector<
 }  // namespace
 
 double SolidityAt(const glm::dvec3& point_in_world, std::span<const SeenDepth> views) {
-  double sum = 0;
-  int counted = 0;
+  double sum = 0, weights = 0;
   bool is_in_an_image = false;
   for (const SeenDepth& view : views) {
     const std::optional<double> behind = BandsBehind(point_in_world, view);
     if (!behind) continue;
     is_in_an_image = true;
-    if (*behind > 1) continue;
-    sum += std::max(*behind, -1.0);
-    ++counted;
+    const double weight = std::clamp((1 - *behind) / (1 - kFullWeight), 0.0, 1.0);
+    sum += weight * std::max(*behind, -1.0);
+    weights += weight;
   }
   if (!is_in_an_image) return -1;
-  return counted == 0 ? 1 : sum / counted;
+  return weights == 0 ? 1 : sum / weights;
 }
 
 LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views) {

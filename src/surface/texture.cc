@@ -6,6 +6,7 @@
 #include "core/progress.h"
 #include "surface/texture_bake.h"
 #include "surface/texture_charts.h"
+#include "surface/texture_fit.h"
 #include "surface/texture_layout.h"
 
 #include <fmt/format.h>
@@ -30,18 +31,6 @@ TextureLayout LayOut(const TriangleMesh& mesh, std::span<const TextureChart> cha
         kMaxTextureSize);
   }
   return layout;
-}
-
-// Texture coordinates as in OBJ: from 0 to 1, to the right and up.
-std::vector<std::array<glm::vec2, 3>> CornerCoordinates(const TextureLayout& layout) {
-  std::vector<std::array<glm::vec2, 3>> coordinates;
-  for (const auto& corners : layout.corners) {
-    auto& row = coordinates.emplace_back();
-    for (size_t k = 0; k < 3; ++k) {
-      row[k] = glm::vec2(corners[k].x / layout.size, 1 - corners[k].y / layout.size);
-    }
-  }
-  return coordinates;
 }
 
 }  // namespace
@@ -70,9 +59,10 @@ TexturedMesh MakeTexture(TriangleMesh mesh, std::span<const TexturePhoto> photos
   const std::vector<TextureChart> charts = CutIntoCharts(mesh);
   const TextureLayout layout = LayOut(mesh, charts, footprint, choice);
   BakedTexture baked = BakeTexture(mesh, layout, photos);
+  mesh.corner_coordinates = CornerCoordinates(layout);
+  FitTexture(mesh, layout, photos, baked.image);
   LogInfo(
-      "texture: {} x {} texels of {:.3g} world units, {} charts; photos decide {:.1f} % of it, "
-      "vertex colours the rest",
+      "texture: {} x {} texels of {:.3g} world units, {} charts; photos show {:.1f} % of it well",
       layout.size, layout.size, layout.texel_size, WithThousands(charts.size()),
       100 * baked.seen_share);
   stage.Count("texture", {{"size", layout.size},
@@ -80,7 +70,6 @@ TexturedMesh MakeTexture(TriangleMesh mesh, std::span<const TexturePhoto> photos
                           {"charts", charts.size()},
                           {"photos", photos.size()},
                           {"seen_share", baked.seen_share}});
-  mesh.corner_coordinates = CornerCoordinates(layout);
   return {std::move(mesh), std::move(baked.image)};
 }
 

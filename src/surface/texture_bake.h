@@ -12,10 +12,6 @@
 
 namespace tetrec {
 
-// For each triangle the photos that may see a part of it.
-std::vector<std::vector<uint32_t>> PhotosOfTriangles(const TriangleMesh& mesh_in_world,
-                                                     std::span<const TexturePhoto> photos);
-
 // The median over the seen surface of the least length that a pixel covers, which is the size of
 // texels that lose nothing [world units]. 0 if no photo sees anything.
 double MedianFootprint(const TriangleMesh& mesh_in_world, std::span<const TexturePhoto> photos);
@@ -29,7 +25,7 @@ struct BakedTexture {
 // from outlines. The weights are those beyond the fourth photo's, so that colours change
 // continuously where one photo takes the place of another; they depend on the point of the surface
 // alone, so that colours agree across the borders of charts. What no photo sees has the vertices'
-// colours. Texels outside all charts continue the nearest ones, also into mipmaps.
+// colours. Texels outside all charts are black.
 // `mesh_in_world` has vertex colours.
 BakedTexture BakeTexture(const TriangleMesh& mesh_in_world, const TextureLayout& layout,
                          std::span<const TexturePhoto> photos);

@@ -215,4 +215,15 @@ TextureLayout LayOutTextureOfSize(const TriangleMesh& mesh, std::span<const Text
   return Placed(mesh, charts, flat, PackFinest(flat, size), size);
 }
 
+std::vector<std::array<glm::vec2, 3>> CornerCoordinates(const TextureLayout& layout) {
+  std::vector<std::array<glm::vec2, 3>> coordinates;
+  for (const auto& corners : layout.corners) {
+    auto& row = coordinates.emplace_back();
+    for (size_t k = 0; k < 3; ++k) {
+      row[k] = glm::vec2(corners[k].x / layout.size, 1 - corners[k].y / layout.size);
+    }
+  }
+  return coordinates;
+}
+
 }  // namespace tetrec

@@ -22,11 +22,6 @@ namespace fs = std::filesystem;
 // pixels; larger differences are jumps from one surface to another.
 constexpr double kJumpFootprints = 8;
 
-bool CountsAt(const TexturePhoto& photo, int x, int y) {
-  if (photo.image.channels == 3) return true;
-  return photo.image.At(x, y)[3] >= (photo.alpha_is_opacity ? 255 : kSeenAlpha);
-}
-
 bool Jumps(const TexturePhoto& photo, size_t a, size_t b) {
   const double near = std::min(photo.depth[a], photo.depth[b]);
   const double far = std::max(photo.depth[a], photo.depth[b]);
@@ -40,7 +35,7 @@ std::vector<int> Untrusted(const TexturePhoto& photo) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const size_t i = photo.Index(x, y);
-      if (x == 0 || y == 0 || x == width - 1 || y == height - 1 || !CountsAt(photo, x, y)) {
+      if (x == 0 || y == 0 || x == width - 1 || y == height - 1 || !photo.Counts(x, y)) {
         distance[i] = 0;
         continue;
       }
@@ -85,6 +80,11 @@ std::map<std::string, T> ReadIfThere(const fs::path& file,
 }
 
 }  // namespace
+
+bool TexturePhoto::Counts(int x, int y) const {
+  if (image.channels == 3) return true;
+  return image.At(x, y)[3] >= (alpha_is_opacity ? 255 : kSeenAlpha);
+}
 
 void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo) {
   photo.depth = FindSeenTriangles(mesh_in_world, photo.camera, photo.cam_from_world).depth;

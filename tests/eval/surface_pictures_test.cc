@@ -1,6 +1,7 @@
 #include "eval/surface_pictures.h"
 
 #include "scratch_folder.h"
+#include "surface/draw_surface.h"
 
 #include <gtest/gtest.h>
 

@@ -55,6 +55,19 @@ TEST(Opacity, ASingleViewThatErrsMakesNoHole) {
   EXPECT_GT(SolidityAt({0, 0, -0.95}, views), 0);
 }
 
+// A quarter of a band in front of what one camera sees, and almost a band behind what another does,
+// which therefore does not close the gap.
+TEST(Opacity, ASurfaceFarInFrontOfAPointClosesNoGap) {
+  const glm::dvec3 point(0, 0, -1);
+  const double band = 7 * (kCameraDistance - 1) / 150;
+  const std::vector<SeenDepth> views = {BallSeenFrom(0, 1 - 0.25 * band),
+                                        BallSeenFrom(0, 1 + 0.9 * band)};
+  EXPECT_LT(SolidityAt(point, views), 0);
+  EXPECT_GT(SolidityAt(point, std::span(views).subspan(1)), 0.5);
+  const std::vector<SeenDepth> near = {views[0], BallSeenFrom(0, 1 + 0.4 * band)};
+  EXPECT_GT(SolidityAt(point, near), 0);
+}
+
 TEST(Opacity, CutsOfACoarseMeshLieOnTheSurface) {
   const std::vector<SeenDepth> views = BallFromAround();
   const LevelSet set = MarchToOpacity(JitteredBox(10), views);

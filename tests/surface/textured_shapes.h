@@ -28,6 +28,16 @@ inline TriangleMesh GreyCube() {
   return cube;
 }
 
+// A wall and, in front of a part of it, a plate.
+inline TriangleMesh WallBehindPlate() {
+  TriangleMesh mesh;
+  mesh.positions = {{-1, -1, 0},       {1, -1, 0},       {1, 1, 0},       {-1, 1, 0},
+                    {-0.5f, -0.5f, 1}, {0.5f, -0.5f, 1}, {0.5f, 0.5f, 1}, {-0.5f, 0.5f, 1}};
+  mesh.colors_srgb.assign(8, {128, 128, 128});
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
+  return mesh;
+}
+
 // Waves in all directions, about 8 to an edge of the cube, far finer than its vertices.
 inline glm::dvec3 Waves(const glm::dvec3& p) {
   return {0.5 + 0.4 * std::sin(12 * p.x + 5 * p.y), 0.5 + 0.4 * std::sin(12 * p.y + 7 * p.z),

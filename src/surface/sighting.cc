@@ -1,0 +1,85 @@
+// Visibility of points in photos.
+#include "surface/sighting.h"
+
+#include "core/parallel.h"
+#include "image/pixels_around.h"
+#include "surface/vertex_normals.h"
+
+#include <algorithm>
+
+namespace tetrec {
+namespace {
+
+constexpr double kSteepestCosine = 0.15;  // of the slant at which photos no longer count
+// Of the depth behind the surface at which a point still counts as on it, besides slopes.
+constexpr double kToleranceFootprints = 3;
+
+template <class OfVertex>
+glm::dvec3 Interpolated(const glm::uvec3& triangle, const glm::dvec3& weights,
+                        const OfVertex& value) {
+  return weights.x * value(triangle.x) + weights.y * value(triangle.y) +
+         weights.z * value(triangle.z);
+}
+
+}  // namespace
+
+SurfacePoints::SurfacePoints(const TriangleMesh& mesh)
+    : mesh_(mesh), normals_(SmoothNormals(mesh, 1)) {}
+
+SurfacePoint SurfacePoints::At(uint32_t triangle, const glm::dvec3& weights) const {
+  const glm::uvec3& t = mesh_.triangles[triangle];
+  const glm::dvec3 normal = Interpolated(t, weights, [&](uint32_t v) { return normals_[v]; });
+  const double length = glm::length(normal);
+  return {Interpolated(t, weights, [&](uint32_t v) { return glm::dvec3(mesh_.positions[v]); }),
+          length > 0 ? normal / length : normal};
+}
+
+glm::dvec3 SurfacePoints::ColorAt(uint32_t triangle, const glm::dvec3& weights) const {
+  return Interpolated(mesh_.triangles[triangle], weights, [&](uint32_t v) {
+    const auto& rgb = mesh_.colors_srgb[v];
+    return glm::dvec3(rgb[0], rgb[1], rgb[2]) / 255.0;
+  });
+}
+
+std::optional<Sighting> See(const SurfacePoint& point, const TexturePhoto& photo) {
+  const glm::dvec3 in_cam = photo.cam_from_world * point.position;
+  if (!photo.camera.Shows(in_cam)) return std::nullopt;
+  const glm::dvec3 normal_in_cam = photo.cam_from_world.rotation * point.normal;
+  const double cosine = -glm::dot(normal_in_cam, in_cam) / glm::length(in_cam);
+  if (!(cosine > kSteepestCosine)) return std::nullopt;
+  const Sighting sighting{photo.camera.ImageFromCam(in_cam), photo.Footprint(in_cam.z),
+                          (cosine - kSteepestCosine) / (1 - kSteepestCosine)};
+  double farthest = 0;
+  for (const auto& [x, y, weight] :
+       PixelsAround(photo.camera.width, photo.camera.height, sighting.pixel)) {
+    if (weight > 0) farthest = std::max(farthest, double(photo.depth[photo.Index(x, y)]));
+  }
+  if (in_cam.z > farthest + kToleranceFootprints * sighting.footprint) return std::nullopt;
+  return sighting;
+}
+
+std::vector<std::vector<uint32_t>> PhotosOfTriangles(const TriangleMesh& mesh,
+                                                     std::span<const TexturePhoto> photos) {
+  std::vector<std::vector<uint32_t>> result(mesh.triangles.size());
+  const SurfacePoints surface(mesh);
+  ParallelFor(mesh.triangles.size(), 1024, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t) {
+      for (uint32_t i = 0; i < photos.size(); ++i) {
+        const Rigid3& cam_from_world = photos[i].cam_from_world;
+        bool may_see = false;
+        for (int k = 0; k < 3; ++k) {
+          glm::dvec3 corner(0.0);
+          corner[k] = 1;
+          const SurfacePoint point = surface.At(uint32_t(t), corner);
+          const glm::dvec3 in_cam = cam_from_world * point.position;
+          may_see = may_see ||
+                    (in_cam.z > 0 && glm::dot(cam_from_world.rotation * point.normal, in_cam) < 0);
+        }
+        if (may_see) result[t].push_back(i);
+      }
+    }
+  });
+  return result;
+}
+
+}  // namespace tetrec
