@@ -434,6 +434,15 @@ class HostileTest(HostileCase):
                 yield f"limit {limit}", "import", [ball, "-o", self.fresh()], {"through": ("prlimit", limit)}
         self.run_cases(cases(), least=6)
 
+    def test_too_little_memory_for_a_driver_is_said_before_it_crashes(self):
+        tetrahedra = self.tiny_tetrahedra(train=4, validation=0, test=1)
+
+        def cases():
+            for size in range(320, 1000, 80):  # [MiB]
+                yield f"{size} MiB", "optimize", [tetrahedra, "-o", self.fresh(), "--device", "cpu"], {
+                    "through": ("prlimit", f"--as={size << 20}")}
+        self.run_cases(cases(), lambda _, result: None if result.returncode == 4 else "is taken", least=8)
+
     def test_no_threads_and_folders_of_others(self):
         ball = self.dataset()
         closed, out = self.folder / "closed", self.folder / "out"
