@@ -36,12 +36,6 @@ std::string NowUtc() {
   return text;
 }
 
-std::string TextOrEmpty(const json& object, const char* field) {
-  if (!object.is_object()) return "";
-  const auto found = object.find(field);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
 // The first input that is a stage is the one before in the chain.
 json PreviousOf(const json& inputs) {
   for (const json& input : inputs) {
@@ -64,6 +58,12 @@ std::string StateAndErrorInWords(const json& status) {
 }  // namespace
 
 std::string ProgramOf(const std::string& stage) { return "tetrec-" + stage; }
+
+std::string TextOrEmpty(const json& object, const char* field) {
+  if (!object.is_object()) return "";
+  const auto found = object.find(field);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
 
 void WriteManifest(const fs::path& folder, const ManifestFacts& facts) {
   const json manifest = {{"schema", kSchema},
@@ -127,6 +127,10 @@ json ReadManifest(const fs::path& folder, const std::set<std::string>& stages) {
   if (!stages.contains(stage)) {
     throw DataError(fmt::format("{}: is the folder of {}; expected the folder that {} wrote", name,
                                 ProgramOf(stage), programs));
+  }
+  if (manifest.is_null() && fs::exists(folder / kManifestFile, error)) {
+    throw DataError(
+        fmt::format("{}: manifest.json is damaged; run {} again", name, ProgramOf(stage)));
   }
   if (manifest.is_null()) {
     throw DataError(fmt::format("{}: {} did not finish there ({}); run it again", name,

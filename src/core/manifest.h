@@ -23,6 +23,9 @@ inline constexpr int kLongestChain = 16;
 // "tetrec-optimize" for the stage "optimize".
 std::string ProgramOf(const std::string& stage);
 
+// The text in a field of a manifest, a status or a record; empty if it is missing or no text.
+std::string TextOrEmpty(const nlohmann::json& object, const char* field);
+
 // What a finished stage states about its run, besides what the writing itself adds: schema, program
 // version and git revision, seed, previous folder, peak memory and time of day.
 struct ManifestFacts {

@@ -64,8 +64,8 @@ std::string ProtocolOf(const fs::path& field_folder) {
     }
     // A run watches some of the held-out views only, and its curve is the mean of these.
     const nlohmann::json watched = facts.stages.back().Count("watched_views");
-    parts = {watched.is_number() ? fmt::format("{} held-out views", watched.get<size_t>())
-                                 : std::string("some held-out views"),
+    parts = {watched.is_number_unsigned() ? fmt::format("{} held-out views", watched.get<size_t>())
+                                          : std::string("some held-out views"),
              fmt::format("{}x{} px", width, height),
              fmt::format("background {}", Name(scene.background))};
   }

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "core/manifest.h"
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/stop_request.h"
@@ -194,9 +195,8 @@ json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& s
 json FieldBytes(const StageFacts& optimize) {
   uint64_t bytes = 0;
   for (const json& output : optimize.manifest.value("outputs", json::array())) {
-    if (!output.is_object()) continue;
-    const std::string path = output.value("path", "");
-    if (fs::path(path).parent_path().empty() && fs::path(path).stem() == "field") {
+    const fs::path path = TextOrEmpty(output, "path");
+    if (path.parent_path().empty() && path.stem() == "field") {
       bytes += output.value("bytes", uint64_t{0});
     }
   }
@@ -308,7 +308,7 @@ std::string DatasetOf(const RunFacts& run) {
   const StageFacts* scene = run.Scene();
   if (scene) {
     for (const json& input : scene->manifest.value("inputs", json::array())) {
-      const fs::path path = input.is_object() ? input.value("path", "") : "";
+      const fs::path path = TextOrEmpty(input, "path");
       // "demo/photos" identifies the data set, "photos" does not.
       const std::string name = path.filename().string(),
                         above = path.parent_path().filename().string();

@@ -4,6 +4,7 @@
 #include "core/checked_json.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "core/manifest.h"
 #include "core/progress.h"
 #include "eval/mesh_preview.h"
 #include "eval/metrics_json.h"
@@ -22,7 +23,7 @@ namespace {
 
 bool HasOutput(const StageFacts& surface, const std::string& file) {
   for (const json& output : surface.manifest.value("outputs", json::array())) {
-    if (output.is_object() && output.value("path", "") == file) return true;
+    if (TextOrEmpty(output, "path") == file) return true;
   }
   return false;
 }
@@ -39,7 +40,7 @@ Image TextureOf(const StageFacts& surface, const TriangleMesh& mesh) {
 std::string SurfaceFile(const StageFacts& surface) {
   std::vector<std::string> files;
   for (const json& output : surface.manifest.value("outputs", json::array())) {
-    const std::string path = output.is_object() ? output.value("path", "") : "";
+    const std::string path = TextOrEmpty(output, "path");
     if (fs::path(path).extension() == ".ply") files.push_back(path);
   }
   if (files.size() == 1) return files[0];

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/manifest.h"
 #include "core/progress.h"
 #include "surface/export.h"
 #include "surface/glb.h"
@@ -21,7 +22,7 @@ constexpr uint64_t kMostTriangles = 200'000;  // about 22 bytes each
 // Bytes of surface.glb among the stage's outputs; 0 without it.
 uint64_t GlbBytes(const StageFacts& surface) {
   for (const json& output : surface.manifest.value("outputs", json::array())) {
-    if (output.is_object() && output.value("path", "") == "surface.glb") {
+    if (TextOrEmpty(output, "path") == "surface.glb") {
       return output.value("bytes", uint64_t{0});
     }
   }
@@ -30,9 +31,9 @@ uint64_t GlbBytes(const StageFacts& surface) {
 
 // From surface.glb to surface.ply.
 Similarity3 SurfaceFromGlb(const StageFacts& surface) {
-  const json notes = surface.manifest.value("notes", json::object());
+  const json notes = surface.manifest.value("notes", json());
   ExportOptions options;
-  if (notes.value("coordinates", "") == Name(ExportCoordinates::kInput)) {
+  if (TextOrEmpty(notes, "coordinates") == Name(ExportCoordinates::kInput)) {
     options.coordinates = ExportCoordinates::kInput;
   }
   return YUpFromExport(options).Inverse();

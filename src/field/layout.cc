@@ -2,6 +2,7 @@
 #include "field/layout.h"
 
 #include "core/error.h"
+#include "core/error_context.h"
 
 #include <fmt/format.h>
 
@@ -190,11 +191,7 @@ FieldLayout TakeLayout(ByteReader& reader) {
       attribute.scale = reader.Read<float>("a scale");
     layout.attributes.push_back(std::move(attribute));
   }
-  try {
-    CheckLayout(layout);
-  } catch (const DataError& error) {
-    throw DataError(fmt::format("{}: {}", reader.name(), error.what()));
-  }
+  NamingFile(reader.name(), [&] { CheckLayout(layout); });
   return layout;
 }
 

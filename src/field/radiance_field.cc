@@ -2,6 +2,7 @@
 #include "field/radiance_field.h"
 
 #include "core/error.h"
+#include "core/error_context.h"
 #include "mesh/tet_io.h"
 
 #include <fmt/format.h>
@@ -156,11 +157,7 @@ RadianceField ParseField(std::span<const uint8_t> bytes, const std::string& name
     field.color_srgb = reader.ReadArray<glm::vec3>(count, "colours");
   }
   reader.ExpectEnd();
-  try {
-    CheckField(field);
-  } catch (const DataError& error) {
-    throw DataError(fmt::format("{}: {}", name, error.what()));
-  }
+  NamingFile(name, [&] { CheckField(field); });
   return field;
 }
 

@@ -4,6 +4,8 @@
 #include "core/error.h"
 #include "core/log.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -280,6 +282,18 @@ void CreateLogicalDevice(Device& device) {
       vkGetDeviceProcAddr(device.handle, "vkCmdPushDescriptorSetKHR"));
 }
 
+// Without memory, drivers crash instead of reporting it. On two threads, Mesa's lavapipe crashed
+// now and then below 780 MiB of address space, even for the smallest field.
+void CheckAddressSpace() {
+  constexpr rlim_t kLeast_MiB = 1024;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur >= kLeast_MiB << 20) return;
+  throw EnvironmentError(
+      fmt::format("the address space is limited to {} MiB, and Vulkan drivers crash below {} MiB; "
+                  "raise the limit (ulimit -v)",
+                  limit.rlim_cur >> 20, kLeast_MiB));
+}
+
 }  // namespace
 
 void CheckVulkan(VkResult result, const char* call) {
@@ -317,6 +331,7 @@ Device::~Device() {
 }
 
 std::unique_ptr<Device> CreateDevice(const DeviceOptions& options) {
+  CheckAddressSpace();
   auto device = std::make_unique<Device>();
   device->instance = CreateInstance(options, device.get());
   device->physical = ChooseDevice(device->instance, options.device);

@@ -2,6 +2,7 @@
 #include "mesh/tet_io.h"
 
 #include "core/error.h"
+#include "core/error_context.h"
 
 #include <fmt/format.h>
 
@@ -44,11 +45,7 @@ TetMesh TakeTetMesh(ByteReader& reader, Orientations expected) {
   mesh.positions = reader.ReadArray<glm::vec3>(vertex_count, "positions");
   mesh.tets = reader.ReadArray<glm::uvec4>(tet_count, "tets");
   mesh.neighbors = reader.ReadArray<glm::uvec4>(tet_count, "neighbours");
-  try {
-    CheckTetMesh(mesh, expected);
-  } catch (const DataError& error) {
-    throw DataError(fmt::format("{}: {}", reader.name(), error.what()));
-  }
+  NamingFile(reader.name(), [&] { CheckTetMesh(mesh, expected); });
   return mesh;
 }
 

@@ -2,6 +2,7 @@
 #include "optimize/checkpoint.h"
 
 #include "core/error.h"
+#include "core/error_context.h"
 #include "core/file.h"
 #include "geometry/rotation.h"
 
@@ -23,8 +24,7 @@ constexpr size_t kChecksumBytes = 64;  // hexadecimal SHA-256 of all before it
 
 void CheckMagic(ByteReader& reader) {
   if (reader.Read<std::array<char, 8>>("magic") == kMagic) return;
-  throw DataError(fmt::format(
-      "{}: is not a checkpoint of this version of Tetrec; force a fresh run", reader.name()));
+  throw DataError(fmt::format("{}: is not a checkpoint of this version of Tetrec", reader.name()));
 }
 
 // `width`: values per row.
@@ -331,24 +331,28 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   CheckMotion(result.motion, name);
   CheckExposure(result.exposure, name);
   CheckPoses(result.poses, name);
-  CheckTetMesh(result.mesh, Orientations::kAny);  // whoever takes the mesh decides about them
-  // Among inverted tets, vertices may even be outside.
-  if (CountDegenerateTets(result.mesh) == 0) CheckConvexDomain(result.mesh);
+  NamingFile(name, [&] {
+    CheckTetMesh(result.mesh, Orientations::kAny);  // whoever takes the mesh decides about them
+    // Among inverted tets, vertices may even be outside.
+    if (CountDegenerateTets(result.mesh) == 0) CheckConvexDomain(result.mesh);
+  });
   return result;
 }
 
 Checkpoint ReadCheckpoint(const std::filesystem::path& path) {
-  const std::vector<uint8_t> file = ReadBytes(path);
-  const std::string name = path.string();
-  ByteReader start(file, name);
-  CheckMagic(start);
-  const size_t size = file.size() - std::min(file.size(), kChecksumBytes);
-  const std::span<const uint8_t> body = std::span(file).first(size),
-                                 checksum = std::span(file).subspan(size);
-  if (Sha256(body) != std::string(checksum.begin(), checksum.end())) {
-    throw DataError(fmt::format("{}: is damaged; force a fresh run", name));
-  }
-  return ParseCheckpoint(body, name);
+  return Advising("force a fresh run", [&] {
+    const std::vector<uint8_t> file = ReadBytes(path);
+    const std::string name = path.string();
+    ByteReader start(file, name);
+    CheckMagic(start);
+    const size_t size = file.size() - std::min(file.size(), kChecksumBytes);
+    const std::span<const uint8_t> body = std::span(file).first(size),
+                                   checksum = std::span(file).subspan(size);
+    if (Sha256(body) != std::string(checksum.begin(), checksum.end())) {
+      throw DataError(fmt::format("{}: is damaged", name));
+    }
+    return ParseCheckpoint(body, name);
+  });
 }
 
 }  // namespace tetrec

@@ -55,7 +55,7 @@ struct Checkpoint {
 // x 9 of the rotation by columns and x 3 of the translation, and the depth, f64; last the SHA-256
 // of all before it, 64 hexadecimal digits. Written by rename.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
-// Throws DataError if the file is damaged, truncated or inconsistent.
+// Throws DataError naming the file and the remedy if it is damaged, truncated or inconsistent.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);
 // Parses what precedes the checksum.
 Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& name);

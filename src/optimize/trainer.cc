@@ -2,6 +2,7 @@
 #include "optimize/trainer.h"
 
 #include "core/error.h"
+#include "core/error_context.h"
 #include "core/log.h"
 #include "core/manifest.h"
 #include "core/progress.h"
@@ -462,8 +463,10 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   const fs::path start_folder = stage.Input("TETRAHEDRA");
   const fs::path scene_folder = PreviousStage(start_folder, {"sfm", "import"});
   const Scene scene = ReadScene(scene_folder);
-  const RadianceField start = ReadField(start_folder / "field.tetf");
-  CheckConvexDomain(start.mesh);  // refinement fills it with new tets
+  const fs::path start_file = start_folder / "field.tetf";
+  const RadianceField start = ReadField(start_file);
+  // Refinement fills it with new tets.
+  NamingFile(start_file.string(), [&] { CheckConvexDomain(start.mesh); });
   TrainingSet set = LoadTrainingSet(scene_folder, scene, scene.ViewsOf(Split::kTrain));
   SeenSpace seen_space;
   if (options.seen_space == SpaceContent::kEmpty) seen_space = SeenSpace::Read(scene, start_folder);

@@ -39,12 +39,17 @@ struct BlockPool {
 
 BlockPool AllBlocks(const TrainingSet& set) { return {set.blocks, set.subject_blocks}; }
 
+// Clang 14 cannot compile std::ranges::equal_range.
+template <class Values, class ViewOf>
+auto PartOfView(const Values& sorted, uint32_t view, ViewOf view_of) {
+  return std::span(std::ranges::lower_bound(sorted, view, {}, view_of),
+                   std::ranges::upper_bound(sorted, view, {}, view_of));
+}
+
 BlockPool BlocksOfView(const TrainingSet& set, uint32_t view) {
-  const auto [first, last] = std::ranges::equal_range(set.blocks, view, {}, &RayBlock::view);
   const auto view_of = [&](uint32_t block) { return set.blocks[block].view; };
-  const auto [first_subject, last_subject] =
-      std::ranges::equal_range(set.subject_blocks, view, {}, view_of);
-  return {{first, last}, {first_subject, last_subject}};
+  return {PartOfView(set.blocks, view, &RayBlock::view),
+          PartOfView(set.subject_blocks, view, view_of)};
 }
 
 RayBlock DrawBlock(const TrainingSet& set, const BlockPool& pool, double subject_share,

@@ -1,6 +1,7 @@
 // Writes and reads cameras.json (schema 1).
 #include "run/camera_corrections.h"
 
+#include "core/error_context.h"
 #include "core/file.h"
 #include "geometry/checked_geometry.h"
 #include "run/named_views.h"
@@ -53,7 +54,8 @@ std::vector<CameraCorrection> ParseCameraCorrections(const json& value, const st
 }
 
 std::vector<CameraCorrection> ReadCameraCorrections(const std::filesystem::path& path) {
-  return ParseCameraCorrections(ReadJson(path), path.string());
+  return Advising("run tetrec-optimize again",
+                  [&] { return ParseCameraCorrections(ReadJson(path), path.string()); });
 }
 
 bool MovedMuch(const CameraCorrection& correction) { return correction.shift_px > kMovedMuch_px; }

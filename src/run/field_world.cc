@@ -1,6 +1,7 @@
 // Writes and reads world.json (schema 1).
 #include "run/field_world.h"
 
+#include "core/error_context.h"
 #include "core/file.h"
 #include "geometry/checked_geometry.h"
 
@@ -72,7 +73,8 @@ FieldWorld ParseFieldWorld(const json& value, const std::string& name) {
 }
 
 FieldWorld ReadFieldWorld(const std::filesystem::path& path) {
-  return ParseFieldWorld(ReadJson(path), path.string());
+  return Advising("run tetrec-optimize again",
+                  [&] { return ParseFieldWorld(ReadJson(path), path.string()); });
 }
 
 }  // namespace tetrec

@@ -2,6 +2,7 @@
 #include "run/mesh_growth.h"
 
 #include "core/checked_json.h"
+#include "core/error_context.h"
 #include "core/file.h"
 
 #include <fmt/format.h>
@@ -104,7 +105,8 @@ std::vector<GrowthStep> ParseMeshGrowth(const json& value, const std::string& na
 }
 
 std::vector<GrowthStep> ReadMeshGrowth(const std::filesystem::path& path) {
-  return ParseMeshGrowth(ReadJson(path), path.string());
+  return Advising("run tetrec-optimize again",
+                  [&] { return ParseMeshGrowth(ReadJson(path), path.string()); });
 }
 
 }  // namespace tetrec

@@ -1,6 +1,7 @@
 // Writes and reads exposure.json (schema 1).
 #include "run/photo_exposures.h"
 
+#include "core/error_context.h"
 #include "core/file.h"
 #include "run/named_views.h"
 
@@ -50,7 +51,8 @@ std::vector<PhotoExposure> ParsePhotoExposures(const json& value, const std::str
 }
 
 std::vector<PhotoExposure> ReadPhotoExposures(const std::filesystem::path& path) {
-  return ParsePhotoExposures(ReadJson(path), path.string());
+  return Advising("run tetrec-optimize again",
+                  [&] { return ParsePhotoExposures(ReadJson(path), path.string()); });
 }
 
 bool IsUneven(const PhotoExposure& exposure) {

@@ -1,6 +1,7 @@
 // Writes and reads views.json (schema 1).
 #include "run/rendered_views.h"
 
+#include "core/error_context.h"
 #include "core/file.h"
 #include "run/named_views.h"
 
@@ -102,8 +103,7 @@ RenderedViews ParseRenderedViews(const json& value, const fs::path& path) {
     // Earlier versions rendered frame.0000 and frame.0001 into one file.
     if (!renders.insert(view.render.lexically_normal()).second) {
       item.Field("render").Fail(
-          fmt::format("is \"{}\", the image of an earlier view; run tetrec-render again",
-                      item.Field("render").Text()));
+          fmt::format("is \"{}\", the image of an earlier view", item.Field("render").Text()));
     }
     rendered.views.push_back(std::move(view));
   }
@@ -111,7 +111,8 @@ RenderedViews ParseRenderedViews(const json& value, const fs::path& path) {
 }
 
 RenderedViews ReadRenderedViews(const fs::path& path) {
-  return ParseRenderedViews(ReadJson(path), path);
+  return Advising("run tetrec-render again",
+                  [&] { return ParseRenderedViews(ReadJson(path), path); });
 }
 
 }  // namespace tetrec

@@ -2,6 +2,7 @@
 #include "run/training_log.h"
 
 #include "core/error.h"
+#include "core/error_context.h"
 #include "core/file.h"
 
 #include <fmt/format.h>
@@ -114,27 +115,7 @@ class Line {
   std::string name_;
 };
 
-}  // namespace
-
-TrainingLogWriter::TrainingLogWriter(fs::path path, uint64_t keep_bytes) : path_(std::move(path)) {
-  if (keep_bytes > 0 && fs::exists(path_) && fs::file_size(path_) >= keep_bytes) {
-    fs::resize_file(path_, keep_bytes);
-  } else {
-    WriteText(path_, fmt::format("{}\n", fmt::join(kColumns, ",")));
-  }
-}
-
-void TrainingLogWriter::Add(const TrainingRow& row) {
-  TETREC_CHECK(row.phase.find_first_of(",\r\n") == std::string::npos, "a phase is one cell");
-  std::ofstream out(path_, std::ios::app | std::ios::binary);
-  out << CellsOf(row) << '\n';
-  out.flush();
-  if (!out) throw EnvironmentError(fmt::format("{}: cannot write (disk full?)", path_.string()));
-}
-
-uint64_t TrainingLogWriter::bytes() const { return fs::file_size(path_); }
-
-std::vector<TrainingRow> ReadTrainingLog(const fs::path& path) {
+std::vector<TrainingRow> RowsIn(const fs::path& path) {
   const std::string text = ReadText(path);
   std::vector<std::string_view> lines = Split(text, '\n');
   lines.pop_back();  // empty after the last newline, or a line that was cut off
@@ -156,6 +137,30 @@ std::vector<TrainingRow> ReadTrainingLog(const fs::path& path) {
                     line.CountOrNothing(kDegenerateTets)});
   }
   return rows;
+}
+
+}  // namespace
+
+TrainingLogWriter::TrainingLogWriter(fs::path path, uint64_t keep_bytes) : path_(std::move(path)) {
+  if (keep_bytes > 0 && fs::exists(path_) && fs::file_size(path_) >= keep_bytes) {
+    fs::resize_file(path_, keep_bytes);
+  } else {
+    WriteText(path_, fmt::format("{}\n", fmt::join(kColumns, ",")));
+  }
+}
+
+void TrainingLogWriter::Add(const TrainingRow& row) {
+  TETREC_CHECK(row.phase.find_first_of(",\r\n") == std::string::npos, "a phase is one cell");
+  std::ofstream out(path_, std::ios::app | std::ios::binary);
+  out << CellsOf(row) << '\n';
+  out.flush();
+  if (!out) throw EnvironmentError(fmt::format("{}: cannot write (disk full?)", path_.string()));
+}
+
+uint64_t TrainingLogWriter::bytes() const { return fs::file_size(path_); }
+
+std::vector<TrainingRow> ReadTrainingLog(const fs::path& path) {
+  return Advising("run tetrec-optimize again", [&] { return RowsIn(path); });
 }
 
 }  // namespace tetrec

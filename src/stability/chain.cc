@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/manifest.h"
 #include "core/timer.h"
+#include "eval/run_facts.h"
 #include "field/radiance_field.h"
 #include "image/psnr.h"
 #include "run/rendered_views.h"
@@ -58,12 +59,11 @@ bool RunStageOf(const ChainRequest& request, const std::string& stage, const fs:
 void TakeManifest(const fs::path& folder, ChainResult& result) {
   const json manifest = ReadManifestOrStatus(folder / kManifestFile);
   if (!manifest.is_object()) return;
-  const json warnings = manifest.value("warnings", json::array());
-  if (!warnings.empty()) result.said = "warning: " + warnings.back().get<std::string>();
+  const StageFacts facts{manifest["stage"], folder, manifest};
+  const std::vector<std::string> warnings = facts.Warnings();
+  if (!warnings.empty()) result.said = "warning: " + warnings.back();
   // A stage that was up to date took its time in an earlier run.
-  if (manifest["stage"] == "optimize") {
-    result.seconds = manifest["seconds"].value("total", result.seconds);
-  }
+  if (facts.stage == "optimize") result.seconds = facts.Seconds();
 }
 
 // The article's motion may leave tets inside out.

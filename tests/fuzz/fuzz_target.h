@@ -23,6 +23,12 @@ int Refusing(const Body& body) {
   return 0;
 }
 
+// For what must not be refused: an exception leaves a noexcept function only by ending the process.
+template <class Body>
+void Succeeding(const Body& body) noexcept {
+  body();
+}
+
 // A folder of this process's own for readers that take files; removed at exit.
 class Folder {
  public:

@@ -243,6 +243,64 @@ def stereo_depth_bytes():
             + struct.pack("<2f2B", 1.5, 0, 2, 0))
 
 
+def checkpoint_bytes(layout, rows):
+    """The two tets with `rows` rows of colour and density, their moments, moving vertices, and what else a run
+    remembers of its two views; without a checksum."""
+    trials = struct.pack("<5I", 1, 1, 0, 1, 2)  # harmonics unlocked, judged, closed; fine rays; moving vertices
+    growth = struct.pack("<Qd4Q3d2Q", 12, 2.5, 5, 2, 0, 10 ** 8, 21.0, 0.5, 0.1, 0, 0)
+    out = b"TETRECKB" + struct.pack("<QdQ", 20, 1.5, 640)
+    out += struct.pack("<IIdQ4dQ", 1, 0, 21.0, 2, 1.5, 16, 0.25, 32, 1) + growth
+    out += struct.pack("<3QdQ", 12, 1, 8, 21.0, 100) + trials
+    mesh = tet_mesh_bytes()[len(b"TETRECM1"):]
+    out += mesh[:16] + layout + mesh[16:]
+    out += struct.pack(f"<{4 * rows}f", *(i / 9 for i in range(4 * rows)))
+    out += struct.pack(f"<{8 * rows}f", *(i / 99 for i in range(8 * rows)))
+    out += struct.pack("<d4QQ", 0.5, 3, 5, 4, 3, 5) + struct.pack("<40f", *(i / 40 for i in range(40)))
+    exposure, sums = (1.1, 1, 0.9, 0, 0.01, 0), 3 * (0.5, 0.25, 0.25, 1, 0.5)
+    out += struct.pack("<Q42d", 2, *exposure, *exposure, *sums, *sums)
+    pose = (1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 4, 3.5)
+    return out + struct.pack("<IQ26d", 2, 2, *pose, *pose)
+
+
+def run_file_seeds():
+    """The files of a run's folders; the first byte says which (see run_files.cc)."""
+    pose = {"rotation": IDENTITY, "translation": [0, 0, 4]}
+    views = {"schema": 1, "views": []}
+    step = {"iteration": 12, "seconds": 2.5, "vertices": 5, "tets": 2, "empty_tets": None, "peak_rss_bytes": 10 ** 8,
+            "psnr": 21.0, "gain": 0.5, "gain_standard_error": 0.1, "degenerate_tets": 0, "decision": "refine"}
+    rendered = {"name": "a", "split": "test", "render": "renders/a.png", "ground_truth": "truth/a.png",
+                "mask": None, "depth": "depth/a.png", "refined": "refined/a.png", "refined_shift_px": 0.5}
+    stage = {"schema": 1, "stage": "optimize", "key": "k"}
+    log = ("iteration,seconds,rays,loss,train_psnr,heldout_psnr,tets,vertices,phase,degenerate_tets\n"
+           "0,0.000,0,,,21.5,2,5,optimise,\n20,1.500,640,0.01,20.1,22.000,2,5,end,1\n")
+    files = (
+        views | {"views": [{"name": "a", "rotation_deg": 0.5, "move": 0.1, "shift_px": 2.0, "cam_from_world": pose}]},
+        {"schema": 1, "input_from_world": {"scale": 2.0, "rotation": sum(IDENTITY, []), "translation": [0, 1, 2]},
+         "subject_bounds": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "cameras_in_world": [[0, 0, 4]],
+         "scene": "../1_scene"},
+        {"schema": 1, "steps": [step, step | {"empty_tets": 1, "decision": "end"}]},
+        views | {"views": [{"name": "a", "gain": [1.1, 1, 0.9], "offset": [0, 0.01, 0]}]},
+        views | {"background": "white", "split": "test", "rays_per_pixel": 4, "resolution": [4, 3],
+                 "views": [rendered, rendered | {"name": "b", "render": "renders/b.png", "seen": "seen/b.png"}]},
+        log,
+        stage | {"previous": "../2_tetrahedra", "outputs": []},
+        stage | {"status": "running", "error": "what went wrong", "pid": 1, "own": ["field.tetf"]})
+    for kind, content in enumerate(files):
+        text = content if isinstance(content, str) else json.dumps(content)
+        yield f"file{kind}", bytes([kind]) + text.encode()
+    rows = {"schema": 1, "input_from_world": {"scale": 1, **pose},
+            "subject_bounds": {"min": [0, 0, 0], "max": [1, 1, 1]}}
+    output = {"path": "manifest.json", "bytes": 115, "sha256": "0"}  # its own size
+    yield "manifest_of_itself", b"\6" + json.dumps(stage | {"outputs": [output]}).encode()
+    yield "world_in_rows", b"\1" + json.dumps(rows).encode()
+
+
+def picture_request_seeds():
+    """A picture of each kind of camera."""
+    yield "free", b"mode=slice&w=200&h=100&eye=1,-2.5,3&fov=90&forward=0,0,-2&up=0,1,0&slice=2.5"
+    yield "view", b"mode=photo&w=300&h=300&view=0&draft=1"
+
+
 def transfer_function_seeds():
     """Our format and ParaView's."""
     yield "ours.json", json.dumps({"opacity": [[0, 0], [0.5, 1]],
@@ -261,6 +319,10 @@ SEEDS = {
     "field": lambda: [("two_tets.tetf", field_bytes()), ("two_cells.tetf", cell_field_bytes()),
                       ("extra.tetf", extra_field_bytes(0, 5)),
                       ("extra_cells.tetf", extra_field_bytes(1, 2))],
+    "checkpoint": lambda: [("vertices", checkpoint_bytes(layout_bytes(0), 5)),
+                           ("cells", checkpoint_bytes(layout_bytes(1), 2))],
+    "run_files": run_file_seeds,
+    "picture_request": picture_request_seeds,
     "scene": lambda: [("scene.json", scene_json())],
     "image": image_seeds,
     "transforms": transforms_seeds,

@@ -144,10 +144,19 @@ TEST(Checkpoint, EveryFlippedBitAndEveryLengthOfAFileIsNoticed) {
     ExpectError<DataError>([&] { ReadCheckpoint(folder / "damaged"); },
                            {"damaged: is ", "force a fresh run"});
   }
-  for (size_t size = 8; size < good.size(); size += 197) {
+  for (size_t size = 0; size < good.size(); size += 197) {
     WriteBytes(folder / "cut", std::span(good).first(size));
     ExpectError<DataError>([&] { ReadCheckpoint(folder / "cut"); }, {"cut", "force a fresh run"});
   }
+}
+
+TEST(Checkpoint, NamesTheFileWhoseMeshIsWrong) {
+  const ScratchFolder folder;
+  Checkpoint checkpoint = MakeCheckpoint();
+  checkpoint.mesh.neighbors[0] = glm::uvec4(kNoTet);
+  WriteCheckpoint(folder / "checkpoint.bin", checkpoint);
+  ExpectError<DataError>([&] { ReadCheckpoint(folder / "checkpoint.bin"); },
+                         {"checkpoint.bin: tet ", "no link back; force a fresh run"});
 }
 
 TEST(Checkpoint, RefusesExposuresThatAreNotPossible) {
