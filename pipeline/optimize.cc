@@ -113,9 +113,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       app, "--budget", options.budget,
       "Size of the mesh: auto (what the time affords, and no more once the judging pictures gain "
       "nothing by it) or full (up to --budget-tets, --budget-mb or --max-vertices)");
-  app.add_option("--matched-psnr", options.schedule.matched_psnr,
-                 "PSNR of the judging pictures from which the mesh grows no more, and becomes as "
-                 "coarse as it can be without falling below it [dB]")
+  app.add_option(
+         "--matched-psnr", options.schedule.matched_psnr,
+         "PSNR of the judging pictures, less its standard error, from which the mesh grows no "
+         "more, and becomes as coarse as it can be without falling below it [dB]")
       ->check(CLI::Range(10.0, 1000.0));
   app.add_option("--budget-tets", options.budget_tets,
                  "Number of tets that the mesh never exceeds; 0: no such bound");

@@ -48,10 +48,10 @@ bool Coarsening::IsDue(double progress) const {
   return parts_.steps.iteration() >= last + kFewestTrialSteps;
 }
 
-void Coarsening::Advance(double seconds, double progress) {
+bool Coarsening::Advance(double seconds, double progress) {
   if (state_.reference.empty()) {
     LookAtFinest(progress);
-    return;
+    return false;
   }
   const uint64_t steps = StepsOfTrial();
   const FieldState before = parts_.field.ReadState();
@@ -59,12 +59,12 @@ void Coarsening::Advance(double seconds, double progress) {
   if (!DropLeastNeeded(before)) {
     state_.ended = 1;
     PutBack(finer);
-    return;
+    return false;
   }
   parts_.steps.Try(steps, kRatesOfTrials, progress);
   const Judgement judgement = parts_.pictures.JudgeField();
   const GrowthStep coarser = StepOf(seconds, parts_.steps.iteration(), parts_.field.mesh());
-  const bool is_matched = judgement.psnr >= options_.schedule.matched_psnr;
+  const bool is_matched = IsMatched(judgement, options_.schedule);
   const bool seems_as_good = is_matched || IsAsGood(judgement.views);
   if (!seems_as_good) PutBack(finer);
   const bool stays =
@@ -74,11 +74,12 @@ void Coarsening::Advance(double seconds, double progress) {
     parts_.steps.CountTried(steps);
     RaiseReference(judgement.views);
     if (state_.has_failed == 0) state_.kept_share *= state_.kept_share;
-    return;
+    return true;
   }
   state_.has_failed = 1;
   state_.kept_share = std::sqrt(state_.kept_share);
   if (state_.kept_share > kMostKept) state_.ended = 1;
+  return false;
 }
 
 // What fewer vertices have to take over takes longer to learn, and costs less.

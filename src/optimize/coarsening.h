@@ -43,8 +43,8 @@ class Coarsening {
   // Once the rounds are over, and what they inserted has been learned, while pictures judge.
   bool IsDue(double progress) const;
   // Judges the mesh as it is, the first time; then holds one trial. `seconds`: of the run so far,
-  // for the record. `progress`: of the run.
-  void Advance(double seconds, double progress);
+  // for the record. `progress`: of the run. Returns whether the mesh has become coarser.
+  bool Advance(double seconds, double progress);
 
  private:
   // A field that waits on disk while another one learns.

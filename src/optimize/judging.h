@@ -2,6 +2,7 @@
 // refinement for most of a run, so that its decisions need no held-out view.
 #pragma once
 
+#include "optimize/schedule.h"
 #include "optimize/training_set.h"
 #include "render/training_renderer.h"
 
@@ -51,6 +52,12 @@ struct Judgement {
 // `samples`: TrainingBatch::samples.
 Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
                 const glm::vec3& background_srgb, int samples = 1);
+
+// Whether the PSNR is that of matched pictures (ScheduleOptions) even if it is overestimated by its
+// standard error.
+inline bool IsMatched(const Judgement& judgement, const ScheduleOptions& schedule) {
+  return judgement.psnr - judgement.standard_error >= schedule.matched_psnr;
+}
 
 // What the judging pictures gained [dB], and its standard error over the views. It is far smaller
 // than that of either PSNR, because views that are hard are hard both times.

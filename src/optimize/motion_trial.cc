@@ -61,6 +61,12 @@ bool MotionTrial::Advance(double growth, double progress) {
   return true;
 }
 
+void MotionTrial::Reconsider() {
+  if (options_.move == MoveChoice::kAuto && state_ == TrialState::kNotUsed) {
+    state_ = TrialState::kNotTried;
+  }
+}
+
 double MotionTrial::TrialPsnr(bool moves, double progress) {
   motion_.Use(moves);
   steps_.Try(TrialSteps(steps_.iteration()), kRatesOfTrials, progress);

@@ -20,6 +20,9 @@ class MotionTrial {
 
   // Holds the trial if it is due at this growth and progress of the run; returns whether it was.
   bool Advance(double growth, double progress);
+  // Holds it again if vertices stay by it: the mesh has fewer of them now, and then motion gains
+  // more.
+  void Reconsider();
 
  private:
   void Decide(bool moves);

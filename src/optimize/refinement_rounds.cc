@@ -94,8 +94,8 @@ bool RefinementRounds::IsWorthRefining(GrowthStep& step) {
 // The noise of high learning rates may hide that the pictures are matched.
 Judgement RefinementRounds::JudgeSettled() {
   const Judgement now = parts_.pictures.JudgeField();
-  const double missing = options_.schedule.matched_psnr - now.psnr;
-  if (AsksForAll() || missing <= 0 || missing > kMostNoise) return now;
+  const bool may_be_matched = now.psnr >= options_.schedule.matched_psnr - kMostNoise;
+  if (AsksForAll() || !may_be_matched || IsMatched(now, options_.schedule)) return now;
   const uint64_t steps = TrialSteps(parts_.steps.iteration());
   parts_.steps.Try(steps, kRatesOfTrials);
   parts_.steps.CountTried(steps);
@@ -107,7 +107,7 @@ bool RefinementRounds::AsksForAll() const {
 }
 
 GrowthDecision RefinementRounds::Decide(const Judgement& now, const JudgedGain& gain) const {
-  const bool is_matched = !AsksForAll() && now.psnr >= options_.schedule.matched_psnr;
+  const bool is_matched = !AsksForAll() && IsMatched(now, options_.schedule);
   if (state_.rounds == 0) return is_matched ? GrowthDecision::kMatched : GrowthDecision::kRefine;
   if (!(now.psnr > state_.best_psnr - options_.schedule.judged_loss)) {
     return GrowthDecision::kReturn;

@@ -22,7 +22,7 @@ struct ScheduleOptions {
   // A refinement that loses more than this on the judging pictures is taken back [dB].
   double judged_loss = 0.1;
   // From this PSNR on, an error of 2.6 grey levels of 255 (root mean square), the judging pictures
-  // are matched: more vertices are not needed, and fewer are tried [dB].
+  // are matched: more vertices are not needed, and fewer are tried [dB] (IsMatched).
   double matched_psnr = 40;
   // Steps before each refinement of a run by time: on a slow machine a round may be due before the
   // mesh is fitted, and a mesh that is not fitted cannot be judged.

@@ -83,7 +83,8 @@ TEST_F(RefinementRoundsTest, EndEarlyOnceTwoInARowGainNothing) {
 
 TEST_F(RefinementRoundsTest, EndOnceTheJudgingPicturesAreMatched) {
   const size_t before = vertices();
-  run_.options.schedule.matched_psnr = run_.pictures.JudgeField().psnr - 0.01;
+  const Judgement judgement = run_.pictures.JudgeField();
+  run_.options.schedule.matched_psnr = judgement.psnr - judgement.standard_error - 0.01;
   rounds_.Advance(0.0);
   EXPECT_EQ(vertices(), before);
   EXPECT_TRUE(rounds_.IsOver());

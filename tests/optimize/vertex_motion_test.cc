@@ -299,6 +299,13 @@ TEST(MotionTrial, LeavesAFieldThatLostAsItWas) {
   EXPECT_EQ(run.steps.iteration(), 400u);
   EXPECT_EQ(run.motion.counts().all(), 0u);
   EXPECT_TRUE(run.motion.state().size.empty());
+  run.trial.Reconsider();
+  EXPECT_EQ(run.trial.state(), TrialState::kNotTried);
+  run.PutMoved(0.06f);
+  EXPECT_TRUE(run.trial.Advance(0.15, 0.15));
+  EXPECT_EQ(run.trial.state(), TrialState::kUsed);
+  run.trial.Reconsider();
+  EXPECT_EQ(run.trial.state(), TrialState::kUsed);
 }
 
 TEST(MotionTrial, LetsVerticesMoveWhereNothingCanJudge) {
