@@ -18,7 +18,7 @@ namespace {
 constexpr double kMostKept = 0.75;
 // The progress of a run from which on none is held.
 constexpr double kLastTrial = 0.8;
-constexpr double kMostSteps = 200;
+constexpr double kMostSteps = 400;
 
 bool IsWanted(const OptimizeOptions& options) {
   const bool chooses_size = options.budget == BudgetChoice::kAuto && !options.schedule.rounds;

@@ -70,8 +70,10 @@ class EndToEndTest(StageCase):
 
         rows = list(csv.DictReader((run / "3_field" / "metrics.csv").read_text().splitlines()))
         losses = [float(row["loss"]) for row in rows if row["loss"]]  # empty: nothing measured
-        self.assertLess(losses[-1], 0.2 * losses[0])
-        self.assertGreater(int(rows[-1]["tets"]), int(rows[0]["tets"]))
+        # On the white of the second half, errors of alpha weigh more than on random colours.
+        self.assertLess(losses[-1], 0.4 * losses[0])
+        # It grows, and may be coarsened then.
+        self.assertGreater(max(int(row["tets"]) for row in rows), int(rows[0]["tets"]))
 
         metrics = json.loads((run / "6_report" / "metrics.json").read_text())
         self.assertEqual(metrics["schema"], 1)
@@ -221,7 +223,7 @@ class EndToEndTest(StageCase):
             fields.append(self.folder / name / "3_field")
             self.assert_done(self.run_stage(
                 "optimize", tetrahedra, "-o", fields[-1], "--renderer", "reference", "--time-limit", 0,
-                "--iterations", 60, "--rays", 512, "--rounds", 1, environment=none))
+                "--iterations", 60, "--rays", 512, "--rounds", 1, "--background", "scene", environment=none))
         # Although --deterministic was not given.
         self.assertEqual((fields[0] / "field.tetf").read_bytes(), (fields[1] / "field.tetf").read_bytes())
         rows = list(csv.DictReader((fields[0] / "metrics.csv").read_text().splitlines()))
