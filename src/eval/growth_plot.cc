@@ -14,7 +14,7 @@ struct GrowthLines {
 GrowthLines LinesOf(const std::vector<GrowthStep>& steps) {
   GrowthLines lines;
   for (const GrowthStep& step : steps) {
-    if (!(step.psnr > 0)) continue;
+    if (!(step.psnr > 0) || step.decision == GrowthDecision::kTooCoarse) continue;
     for (PlotSeries* series : {&lines.judged, &lines.below, &lines.above}) {
       series->x.push_back(double(step.tets));
     }

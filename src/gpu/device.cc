@@ -288,10 +288,10 @@ void CheckAddressSpace() {
   constexpr rlim_t kLeast_MiB = 1024;
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur >= kLeast_MiB << 20) return;
-  throw EnvironmentError(
-      fmt::format("the address space is limited to {} MiB, and Vulkan drivers crash below {} MiB; "
-                  "raise the limit (ulimit -v)",
-                  limit.rlim_cur >> 20, kLeast_MiB));
+  throw EnvironmentError(fmt::format(
+      "the address space is limited to {} MiB, and Vulkan drivers may crash with less than {} MiB; "
+      "raise the limit (ulimit -v)",
+      limit.rlim_cur >> 20, kLeast_MiB));
 }
 
 }  // namespace

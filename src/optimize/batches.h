@@ -24,7 +24,8 @@ class BatchDrawer {
   // If `few`, each batch draws its rays from at most kMostViewsOfBatch views.
   void UseFewViews(bool few) { few_views_ = few; }
   bool few_views() const { return few_views_; }
-  // Behind field and targets: random, or the scene's own if that is chosen.
+  // Behind field and targets: random, also where scores look at errors, or the scene's own if that
+  // is chosen. TrainingSteps takes the latter late in a run by BackgroundChoice::kAuto.
   glm::vec3 Background(uint64_t iteration) const;
   const glm::vec3& background_of_scene_srgb() const { return background_srgb_; }
 

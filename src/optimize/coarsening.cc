@@ -16,8 +16,8 @@ namespace {
 
 // A trial that would keep more of the vertices is not worth its steps.
 constexpr double kMostKept = 0.75;
-// The progress of a run from which on none is held.
-constexpr double kLastTrial = 0.8;
+// The longest trial. The coarsest meshes would gain by more steps, but steps are also needed after
+// it.
 constexpr double kMostSteps = 400;
 
 bool IsWanted(const OptimizeOptions& options) {
@@ -41,11 +41,14 @@ Coarsening::Coarsening(const OptimizeOptions& options, const RefinedParts& parts
       is_wanted_(IsWanted(options)) {}
 
 bool Coarsening::IsDue(double progress) const {
-  if (progress >= kLastTrial || IsOver() || !rounds_.IsOver()) return false;
-  if (parts_.pictures.learns_all()) return false;
+  if (IsOver() || !rounds_.IsOver() || parts_.pictures.learns_all()) return false;
   const std::vector<GrowthStep>& steps = rounds_.state().steps;
   const uint64_t last = steps.empty() ? 0 : steps.back().iteration;
-  return parts_.steps.iteration() >= last + kFewestTrialSteps;
+  const uint64_t iteration = parts_.steps.iteration();
+  if (iteration < last + kFewestTrialSteps) return false;
+  // A trial must end while pictures judge: otherwise, a run that is resumed would not hold it.
+  const double left = options_.schedule.last_judging - progress;
+  return double(StepsOfTrial()) * progress < left * double(iteration);
 }
 
 bool Coarsening::Advance(double seconds, double progress) {
@@ -54,9 +57,8 @@ bool Coarsening::Advance(double seconds, double progress) {
     return false;
   }
   const uint64_t steps = StepsOfTrial();
-  const FieldState before = parts_.field.ReadState();
-  const Waiting finer = Save(finer_file_, before);
-  if (!DropLeastNeeded(before)) {
+  const Waiting finer = Save(finer_file_);
+  if (!DropLeastNeeded()) {
     state_.ended = 1;
     PutBack(finer);
     return false;
@@ -82,19 +84,22 @@ bool Coarsening::Advance(double seconds, double progress) {
   return false;
 }
 
-// What fewer vertices have to take over takes longer to learn, and costs less.
+// What fewer vertices have to take over takes longer to learn, and costs less. A trial ends with a
+// motion, because a run can be stopped and resumed only there.
 uint64_t Coarsening::StepsOfTrial() const {
   const double vertices = state_.kept_share * double(parts_.field.mesh().positions.size());
   const double longer = std::sqrt(std::max(double(state_.finest_vertices) / vertices, 1.0));
   const uint64_t steps = TrialSteps(parts_.steps.iteration());
-  return uint64_t(std::clamp(double(steps) * longer, double(steps), kMostSteps));
+  const uint64_t end = parts_.steps.iteration() +
+                       uint64_t(std::clamp(double(steps) * longer, double(steps), kMostSteps));
+  const uint64_t period = parts_.motion.StepsOfMotion();
+  return (end + period - 1) / period * period - parts_.steps.iteration();
 }
 
-Coarsening::Waiting Coarsening::Save(const std::filesystem::path& file,
-                                     const FieldState& field) const {
+Coarsening::Waiting Coarsening::Save(const std::filesystem::path& file) const {
   Checkpoint checkpoint;
   checkpoint.mesh = parts_.field.mesh();
-  checkpoint.state = field;
+  checkpoint.state = parts_.field.ReadState();
   WriteCheckpoint(file, checkpoint);
   return {file, parts_.motion.state()};
 }
@@ -114,7 +119,7 @@ void Coarsening::LookAtFinest(double progress) {
 }
 
 // Returns false if the mesh would get no coarser.
-bool Coarsening::DropLeastNeeded(const FieldState& before) {
+bool Coarsening::DropLeastNeeded() {
   const size_t tets = parts_.field.mesh().tets.size();
   RefineScores scores = LookAtScores(parts_.renderer, parts_.pictures.set(), parts_.batches,
                                      options_, parts_.steps.iteration());
@@ -123,6 +128,7 @@ bool Coarsening::DropLeastNeeded(const FieldState& before) {
   coarsen.growth = 0;
   coarsen.kept_share = state_.kept_share;
   coarsen.seed = options_.seed;
+  const FieldState before = parts_.field.ReadState();
   RefineResult result = Refine(parts_.field.TakeMesh(), before, scores, coarsen);
   const bool is_coarser = result.mesh.tets.size() < tets;
   parts_.field.Put(std::move(result.mesh), std::move(result.state));
@@ -143,7 +149,7 @@ void Coarsening::RaiseReference(std::vector<ErrorSum> views) {
 // good. Whichever is better is the field then.
 bool Coarsening::FinerLearnsMore(const Waiting& finer, std::span<const ErrorSum> coarser,
                                  uint64_t steps, double progress) {
-  const Waiting waiting = Save(coarser_file_, parts_.field.ReadState());
+  const Waiting waiting = Save(coarser_file_);
   PutBack(finer);
   parts_.steps.Try(steps, kRatesOfTrials, progress);
   RaiseReference(parts_.pictures.JudgeField().views);

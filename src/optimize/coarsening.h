@@ -17,7 +17,7 @@ struct CoarseningState {
   uint32_t has_failed = 0;       // 1: a trial has
   double kept_share = 0.5;       // of the vertices, in the next trial
   uint64_t finest_vertices = 0;  // of the mesh that has grown
-  // What the judging pictures say of the best mesh so far; empty until it has been judged.
+  // The errors of the judging pictures with the best mesh so far; empty until it has been judged.
   std::vector<ErrorSum> reference;
   bool operator==(const CoarseningState&) const = default;
 };
@@ -42,7 +42,7 @@ class Coarsening {
   bool IsOver() const { return state_.ended != 0 || !is_wanted_; }
   // Once the rounds are over, and what they inserted has been learned, while pictures judge.
   bool IsDue(double progress) const;
-  // Judges the mesh as it is, the first time; then holds one trial. `seconds`: of the run so far,
+  // Judges the mesh as it is, the first time; then makes one trial. `seconds`: of the run so far,
   // for the record. `progress`: of the run. Returns whether the mesh has become coarser.
   bool Advance(double seconds, double progress);
 
@@ -54,10 +54,10 @@ class Coarsening {
   };
 
   uint64_t StepsOfTrial() const;
-  Waiting Save(const std::filesystem::path& file, const FieldState& field) const;
+  Waiting Save(const std::filesystem::path& file) const;
   void PutBack(const Waiting& waiting);
   void LookAtFinest(double progress);
-  bool DropLeastNeeded(const FieldState& before);
+  bool DropLeastNeeded();
   bool IsAsGood(std::span<const ErrorSum> views) const;
   void RaiseReference(std::vector<ErrorSum> views);
   bool FinerLearnsMore(const Waiting& finer, std::span<const ErrorSum> coarser, uint64_t steps,

@@ -20,8 +20,8 @@ class MotionTrial {
 
   // Holds the trial if it is due at this growth and progress of the run; returns whether it was.
   bool Advance(double growth, double progress);
-  // Holds it again if vertices stay by it: the mesh has fewer of them now, and then motion gains
-  // more.
+  // Lets the trial be repeated if it decided that vertices stay: a coarser mesh gains more by
+  // motion.
   void Reconsider();
 
  private:

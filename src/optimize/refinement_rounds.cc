@@ -94,7 +94,9 @@ bool RefinementRounds::IsWorthRefining(GrowthStep& step) {
 // The noise of high learning rates may hide that the pictures are matched.
 Judgement RefinementRounds::JudgeSettled() {
   const Judgement now = parts_.pictures.JudgeField();
-  const bool may_be_matched = now.psnr >= options_.schedule.matched_psnr - kMostNoise;
+  // Once a judgement has settled, later ones must, too: otherwise, noise would look like a loss.
+  const double best = std::max(now.psnr, state_.best_psnr);
+  const bool may_be_matched = best >= options_.schedule.matched_psnr - kMostNoise;
   if (AsksForAll() || !may_be_matched || IsMatched(now, options_.schedule)) return now;
   const uint64_t steps = TrialSteps(parts_.steps.iteration());
   parts_.steps.Try(steps, kRatesOfTrials);

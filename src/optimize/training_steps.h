@@ -12,7 +12,7 @@
 namespace tetrec {
 
 // How long a trial trains on, in two ways, to compare them: for a part of the steps so far,
-// within these bounds. A run has up to four trials.
+// within these bounds. Trials of coarser meshes take longer (coarsening.h).
 inline constexpr uint64_t kFewestTrialSteps = 40, kMostTrialSteps = 100;
 uint64_t TrialSteps(uint64_t iteration);
 
@@ -44,7 +44,7 @@ class TrainingSteps {
   // (TrainingRenderer::Step).
   StepResult Take(double progress, bool sums_exposures);
   // Takes the next `count` steps without counting them: the same steps can be taken again, from
-  // another state of the field. Rates and rays per pixel are those of the progress `as_at`;
+  // another state of the field. Rates, rays per pixel and background are those of progress `as_at`;
   // vertices move, if they do, as at the progress `motion_as_at`, or stay, because another state of
   // the field does not bring them back.
   void Try(uint64_t count, double as_at, std::optional<double> motion_as_at = {});

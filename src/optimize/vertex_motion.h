@@ -48,6 +48,8 @@ class VertexMotion {
   GradientParts PartsOf(uint64_t step, double progress) const;
   // After `steps` steps: moves the vertices if it is time. `rate_share`: of the learning rates.
   void AfterStep(uint64_t steps, double progress, double rate_share);
+  // From one motion to the next.
+  uint64_t StepsOfMotion() const;
   // True if no gradients are waiting for their motion after `steps` steps: only then is the state
   // all that a resumed run needs.
   bool CanResumeAfter(uint64_t steps, double progress) const;
@@ -67,7 +69,6 @@ class VertexMotion {
   bool IsArticle() const { return options_.move == MoveChoice::kArticle; }
   // Whether step `step` adds to the gradients of a motion.
   bool IsOn(uint64_t step, double progress) const;
-  uint64_t StepsOfMotion() const;
   void Begin();
   void AddRegulariser(std::vector<glm::dvec3>& sums) const;
   // Moves the vertices, given the sums of their gradients.

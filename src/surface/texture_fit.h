@@ -16,7 +16,7 @@ namespace tetrec {
 // it near outlines; afterwards the surface looks like the photos as far as one colour per point
 // can. Few rounds leave noise alone. `mesh_in_world` has texture coordinates, `texture` is RGB.
 // Method: Irani and Peleg, Improving Resolution by Image Registration, 1991 (iterative
-// back-projection).
+// back-projection). Needs 32 bytes for each pixel of a photo and thread.
 void FitTexture(const TriangleMesh& mesh_in_world, const TextureLayout& layout,
                 std::span<const TexturePhoto> photos, Image& texture);
 

@@ -28,7 +28,7 @@ struct TexturePhoto {
   std::vector<uint8_t> trust;         // (height x width) from 0 to kFullTrust, see FindTrust
 
   size_t Index(int x, int y) const { return size_t(y) * size_t(camera.width) + size_t(x); }
-  // The color without the exposure of this photo [display sRGB, 0 to 1].
+  // The colour without the exposure of this photo [display sRGB, 0 to 1].
   glm::dvec3 ColorOf(int x, int y) const {
     const uint8_t* rgb = image.At(x, y);
     return (glm::dvec3(rgb[0], rgb[1], rgb[2]) / 255.0 - offset) / gain;

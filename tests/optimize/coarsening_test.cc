@@ -15,7 +15,7 @@ namespace {
 struct GrownRun {
   explicit GrownRun(const OptimizeOptions& options = SmallRunOptions()) : run(options) {
     rounds.Resume({.rounds = 1});
-    run.steps.Resume(100, 0);
+    run.steps.Resume(1000, 0);
   }
 
   const ScratchFolder folder;
@@ -86,11 +86,11 @@ TEST(Coarsening, WaitsUntilTheRoundsAreOverAndWhatTheyInsertedIsLearned) {
   GrownRun grown;
   grown.rounds.Resume({});
   EXPECT_FALSE(grown.coarsening.IsDue(0.6));
-  grown.rounds.Resume({.rounds = 1, .steps = {{.iteration = 90}}});
+  grown.rounds.Resume({.rounds = 1, .steps = {{.iteration = 990}}});
   EXPECT_FALSE(grown.coarsening.IsDue(0.6));
-  grown.rounds.Resume({.rounds = 1, .steps = {{.iteration = 50}}});
+  grown.rounds.Resume({.rounds = 1, .steps = {{.iteration = 950}}});
   EXPECT_TRUE(grown.coarsening.IsDue(0.6));
-  EXPECT_FALSE(grown.coarsening.IsDue(0.8));
+  EXPECT_FALSE(grown.coarsening.IsDue(0.69));  // it would end too late
   grown.run.pictures.PlaceCameras({}, 0.9);
   EXPECT_FALSE(grown.coarsening.IsDue(0.6));
 }

@@ -91,7 +91,18 @@ TEST_F(RefinementRoundsTest, EndOnceTheJudgingPicturesAreMatched) {
   EXPECT_EQ(rounds_.state().steps.back().decision, GrowthDecision::kMatched);
 }
 
-TEST_F(RefinementRoundsTest, GoOnWhereThePicturesAreMatchedIfTheOptionsAskForAll) {
+// Else the noise of high rates, which the judgement before was spared, would look like a loss.
+TEST_F(RefinementRoundsTest, JudgeSettledOnceAJudgementHasSettled) {
+  run_.PutField(0.2);
+  const double psnr = run_.pictures.JudgeField().psnr;
+  run_.options.schedule.matched_psnr = psnr + 5.03;
+  rounds_.Resume({.rounds = 1, .best_psnr = psnr + 0.05});
+  const uint64_t before = run_.steps.iteration();
+  rounds_.Advance(0.0);
+  EXPECT_GT(run_.steps.iteration(), before);
+}
+
+TEST_F(RefinementRoundsTest, ContinueWhereThePicturesAreMatchedIfTheOptionsAskForAll) {
   run_.options.schedule.matched_psnr = 1;
   run_.options.budget = BudgetChoice::kFull;
   const size_t before = vertices();

@@ -36,7 +36,7 @@ TEST(TrainingSteps, AfterAResumeAreThoseThatWouldHaveFollowed) {
   EXPECT_EQ(resumed.steps.rays(), 3u * 256u);
 }
 
-// A step of Adam is as long for any gradient, so only the decay tells the fields apart.
+// A step of Adam is as long for any gradient, so the fields differ only by the decay.
 TEST(TrainingSteps, LetDensityDecayForPhotosAndNotForPicturesWithAlpha) {
   const auto densities = [](bool has_alpha, std::optional<double> decay) {
     OptimizeOptions options = SmallRunOptions();

@@ -31,6 +31,7 @@ class BudgetTest(StageCase):
                    "--iterations", 500, "--rays", 2048, "--matched-psnr", 32)
         whole, resumed = self.folder / "run" / "whole", self.folder / "run" / "resumed"
         self.assert_done(self.run_stage(*command, "-o", whole))
+        self.assertLessEqual(self.manifest(whole)["counts"]["iterations"], 500)
         steps = json.loads((whole / "growth.json").read_text())["steps"]
         self.assertIn("coarsen", [step["decision"] for step in steps])
         self.assertLess(steps[-1]["tets"], steps[0]["tets"] / 4)

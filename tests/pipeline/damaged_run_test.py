@@ -199,7 +199,9 @@ class DamagedRunTest(HostileCase):
 
         def is_refused(name, result):
             if name in ("whole", "forced"):
-                return self.says(name, result, "continues from" if name == "whole" else "")
+                if result.returncode:
+                    return "fails"
+                return self.says(name, result, *(["continues from"] if name == "whole" else []))
             if result.returncode != 3:
                 return "is taken"
             return self.says(name, result, "checkpoint.bin", "force a fresh run" if name in damaged else "")
