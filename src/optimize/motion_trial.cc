@@ -61,10 +61,8 @@ bool MotionTrial::Advance(double growth, double progress) {
   return true;
 }
 
-void MotionTrial::Reconsider() {
-  if (options_.move == MoveChoice::kAuto && state_ == TrialState::kNotUsed) {
-    state_ = TrialState::kNotTried;
-  }
+void MotionTrial::LetCoarserMeshMove() {
+  if (options_.move == MoveChoice::kAuto) Decide(true);
 }
 
 double MotionTrial::TrialPsnr(bool moves, double progress) {

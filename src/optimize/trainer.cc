@@ -242,7 +242,7 @@ class Trainer {
         continue;
       }
       if (coarsening_.IsDue(done)) {
-        if (coarsening_.Advance(seconds_, done)) motion_trial_.Reconsider();
+        if (coarsening_.Advance(seconds_, done)) motion_trial_.LetCoarserMeshMove();
         continue;
       }
       if (motion_trial_.Advance(growth, done) || harmonics_.Advance(growth) ||

@@ -299,13 +299,12 @@ TEST(MotionTrial, LeavesAFieldThatLostAsItWas) {
   EXPECT_EQ(run.steps.iteration(), 400u);
   EXPECT_EQ(run.motion.counts().all(), 0u);
   EXPECT_TRUE(run.motion.state().size.empty());
-  run.trial.Reconsider();
-  EXPECT_EQ(run.trial.state(), TrialState::kNotTried);
-  run.PutMoved(0.06f);
-  EXPECT_TRUE(run.trial.Advance(0.15, 0.15));
+  run.trial.LetCoarserMeshMove();
   EXPECT_EQ(run.trial.state(), TrialState::kUsed);
-  run.trial.Reconsider();
-  EXPECT_EQ(run.trial.state(), TrialState::kUsed);
+  EXPECT_TRUE(run.motion.is_used());
+  MovingRun still(MoveChoice::kOff);
+  still.trial.LetCoarserMeshMove();
+  EXPECT_EQ(still.trial.state(), TrialState::kNotUsed);
 }
 
 TEST(MotionTrial, LetsVerticesMoveWhereNothingCanJudge) {
