@@ -23,6 +23,12 @@ std::string WithoutDashes(const std::string& name) {
   return start == std::string::npos ? name : name.substr(start);
 }
 
+// Without slashes at its end; "." and ".." stay what they are.
+fs::path FolderOf(const fs::path& output) {
+  const fs::path folder = (output / "").lexically_normal();
+  return folder.has_filename() ? folder : folder.parent_path();
+}
+
 // The argument as it can be pasted into a shell.
 std::string QuotedForShell(const std::string& argument) {
   const bool plain = !argument.empty() && std::all_of(argument.begin(), argument.end(), [](char c) {
@@ -83,7 +89,7 @@ json StageCommand::Options(bool with_effect_only) const {
 StageRequest StageCommand::MakeRequest(int argc, char** argv) const {
   StageRequest request = {.stage = name_,
                           .version = version_,
-                          .folder = (output_ / "").lexically_normal().parent_path(),
+                          .folder = FolderOf(output_),
                           .options = Options(false),
                           .options_with_effect = Options(true),
                           .command_line = ProgramOf(name_),

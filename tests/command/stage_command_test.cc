@@ -395,6 +395,19 @@ TEST_F(StageTest, PathsThatCannotBeStoredAreRefusedAndShownEscaped) {
   EXPECT_FALSE(fs::exists(folder_ / "run"));
 }
 
+TEST_F(StageTest, TheFolderThatOneIsInCanBeTheOutput) {
+  const fs::path before = fs::current_path();
+  fs::create_directories(folder_ / "above/here");
+  fs::current_path(folder_ / "above/here");
+  const Outcome here = First({input_, "-o", "."});
+  const Outcome above = First({input_, "-o", ".."});
+  fs::current_path(before);
+  EXPECT_EQ(here.exit_code, 0) << here.err;
+  EXPECT_TRUE(fs::exists(folder_ / "above/here/manifest.json"));
+  EXPECT_THAT(above.err, HasSubstr(".. is not empty"));
+  EXPECT_FALSE(fs::exists(folder_ / "above/manifest.json"));
+}
+
 TEST_F(StageTest, PathsThatTheSystemRefusesGiveOneLine) {
   const std::string name(300, 'x');
   fs::create_symlink("loop", folder_ / "loop");
