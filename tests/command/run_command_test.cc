@@ -56,6 +56,14 @@ TEST_F(CommandTest, OtherMessagesStayAsTheyAre) {
   }
 }
 
+TEST_F(CommandTest, ANumberWithAUnitIsExplained) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(Run({"--max-size", "5min"}, [] { FAIL(); }), 2);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "tetrec-test: Could not convert: --max-size = 5min; expected a number without a unit "
+            "(see --help)\n");
+}
+
 TEST_F(CommandTest, ExitCodesFollowTheKindOfError) {
   EXPECT_EQ(Run({}, [] {}), 0);
   EXPECT_EQ(Run({"--help"}, [] { FAIL(); }), 0);
