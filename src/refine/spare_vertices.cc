@@ -198,7 +198,7 @@ std::vector<uint32_t> NeighborsOf(const TetMesh& mesh, const Stars& stars, uint3
     }
   }
   std::ranges::sort(neighbors);
-  neighbors.erase(std::ranges::unique(neighbors).begin(), neighbors.end());
+  neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
   return neighbors;
 }
 
