@@ -46,7 +46,7 @@ bool Coarsening::IsDue(double progress) const {
   const uint64_t last = steps.empty() ? 0 : steps.back().iteration;
   const uint64_t iteration = parts_.steps.iteration();
   if (iteration < last + kFewestTrialSteps) return false;
-  // A trial must end while pictures judge: otherwise, a run that is resumed would not hold it.
+  // A trial must end while pictures judge: otherwise, a resumed run would not make it.
   const double left = options_.schedule.last_judging - progress;
   return double(StepsOfTrial()) * progress < left * double(iteration);
 }

@@ -53,8 +53,8 @@ struct Judgement {
 Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
                 const glm::vec3& background_srgb, int samples = 1);
 
-// Whether the PSNR is that of matched pictures (ScheduleOptions) even if it is overestimated by its
-// standard error.
+// Returns true if the pictures are matched (ScheduleOptions) even at one standard error below their
+// PSNR.
 inline bool IsMatched(const Judgement& judgement, const ScheduleOptions& schedule) {
   return judgement.psnr - judgement.standard_error >= schedule.matched_psnr;
 }

@@ -11,7 +11,8 @@ namespace tetrec {
 namespace {
 
 constexpr double kSteepestCosine = 0.15;  // of the slant at which photos no longer count
-// Of the depth behind the surface at which a point still counts as on it, besides slopes.
+// A point that is no more than this many footprints behind the drawn surface, slopes aside, counts
+// as being on it.
 constexpr double kToleranceFootprints = 3;
 
 template <class OfVertex>

@@ -25,8 +25,8 @@ struct WeightedSum {
   double weight = 0;
 };
 
-// Of the pixels around a position that show the surface only. Near outlines, where the surface and
-// the photo rarely agree on what is in front, pixels count less.
+// Adds the errors of those pixels around a position that show nothing but the surface. Pixels near
+// outlines count less, because surface and photo rarely agree there on what is in front.
 void AddError(const TexturePhoto& photo, const SurfacePicture& drawn, const Sighting& sighting,
               WeightedSum& error) {
   const double pixels_per_area = sighting.facing / (sighting.footprint * sighting.footprint);

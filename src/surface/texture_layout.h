@@ -34,7 +34,7 @@ TextureLayout LayOutTexture(const TriangleMesh& mesh, std::span<const TextureCha
 TextureLayout LayOutTextureOfSize(const TriangleMesh& mesh, std::span<const TextureChart> charts,
                                   int size);
 
-// Of the corners of all triangles, as TriangleMesh has them.
+// Returns the texture coordinates of the corners of all triangles, as TriangleMesh stores them.
 std::vector<std::array<glm::vec2, 3>> CornerCoordinates(const TextureLayout& layout);
 
 }  // namespace tetrec

@@ -33,7 +33,7 @@ struct TexturePhoto {
     const uint8_t* rgb = image.At(x, y);
     return (glm::dvec3(rgb[0], rgb[1], rgb[2]) / 255.0 - offset) / gain;
   }
-  // Whether a pixel shows nothing but the scene.
+  // Returns true if a pixel shows nothing but the scene.
   bool Counts(int x, int y) const;
   // Length on a surface facing the camera that one pixel covers at this depth.
   double Footprint(double depth_in_cam) const { return depth_in_cam / camera.fx; }
