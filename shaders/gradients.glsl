@@ -59,6 +59,8 @@ layout(std430, binding = kBindPositionGradients) buffer PositionGradients {
   Sum position_gradients[];
 };
 
+layout(constant_id = kConstantAbsoluteSums) const int kAbsoluteSums = 1;
+
 mat3 world_from_ray;
 
 // Adds the position gradient of one passage through the tets around a vertex, given in the ray's
@@ -69,7 +71,9 @@ void AddMoveToVertex(uint id, vec3 move) {
     AddTo(position_gradients[4u * id], in_world.x, push.rays.position_quanta);
     AddTo(position_gradients[4u * id + 1u], in_world.y, push.rays.position_quanta);
     AddTo(position_gradients[4u * id + 2u], in_world.z, push.rays.position_quanta);
-    AddTo(position_gradients[4u * id + 3u], length(move.xy), push.rays.position_quanta);
+    if (kAbsoluteSums != 0) {
+      AddTo(position_gradients[4u * id + 3u], length(move.xy), push.rays.position_quanta);
+    }
   }
 }
 

@@ -49,9 +49,10 @@ void GiveAll(uint row) {
 }
 
 void main() {
-  uint row = ThreadIndex();
-  if (row < push.row_count) {
-    bool is_seen = TakeSlots(row);
-    TETREC_RARELY(is_seen) GiveAll(row);
+  uint index = ThreadIndex();
+  TETREC_RARELY(index < seen_rows[kSeenRowsCount]) {
+    uint row = seen_rows[kSeenRowsHeader + index];
+    TakeSlots(row);
+    GiveAll(row);
   }
 }

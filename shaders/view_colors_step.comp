@@ -58,11 +58,14 @@ void MoveTexel(uint texel, float rate, vec4 gradient) {
     MoveTexel(texel + 2u, rate, vec4(c2.b, c3));            \
   }
 
+// Without a branch, which would copy all registers; a row whose gradients are all 0 stays.
 void MoveRow(uint row, float squares) {
   uint moment = row * push.moment_stride;
-  float second = SharedMoment(moments[moment], squares / float(3 * kHarmonics), push.beta2);
+  float before = moments[moment];
+  bool moves = squares > 0.0;
+  float second = moves ? SharedMoment(before, squares / float(3 * kHarmonics), push.beta2) : before;
   moments[moment] = second;
-  float rate = SharedRate(rate_shares[row] * push.rate, second, push.epsilon);
+  float rate = moves ? SharedRate(rate_shares[row] * push.rate, second, push.epsilon) : 0.0;
   uint texel = row * (push.other_stride / 4u);
   MoveFour(texel, by_coefficient[0], by_coefficient[1], by_coefficient[2], by_coefficient[3])
   if (kHarmonics > 3) {
@@ -75,14 +78,12 @@ void MoveRow(uint row, float squares) {
 }
 
 void main() {
-  uint row = ThreadIndex();
-  if (row < push.row_count) {
-    bool is_seen = TakeSlots(row);
-    TETREC_RARELY(is_seen) {
-      GiveRow(row);
-      InUnitsOfValue();
-      float squares = Squares();
-      TETREC_RARELY(squares > 0.0) MoveRow(row, squares);
-    }
+  uint index = ThreadIndex();
+  TETREC_RARELY(index < seen_rows[kSeenRowsCount]) {
+    uint row = seen_rows[kSeenRowsHeader + index];
+    TakeSlots(row);
+    GiveRow(row);
+    InUnitsOfValue();
+    MoveRow(row, Squares());
   }
 }

@@ -52,6 +52,8 @@ struct GpuBlock {
 // components | activation << 8 | rate class << 16.
 #define kConstantAttributes 6
 #define kMostOtherAttributes 6
+// 0: backward passes leave out the absolute sums of gradients by position (gradients.glsl).
+#define kConstantAbsoluteSums 12
 // As RateClass of field/layout.h.
 #define kRateColor 0
 #define kRateDensity 1
@@ -140,6 +142,12 @@ struct ViewColorPush {
   uint first_cell;  // as in RayPush
   uint slots;
   uint other_stride;  // of rows of attributes behind colour and density
+};
+
+#define kSeenRowsGroupsAcross 16  // workgroups in a row of them
+struct SeenRowsPush {
+  uint row_count;
+  uint slots;
 };
 
 // The same with the step of their coefficients.
@@ -296,6 +304,12 @@ struct SpreadPush {
 #define kBindOtherGradientTexels 56
 #define kBindTetEdges 57  // uint, six per tet: ids of its edges
 #define kBindEdgeSums 58  // kEdgeSums per edge
+// uint: the rows to which a batch gave gradients, behind how many there are and the workgroups for
+// them (CommandRecorder::DispatchCounted)
+#define kBindSeenRows 59
+#define kSeenRowsGroups 0  // three
+#define kSeenRowsCount 3
+#define kSeenRowsHeader 4
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);

@@ -156,7 +156,8 @@ struct Case {
     const Seconds all = Measure([&] {
       Add(turn.forward, Measure([&] { renderer.MarchBlocks(view, blocks); }));
       Add(turn.backward, Measure([&] { renderer.Backpropagate(view, gradient); }));
-      Add(turn.positions, Measure([&] { renderer.Backpropagate(view, gradient, kAllParts); }));
+      Add(turn.positions,
+          Measure([&] { renderer.Backpropagate(view, gradient, GradientParts::kMotion); }));
     });
     seconds += all.wall;
     last_turn = all.wall;

@@ -119,8 +119,9 @@ Buffer::Buffer(const Device& device, std::string name, uint64_t bytes, VkFormat 
         "or smaller images",
         name_, bytes_ >> 20, device.properties.deviceName, limit >> 20));
   }
-  VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-                             VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                             VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                             VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   if (is_texel) usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
   const Allocation allocation =
       Allocate(device, name_, bytes_, usage,

@@ -135,8 +135,10 @@ VkPipelineStageFlags2 CommandRecorder::WorkStages() const {
 }
 
 void CommandRecorder::WorkBarrier() {
-  Barrier(WorkStages(), VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT |
-                            VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT);
+  Barrier(WorkStages() | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
+          VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_2_SHADER_READ_BIT |
+              VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_READ_BIT |
+              VK_ACCESS_2_TRANSFER_WRITE_BIT);
 }
 
 void CommandRecorder::Barrier(VkPipelineStageFlags2 to_stage, VkAccessFlags2 to_access) {
@@ -208,6 +210,17 @@ void CommandRecorder::DispatchBytes(const Program& program, const BoundBuffers& 
                fmt::format("dispatch of {}: {} workgroups", program.name(), groups));
   Bind(program, buffers, push, push_bytes);
   vkCmdDispatch(handle_, uint32_t(columns), uint32_t(rows), 1);
+  WriteTimestamp(program.name());
+}
+
+void CommandRecorder::DispatchCountedBytes(const Program& program, const BoundBuffers& buffers,
+                                           const void* push, uint32_t push_bytes,
+                                           const Buffer& groups) {
+  TETREC_CHECK(program.stages() == VK_SHADER_STAGE_COMPUTE_BIT, program.name());
+  if (written_.contains(groups.handle())) WorkBarrier();
+  Bind(program, buffers, push, push_bytes);
+  read_.insert(groups.handle());
+  vkCmdDispatchIndirect(handle_, groups.handle(), 0);
   WriteTimestamp(program.name());
 }
 

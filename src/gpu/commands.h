@@ -53,6 +53,13 @@ class CommandRecorder {
                     uint64_t threads) {
     DispatchBytes(program, buffers, &push, sizeof(Push), threads, true);
   }
+  // Like DispatchMany, with as many workgroups as the device itself has counted: three uint32_t at
+  // the start of `groups`, rows second.
+  template <class Push>
+  void DispatchCounted(const Program& program, const BoundBuffers& buffers, const Push& push,
+                       const Buffer& groups) {
+    DispatchCountedBytes(program, buffers, &push, sizeof(Push), groups);
+  }
   // Draws `vertices` vertices; clip space spans `viewport`, only pixels in `area` get fragments.
   template <class Push>
   void Draw(const Program& program, const BoundBuffers& buffers, const Push& push,
@@ -70,6 +77,8 @@ class CommandRecorder {
  private:
   void DispatchBytes(const Program& program, const BoundBuffers& buffers, const void* push,
                      uint32_t push_bytes, uint64_t threads, bool in_rows);
+  void DispatchCountedBytes(const Program& program, const BoundBuffers& buffers, const void* push,
+                            uint32_t push_bytes, const Buffer& groups);
   void DrawBytes(const Program& program, const BoundBuffers& buffers, const void* push,
                  uint32_t push_bytes, uint32_t vertices, const PixelRect& viewport,
                  const PixelRect& area);

@@ -99,9 +99,9 @@ DelaunayResult Extract(Triangulation& triangulation, std::span<const glm::vec3> 
   return result;
 }
 
-}  // namespace
-
-DelaunayResult BuildDelaunay(std::span<const glm::vec3> points) {
+// Frees the triangulation, which takes more memory than anything else here, before the mesh is
+// sorted.
+DelaunayResult Triangulate(std::span<const glm::vec3> points) {
   Triangulation triangulation = Insert(CheckedPoints(points));
   if (triangulation.dimension() < 3) {
     throw DataError(fmt::format(
@@ -109,7 +109,13 @@ DelaunayResult BuildDelaunay(std::span<const glm::vec3> points) {
         "tetrahedralized",
         points.size(), triangulation.number_of_vertices()));
   }
-  DelaunayResult result = Extract(triangulation, points);
+  return Extract(triangulation, points);
+}
+
+}  // namespace
+
+DelaunayResult BuildDelaunay(std::span<const glm::vec3> points) {
+  DelaunayResult result = Triangulate(points);
   const std::vector<uint32_t> old_of_new = SortAlongMortonCurve(result.mesh).vertices;
   std::vector<uint32_t> point_of_vertex(old_of_new.size());
   for (size_t v = 0; v < old_of_new.size(); ++v) {

@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace tetrec {
 namespace {
@@ -134,6 +136,31 @@ uint64_t SpreadBits(uint64_t x) {
   return x;
 }
 
+struct MortonKey {
+  uint64_t code;
+  uint32_t index;
+};
+
+// Sorts by code, in time linear in the keys; equal codes keep their order.
+void SortByCode(std::vector<MortonKey>& keys) {
+  constexpr int kDigitBits = 11, kDigits = 6;
+  constexpr size_t kBuckets = size_t{1} << kDigitBits;
+  const auto digit = [](const MortonKey& key, int i) {
+    return size_t(key.code >> (i * kDigitBits)) % kBuckets;
+  };
+  std::vector<std::array<uint32_t, kBuckets>> counts(kDigits);
+  for (const MortonKey& key : keys) {
+    for (int i = 0; i < kDigits; ++i) ++counts[size_t(i)][digit(key, i)];
+  }
+  std::vector<MortonKey> sorted(keys.size());
+  for (int i = 0; i < kDigits; ++i) {
+    std::array<uint32_t, kBuckets>& place = counts[size_t(i)];
+    std::exclusive_scan(place.begin(), place.end(), place.begin(), 0u);
+    for (const MortonKey& key : keys) sorted[place[digit(key, i)]++] = key;
+    keys.swap(sorted);
+  }
+}
+
 // Indices of `points` along a Morton curve through their bounding cube. Points of equal code keep
 // their order.
 std::vector<uint32_t> MortonOrder(const std::vector<glm::vec3>& points) {
@@ -145,16 +172,16 @@ std::vector<uint32_t> MortonOrder(const std::vector<glm::vec3>& points) {
   const glm::dvec3 size = high - low;
   const double longest = std::max({size.x, size.y, size.z});
   const double scale = longest > 0 ? double((1 << 21) - 1) / longest : 0.0;
-  std::vector<std::pair<uint64_t, uint32_t>> keys(points.size());
+  std::vector<MortonKey> keys(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     const glm::dvec3 cell = (glm::dvec3(points[i]) - low) * scale;
     keys[i] = {SpreadBits(uint64_t(cell.x)) | SpreadBits(uint64_t(cell.y)) << 1 |
                    SpreadBits(uint64_t(cell.z)) << 2,
                uint32_t(i)};
   }
-  std::sort(keys.begin(), keys.end());
+  SortByCode(keys);
   std::vector<uint32_t> order(points.size());
-  for (size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].second;
+  for (size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].index;
   return order;
 }
 

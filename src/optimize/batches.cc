@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "render/ray_blocks.h"
 
 #include <fmt/format.h>
 
@@ -67,6 +68,7 @@ TileShape BatchDrawer::DrawBlocksOrTiles(uint64_t iteration) {
                   ? DrawBlocksOfViews(set_, count, kMostViewsOfBatch, options_.subject_share,
                                       options_.seed, iteration)
                   : DrawBlocks(set_, count, options_.subject_share, options_.seed, iteration);
+    SortByPlace(blocks_);
     return {};
   }
   const size_t tiles = needs_tiles_ ? 1 : std::max<size_t>(1, count / kTileBlocks);

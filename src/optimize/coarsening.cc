@@ -30,6 +30,10 @@ bool IsWanted(const OptimizeOptions& options) {
 
 }  // namespace
 
+bool IsExpectedToFail(const JudgedGain& failed, double kept_share, double milder_share) {
+  return failed.gain * (1 - milder_share) / (1 - kept_share) < -failed.standard_error;
+}
+
 Coarsening::Coarsening(const OptimizeOptions& options, const RefinedParts& parts,
                        RefinementRounds& rounds, const std::filesystem::path& finer_file,
                        const std::filesystem::path& coarser_file)
@@ -79,8 +83,10 @@ bool Coarsening::Advance(double seconds, double progress) {
     return true;
   }
   state_.has_failed = 1;
-  state_.kept_share = std::sqrt(state_.kept_share);
-  if (state_.kept_share > kMostKept) state_.ended = 1;
+  const double milder = std::sqrt(state_.kept_share);
+  const JudgedGain gain = GainBetween(state_.reference, judgement.views);
+  if (milder > kMostKept || IsExpectedToFail(gain, state_.kept_share, milder)) state_.ended = 1;
+  state_.kept_share = milder;
   return false;
 }
 

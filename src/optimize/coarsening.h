@@ -1,6 +1,7 @@
 // Coarsening once the mesh has grown: it keeps no more vertices than the pictures need.
 #pragma once
 
+#include "optimize/judging.h"
 #include "optimize/optimize_options.h"
 #include "optimize/refinement_rounds.h"
 
@@ -22,12 +23,17 @@ struct CoarseningState {
   bool operator==(const CoarseningState&) const = default;
 };
 
+// True if a trial that keeps a larger share of the vertices than a failed one is expected to fail,
+// too: if what it loses is in proportion to what it drops. (It loses rather less than that, because
+// the least needed vertices go first.)
+bool IsExpectedToFail(const JudgedGain& failed, double kept_share, double milder_share);
+
 // A trial drops the least needed vertices (spare_vertices.h), learns some steps and judges. If the
 // pictures are matched (ScheduleOptions::matched_psnr), or lose no more than the standard error
 // against the best mesh so far, the finer one after as many steps included, the coarser mesh stays,
 // and otherwise the finer one. The first trial keeps a half of the vertices, and each further one
 // the square of the share before, until one fails; then shares become milder, until they are not
-// worth a trial.
+// worth a trial or expected to fail.
 class Coarsening {
  public:
   // Trials are recorded with the rounds. The files keep fields that wait while others learn.

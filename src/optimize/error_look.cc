@@ -4,6 +4,7 @@
 #include "core/log.h"
 #include "core/progress.h"
 #include "core/random.h"
+#include "render/ray_blocks.h"
 #include "shared/gpu_types.glsl.h"
 
 #include <algorithm>
@@ -27,7 +28,7 @@ size_t CountOfFewViews(std::span<const RayBlock> blocks, size_t first) {
   return count;
 }
 
-// As many of all blocks as `tets` tets need to be judged, in random order.
+// As many of all blocks as `tets` tets need to be judged, drawn at random, view by view.
 std::vector<RayBlock> DrawJudgingBlocks(const TrainingSet& set, const OptimizeOptions& options,
                                         uint64_t tets, uint64_t iteration) {
   std::vector<RayBlock> blocks = set.blocks;
@@ -43,6 +44,7 @@ std::vector<RayBlock> DrawJudgingBlocks(const TrainingSet& set, const OptimizeOp
     std::swap(blocks[i], blocks[i + random.Below(uint32_t(blocks.size() - i))]);
   }
   blocks.resize(wanted);
+  SortByPlace(blocks);
   return blocks;
 }
 
@@ -69,21 +71,11 @@ std::vector<float> ScoresOf(TrainingRenderer& renderer, std::span<const RayBlock
   return renderer.ReadScores();
 }
 
-// As DrawJudgingBlocks, by views where batches should have few.
-std::vector<RayBlock> DrawBatchedBlocks(const TrainingRenderer& renderer, const TrainingSet& set,
-                                        const BatchDrawer& batches, const OptimizeOptions& options,
-                                        uint64_t iteration) {
-  std::vector<RayBlock> blocks =
-      DrawJudgingBlocks(set, options, renderer.mesh().tets.size(), iteration);
-  if (batches.few_views()) std::ranges::stable_sort(blocks, {}, &RayBlock::view);
-  return blocks;
-}
-
 std::vector<float> Look(TrainingRenderer& renderer, const TrainingSet& set,
                         const BatchDrawer& batches, const OptimizeOptions& options,
                         uint64_t iteration, ScoreKind kind) {
   const std::vector<RayBlock> blocks =
-      DrawBatchedBlocks(renderer, set, batches, options, iteration);
+      DrawJudgingBlocks(set, options, renderer.mesh().tets.size(), iteration);
   return ScoresOf(renderer, blocks, batches, iteration, kind);
 }
 
@@ -112,8 +104,7 @@ std::vector<float> LookAtVariances(TrainingRenderer& renderer, const TrainingSet
                                    const BatchDrawer& batches, const OptimizeOptions& options,
                                    uint64_t iteration) {
   const size_t tets = renderer.mesh().tets.size();
-  std::vector<RayBlock> blocks = DrawJudgingBlocks(set, options, tets, iteration);
-  std::ranges::stable_sort(blocks, {}, &RayBlock::view);
+  const std::vector<RayBlock> blocks = DrawJudgingBlocks(set, options, tets, iteration);
   std::vector<double> sums(tets, 0.0), squares(tets, 0.0);
   double views = 0;
   for (size_t first = 0, last = 0; first < blocks.size(); first = last, ++views) {
@@ -137,7 +128,7 @@ std::vector<EdgeSums> LookAtEdges(TrainingRenderer& renderer, const TrainingSet&
                                   const BatchDrawer& batches, const OptimizeOptions& options,
                                   uint64_t iteration, const MeshEdges& edges) {
   const std::vector<RayBlock> blocks =
-      DrawBatchedBlocks(renderer, set, batches, options, iteration);
+      DrawJudgingBlocks(set, options, renderer.mesh().tets.size(), iteration);
   renderer.ClearEdgeSums(edges);
   ForEachBatch(blocks, batches, iteration,
                [&](const TrainingBatch& batch) { renderer.AddEdgeSums(batch); });

@@ -45,7 +45,7 @@ bool VertexMotion::IsOn(uint64_t step, double progress) const {
 uint64_t VertexMotion::StepsOfMotion() const { return IsArticle() ? 1 : kStepsOfMotion; }
 
 GradientParts VertexMotion::PartsOf(uint64_t step, double progress) const {
-  return IsOn(step, progress) ? GradientParts::kColorDensityPosition : GradientParts::kColorDensity;
+  return IsOn(step, progress) ? GradientParts::kMotion : GradientParts::kColorDensity;
 }
 
 bool VertexMotion::CanResumeAfter(uint64_t steps, double progress) const {

@@ -12,6 +12,11 @@ SplitMesh::SplitMesh(TetMesh mesh)
     : mesh_(std::move(mesh)), tets_at_(mesh_.positions.size()), old_tets_(mesh_.tets.size()) {
   mesh_.neighbors = {};
   std::iota(old_tets_.begin(), old_tets_.end(), 0u);
+  std::vector<uint32_t> counts(mesh_.positions.size(), 0);
+  for (const glm::uvec4& tet : mesh_.tets) {
+    for (int i = 0; i < 4; ++i) ++counts[tet[i]];
+  }
+  for (size_t v = 0; v < counts.size(); ++v) tets_at_[v].reserve(counts[v]);
   for (uint32_t t = 0; t < mesh_.tets.size(); ++t) AddToVertices(t);
 }
 

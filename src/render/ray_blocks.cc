@@ -1,6 +1,9 @@
 // Images as 4 x 2 blocks of rays.
 #include "render/ray_blocks.h"
 
+#include <algorithm>
+#include <tuple>
+
 namespace tetrec {
 
 std::vector<RayBlock> CoveringBlocks(int width, int height, uint32_t view) {
@@ -11,6 +14,14 @@ std::vector<RayBlock> CoveringBlocks(int width, int height, uint32_t view) {
     }
   }
   return blocks;
+}
+
+void SortByPlace(std::span<RayBlock> blocks) {
+  constexpr uint32_t kTile = 32;  // [px]
+  const auto place = [](const RayBlock& block) {
+    return std::tuple(block.view, block.y / kTile, block.x / kTile, block.y, block.x);
+  };
+  std::ranges::sort(blocks, {}, place);
 }
 
 glm::ivec2 PixelOfRay(std::span<const RayBlock> blocks, size_t ray) {

@@ -13,6 +13,10 @@ namespace tetrec {
 // 4 x 2 blocks that cover width x height pixels of view `view`, in row order.
 std::vector<RayBlock> CoveringBlocks(int width, int height, uint32_t view = 0);
 
+// Sorts by view and place, so that rays that follow each other pass the same tets: these are then
+// in the cache.
+void SortByPlace(std::span<RayBlock> blocks);
+
 // The pixel (x, y) of ray number `ray` of a batch.
 glm::ivec2 PixelOfRay(std::span<const RayBlock> blocks, size_t ray);
 

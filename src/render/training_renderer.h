@@ -44,7 +44,13 @@ struct TileShape {
 inline constexpr size_t kMostViewsOfBatch = 4;
 
 // Which gradients to compute; those by positions make the backward pass slower.
-enum class GradientParts { kColorDensity, kColorDensityPosition };
+enum class GradientParts {
+  kColorDensity,
+  kMotion,  // by positions, too; GradientSums::absolute_position may stay 0
+  kColorDensityPosition,
+};
+
+inline bool HasPositions(GradientParts parts) { return parts != GradientParts::kColorDensity; }
 
 // Rays and what they are compared by.
 struct TrainingBatch {

@@ -96,6 +96,26 @@ TEST_F(VulkanTest, DispatchOfMoreWorkgroupsThanARowHoldsReachesEveryThreadOnce) 
   for (uint32_t i = 0; i < count; ++i) ASSERT_EQ(result[i], 3 * i + 1) << "i = " << i;
 }
 
+// The first dispatch writes how many workgroups the second one has: 1, 2, 1.
+TEST_F(VulkanTest, DispatchOfCountedWorkgroupsReadsWhatTheOneBeforeWrote) {
+  const Program affine = MakeAffine(device());
+  const Buffer source = MakeBuffer(device(), "source", std::vector<uint32_t>{0, 1, 0});
+  const Buffer groups = MakeBuffer(device(), "groups", std::vector<uint32_t>{9, 9, 9});
+  const Buffer a = MakeBuffer(device(), "a", Counted(1000)), b(device(), "b", 4000);
+  CommandRecorder recorder(device());
+  recorder.Begin();
+  recorder.FillZero(b);
+  recorder.Dispatch(affine, {{0, source}, {1, groups}}, AffinePush{3, 1}, 3);
+  recorder.DispatchCounted(affine, {{0, a}, {1, b}}, AffinePush{1000, 3}, groups);
+  EXPECT_EQ(recorder.barriers(), 1u);
+  recorder.EndAndSubmit();
+  recorder.Wait();
+  const auto result = b.DownloadAs<uint32_t>(1000);
+  for (uint32_t i = 0; i < 1000; ++i) {
+    ASSERT_EQ(result[i], i < 128 ? 3 * i + 1 : 0) << "i = " << i;
+  }
+}
+
 TEST_F(VulkanTest, TwoDispatchesThatWriteOneBufferAreKeptApart) {
   const Program affine = MakeAffine(device());
   Buffer a = MakeBuffer(device(), "a", Counted(64)), b = MakeBuffer(device(), "b", Counted(64));

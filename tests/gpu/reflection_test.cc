@@ -42,8 +42,8 @@ TEST(ReflectionTest, BackwardMarchWithPositions) {
                           Is(kBindColors, Access::kTexelRead, true, "colors")));
   EXPECT_EQ(march.push_bytes, sizeof(gpu_types::MarchPush));
   EXPECT_THAT(march.local_size, ElementsAre(kWorkgroupSize, 1, 1));
-  EXPECT_THAT(march.constant_ids,
-              ElementsAre(0, 1, kConstantAnyBoundary, kConstantStorage, kConstantHarmonics));
+  EXPECT_THAT(march.constant_ids, ElementsAre(0, 1, kConstantAnyBoundary, kConstantStorage,
+                                              kConstantHarmonics, kConstantAbsoluteSums));
 }
 
 // Only fixed-point sums count addends that are too large.

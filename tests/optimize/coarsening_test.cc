@@ -61,9 +61,13 @@ TEST(Coarsening, TakesBackACoarserMeshThatLost) {
   EXPECT_EQ(grown.rounds.state().steps.back().decision, GrowthDecision::kTooCoarse);
   EXPECT_LT(grown.rounds.state().steps.back().vertices, positions.size());
   EXPECT_EQ(grown.coarsening.state().kept_share, std::sqrt(0.5));
-  EXPECT_FALSE(grown.coarsening.IsOver());
-  grown.coarsening.Advance(0.0, 0.6);
   EXPECT_TRUE(grown.coarsening.IsOver());
+}
+
+TEST(Coarsening, TriesMilderSharesAsLongAsTheyMaySucceed) {
+  EXPECT_FALSE(IsExpectedToFail({.gain = -0.3, .standard_error = 0.2}, 0.5, 0.75));
+  EXPECT_TRUE(IsExpectedToFail({.gain = -0.5, .standard_error = 0.2}, 0.5, 0.75));
+  EXPECT_FALSE(IsExpectedToFail({.gain = -0.5, .standard_error = 0.2}, 0.5, 0.9));
 }
 
 // Almost anything is as good as a reference with large errors, but the finer mesh is better, too.

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "expect_error.h"
 #include "image/image.h"
+#include "render/ray_blocks.h"
 #include "scene/synthetic.h"
 #include "scratch_folder.h"
 
@@ -202,6 +203,13 @@ TEST(DrawBlocks, DependsOnSeedAndIterationOnly) {
   }
   EXPECT_FALSE(Same(DrawBlocks(set, 64, 0.85, 4, 17), first));
   EXPECT_TRUE(Same(DrawBlocks(set, 64, 0.85, 3, 17), first));
+}
+
+TEST(SortByPlace, PutsBlocksOfOneTileOfOneViewTogether) {
+  std::vector<RayBlock> blocks = {{1, 0, 0}, {0, 40, 0}, {0, 4, 30}, {0, 0, 40}, {0, 8, 2}};
+  SortByPlace(blocks);
+  const std::vector<RayBlock> expected = {{0, 8, 2}, {0, 4, 30}, {0, 40, 0}, {0, 0, 40}, {1, 0, 0}};
+  EXPECT_TRUE(Same(blocks, expected));
 }
 
 TEST(DrawBlocks, StaysInsideThePictures) {

@@ -127,7 +127,7 @@ class ReferenceRenderer final : public ProbedRenderer {
   void Backward(GradientParts parts) override {
     TETREC_CHECK(forward_, "Backward follows Forward");
     const BatchRays rays = RaysOf(targets_.views, forward_->batch);
-    const bool with_positions = parts == GradientParts::kColorDensityPosition;
+    const bool with_positions = HasPositions(parts);
     for (const auto& [view, seen] : FieldsSeenBy(rays, field_)) {
       const bool is_of_all_rays = seen.get() == &field_;
       ReferenceGradient sum(field_);
@@ -220,7 +220,7 @@ class ReferenceRenderer final : public ProbedRenderer {
                               GradientParts parts) override {
     TETREC_CHECK(pixel_gradient.size() == size_t(view.camera.width) * size_t(view.camera.height),
                  "one gradient per pixel");
-    const bool with_positions = parts == GradientParts::kColorDensityPosition;
+    const bool with_positions = HasPositions(parts);
     ReferenceGradient sum(field_);
     caster_.Backpropagate(FieldSeenFrom(field_, CenterOf(view)), boxes_, view, pixel_gradient,
                           with_positions, sum);

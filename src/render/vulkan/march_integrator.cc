@@ -47,6 +47,8 @@ MarchIntegrator::Kernels MarchIntegrator::MakeKernels(const FieldLayout& layout,
   if (layout.HarmonicsDegree() > 0) kind.attributes.push_back(HarmonicsAttribute(1));
   std::vector<SpecializationConstant> constants = ConstantsOf(integral_, kind);
   constants.push_back({kConstantAnyBoundary, any_boundary});
+  std::vector<SpecializationConstant> for_motion = constants;
+  for_motion.push_back({kConstantAbsoluteSums, 0});
   const auto make = [&](const char* name, std::span<const uint32_t> spirv) {
     return Program(device_, name, spirv, constants);
   };
@@ -62,6 +64,8 @@ MarchIntegrator::Kernels MarchIntegrator::MakeKernels(const FieldLayout& layout,
   kernels.backward = make("march_backward", colors.For(device_, fixed_point_));
   kernels.backward_positions =
       make("march_backward (positions)", positions.For(device_, fixed_point_));
+  kernels.backward_motion =
+      Program(device_, "march_backward (motion)", positions.For(device_, fixed_point_), for_motion);
   kernels.score = make("march_score", scores.For(device_, fixed_point_));
   kernels.edges = make("march_edges", edges.For(device_, fixed_point_));
   return kernels;
@@ -106,7 +110,7 @@ void MarchIntegrator::ForwardWithReaches(CommandRecorder& recorder, const RayPas
 }
 
 void MarchIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
-  const bool with_positions = pass.parts == GradientParts::kColorDensityPosition;
+  const bool with_positions = HasPositions(pass.parts);
   BoundBuffers buffers = {{kBindRayColors, pass.rays.colors},
                           {kBindRayEntries, pass.rays.entries},
                           {kBindRayGradients, pass.rays.gradients},
@@ -114,8 +118,10 @@ void MarchIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
   if (with_positions) {
     buffers.emplace_back(kBindPositionGradients, pass.field.position_gradients);
   }
-  Dispatch(recorder, with_positions ? current_->backward_positions : current_->backward, pass,
-           buffers);
+  const Program& program = pass.parts == GradientParts::kMotion ? current_->backward_motion
+                           : with_positions                     ? current_->backward_positions
+                                                                : current_->backward;
+  Dispatch(recorder, program, pass, buffers);
 }
 
 void MarchIntegrator::Score(CommandRecorder& recorder, const RayPass& pass) {

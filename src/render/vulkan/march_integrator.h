@@ -27,7 +27,8 @@ class MarchIntegrator final : public Integrator {
 
  private:
   struct Kernels {
-    Program forward, forward_counting, forward_depth, backward, backward_positions, score, edges;
+    Program forward, forward_counting, forward_depth, backward, backward_positions, backward_motion,
+        score, edges;
   };
   Kernels MakeKernels(const FieldLayout& layout, bool any_boundary) const;
   // Binds what every march kernel reads, and `more`.

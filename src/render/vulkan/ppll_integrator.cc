@@ -335,7 +335,7 @@ void PpllIntegrator::Forward(CommandRecorder& recorder, const RayPass& pass) {
 
 // The tile that Forward loaded last comes first and does not have to be loaded again.
 void PpllIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
-  const bool with_positions = pass.parts == GradientParts::kColorDensityPosition;
+  const bool with_positions = HasPositions(pass.parts);
   BoundBuffers buffers = MeshAnd(pass, {{kBindLists, lists_},
                                         {kBindFragments, fragments_},
                                         {kBindRayColors, pass.rays.colors},

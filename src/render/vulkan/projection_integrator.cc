@@ -172,7 +172,7 @@ void ProjectionIntegrator::Forward(CommandRecorder& recorder, const RayPass& pas
 }
 
 void ProjectionIntegrator::Backward(CommandRecorder& recorder, const RayPass& pass) {
-  const bool with_positions = pass.parts == GradientParts::kColorDensityPosition;
+  const bool with_positions = HasPositions(pass.parts);
   const uint64_t bytes =
       uint64_t(with_positions ? kRayStateBytesWithPositions : kRayStateBytes) * pass.rays.capacity;
   const bool at_once = lists_are_whole_ && whole_longest_list_ <= longest_walk_;
@@ -387,7 +387,7 @@ void ProjectionIntegrator::RecordForward(CommandRecorder& recorder, const RayPas
 void ProjectionIntegrator::RecordBackward(CommandRecorder& recorder, const RayPass& pass,
                                           Push push) {
   push.rays = pass.push;  // Forward may have had no fixed-point quanta
-  const bool with_positions = pass.parts == GradientParts::kColorDensityPosition;
+  const bool with_positions = HasPositions(pass.parts);
   BoundBuffers buffers = MeshAnd(pass, {{kBindItems, items_.items},
                                         {kBindTileRanges, tile_ranges_},
                                         {kBindRayColors, pass.rays.colors},

@@ -15,6 +15,11 @@ Program BackwardProgram(const Device& device, const FieldLayout& layout, bool fi
   return Program(device, "view_colors_backward", fixed_point ? fixed : floats, ConstantsOf(layout));
 }
 
+Program SeenProgram(const Device& device, bool fixed_point) {
+  const std::span<const uint32_t> fixed = kViewColorsSeenFixed, floats = kViewColorsSeen;
+  return Program(device, "view_colors_seen", fixed_point ? fixed : floats);
+}
+
 Program StepProgram(const Device& device, const FieldLayout& layout, bool fixed_point) {
   const std::span<const uint32_t> fixed = kViewColorsStepFixed, floats = kViewColorsStep;
   return Program(device, "view_colors_step", fixed_point ? fixed : floats, ConstantsOf(layout));
@@ -27,6 +32,7 @@ ViewColors::ViewColors(const Device& device, const FieldLayout& layout, bool fix
   if (!is_on_) return;
   forward_ = Program(device, "view_colors", kViewColors, ConstantsOf(layout));
   backward_ = BackwardProgram(device, layout, fixed_point);
+  seen_ = SeenProgram(device, fixed_point);
   step_ = StepProgram(device, layout, fixed_point);
 }
 
@@ -44,6 +50,8 @@ void ViewColors::MakeRoom(const DeviceField& field, size_t views) {
              uint64_t{field.row_count} * views * kStandardComponents * (fixed_point_ ? 8 : 4),
              VK_FORMAT_R32G32B32A32_SFLOAT);
   gradients_.FillZero();
+  seen_rows_ = Buffer(*device_, "seen rows",
+                      (uint64_t{field.row_count} + kSeenRowsHeader) * sizeof(uint32_t));
 }
 
 void ViewColors::Bind(RayPass& pass) const {
@@ -72,25 +80,41 @@ void ViewColors::Record(CommandRecorder& recorder, const RayPass& pass) const {
 
 // The buffers of the kernels that include shaders/view_color_sums.glsl.
 BoundBuffers ViewColors::SumBuffers(const RayPass& pass) const {
-  return {{kBindVertices, pass.field.vertices},  {kBindTets, pass.field.tets},
-          {kBindCenters, pass.rays.centers},     {kBindSlotGradients, gradients_},
-          {kBindSlotGradientTexels, gradients_}, {kBindVertexGradients, pass.field.gradients}};
+  return {{kBindVertices, pass.field.vertices},
+          {kBindTets, pass.field.tets},
+          {kBindCenters, pass.rays.centers},
+          {kBindSlotGradients, gradients_},
+          {kBindSlotGradientTexels, gradients_},
+          {kBindVertexGradients, pass.field.gradients},
+          {kBindSeenRows, seen_rows_}};
+}
+
+void ViewColors::RecordSeenRows(CommandRecorder& recorder, const RayPass& pass) const {
+  recorder.FillZero(seen_rows_);
+  recorder.DispatchMany(seen_,
+                        {{kBindSlotGradients, gradients_},
+                         {kBindSlotGradientTexels, gradients_},
+                         {kBindSeenRows, seen_rows_}},
+                        gpu_types::SeenRowsPush{pass.field.row_count, pass.rays.slots},
+                        pass.field.row_count);
 }
 
 void ViewColors::RecordBackward(CommandRecorder& recorder, const RayPass& pass) const {
   if (!is_on_) return;
+  RecordSeenRows(recorder, pass);
   const OtherAttributes& others = pass.field.others;
   BoundBuffers buffers = SumBuffers(pass);
   buffers.emplace_back(kBindOtherGradients, others.gradients);
   buffers.emplace_back(kBindOtherGradientTexels, others.gradients);
   buffers.emplace_back(kBindHasGradients, others.has_gradients);
-  recorder.DispatchMany(backward_, buffers, PushOf(pass), pass.field.row_count);
+  recorder.DispatchCounted(backward_, buffers, PushOf(pass), seen_rows_);
 }
 
 void ViewColors::RecordStep(CommandRecorder& recorder, const RayPass& pass,
                             const AdamUpdate& update, const FixedPoint& fixed) const {
   if (!is_on_) return;
   const OtherAttributes& others = pass.field.others;
+  RecordSeenRows(recorder, pass);
   const gpu_types::ViewColorStepPush push{.row_count = pass.field.row_count,
                                           .first_cell = pass.field.first_cell,
                                           .slots = pass.rays.slots,
@@ -105,7 +129,7 @@ void ViewColors::RecordStep(CommandRecorder& recorder, const RayPass& pass,
   buffers.emplace_back(kBindParameters, others.parameters);
   buffers.emplace_back(kBindMoments, others.moments);
   buffers.emplace_back(kBindRateShares, pass.field.rate_shares);
-  recorder.DispatchMany(step_, buffers, push, pass.field.row_count);
+  recorder.DispatchCounted(step_, buffers, push, seen_rows_);
 }
 
 }  // namespace tetrec

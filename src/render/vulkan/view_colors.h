@@ -18,7 +18,7 @@ class ViewColors {
   bool NeedsRoom(const DeviceField& field, size_t views) const;
   void MakeRoom(const DeviceField& field, size_t views);
   // Forgets the rooms of the field before.
-  void Clear() { colors_ = {}, gradients_ = {}; }
+  void Clear() { colors_ = {}, gradients_ = {}, seen_rows_ = {}; }
 
   // Gives a pass the colours of its views, which Record evaluates.
   void Bind(RayPass& pass) const;
@@ -32,12 +32,15 @@ class ViewColors {
 
  private:
   gpu_types::ViewColorPush PushOf(const RayPass& pass) const;
+  // Records what lists the rows that have gradients.
+  void RecordSeenRows(CommandRecorder& recorder, const RayPass& pass) const;
   BoundBuffers SumBuffers(const RayPass& pass) const;
 
   const Device* device_;
   bool is_on_, fixed_point_;
-  Program forward_, backward_, step_;
+  Program forward_, backward_, seen_, step_;
   Buffer colors_, gradients_;  // rows [slot][row]: texels vec4; sums by colour and density
+  Buffer seen_rows_;           // their number, then the rows
 };
 
 }  // namespace tetrec

@@ -120,7 +120,7 @@ class VulkanRenderer final : public ProbedRenderer {
   StepResult Step(const TrainingBatch& batch, const AdamUpdate& update) override {
     const FixedPoint fixed = FixedPointOf(batch);
     sums_.Expect(fixed);
-    if (batch.parts == GradientParts::kColorDensityPosition) ExpectPositionSums(fixed);
+    if (HasPositions(batch.parts)) ExpectPositionSums(fixed);
     const StepResult before =
         InFlightBatch(integrators_.rendering(), batch, {ScaleOf(batch)}, fixed,
                       [&](CommandRecorder& recorder, const RayPass& pass) {
@@ -151,7 +151,7 @@ class VulkanRenderer final : public ProbedRenderer {
     TETREC_CHECK(part_.rays.columns > 0 || !NeedsTiles(), "the batch of Backward is one tile");
     sums_.Expect(FixedPointOf(forward_batch_));
     AllocateOtherGradients(*device_, field_);
-    if (parts == GradientParts::kColorDensityPosition) ExpectPositionSums(sums_.quanta());
+    if (HasPositions(parts)) ExpectPositionSums(sums_.quanta());
     RayPass pass = ForwardPass();
     pass.parts = parts;
     part_recorder_.Begin();
@@ -265,7 +265,7 @@ class VulkanRenderer final : public ProbedRenderer {
 
   FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient,
                               GradientParts parts) override {
-    const bool with_positions = parts == GradientParts::kColorDensityPosition;
+    const bool with_positions = HasPositions(parts);
     WaitAll();
     TETREC_CHECK(pixel_gradient.size() == size_t(view.camera.width) * size_t(view.camera.height),
                  "one gradient per pixel");

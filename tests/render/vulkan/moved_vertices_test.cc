@@ -107,6 +107,27 @@ TEST_P(MovedVerticesTest, ShowWhatAFieldSetThereShows) {
   EXPECT_EQ(renderer.counts().lost_rays, 0u);
 }
 
+TEST_P(MovedVerticesTest, StepsForMotionSumTheSameGradients) {
+  AdamUpdate still;
+  still.color_rate = still.density_rate = 0;
+  std::vector<GradientSums> sums;
+  for (const GradientParts parts : {GradientParts::kColorDensityPosition, GradientParts::kMotion}) {
+    ProbedRenderer& renderer = MakeLearner(field_);
+    renderer.Step(Whole(parts), still);
+    sums.push_back(renderer.TakePositionGradients());
+  }
+  ASSERT_EQ(sums[0].position.size(), field_.mesh.positions.size());
+  ASSERT_EQ(sums[1].position.size(), sums[0].position.size());
+  double difference = 0, size = 0;
+  for (size_t v = 0; v < sums[0].position.size(); ++v) {
+    const glm::dvec3 between = sums[1].position[v] - sums[0].position[v];
+    difference += glm::dot(between, between);
+    size += glm::dot(sums[0].position[v], sums[0].position[v]);
+  }
+  EXPECT_GT(size, 0.0);
+  EXPECT_LT(std::sqrt(difference / size), 1e-5);
+}
+
 TEST_P(MovedVerticesTest, StepsSumTheGradientsOfTheirBatches) {
   ProbedRenderer& parts = MakeLearner(field_);
   parts.Forward(Whole(GradientParts::kColorDensity));
