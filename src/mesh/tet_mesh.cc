@@ -2,6 +2,7 @@
 #include "mesh/tet_mesh.h"
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "geometry/orientation.h"
 #include "mesh/boundary.h"
 
@@ -136,6 +137,8 @@ uint64_t SpreadBits(uint64_t x) {
   return x;
 }
 
+constexpr size_t kVerticesPerTask = 4096, kTetsPerTask = 16384;
+
 struct MortonKey {
   uint64_t code;
   uint32_t index;
@@ -249,7 +252,7 @@ std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_
   }
 
   std::vector<glm::uvec4> neighbors(tets.size(), glm::uvec4(kNoTet));
-  for (size_t v = 0; v < vertex_count; ++v) {
+  const auto match = [&](size_t v) {
     std::sort(entries.begin() + begin[v], entries.begin() + begin[v + 1]);
     for (uint32_t e = begin[v]; e + 1 < begin[v + 1]; ++e) {
       const Entry &a = entries[e], &b = entries[e + 1];
@@ -263,7 +266,10 @@ std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_
       neighbors[b.tet_face / 4][b.tet_face % 4] = a.tet_face / 4;
       ++e;
     }
-  }
+  };
+  ParallelFor(vertex_count, kVerticesPerTask, [&](size_t first, size_t last) {
+    for (size_t v = first; v < last; ++v) match(v);
+  });
   return neighbors;
 }
 
@@ -330,14 +336,20 @@ MeshOrder SortAlongMortonCurve(TetMesh& mesh) {
   for (size_t v = 0; v < old_vertex.size(); ++v)
     sorted.positions[v] = mesh.positions[old_vertex[v]];
   sorted.tets.resize(mesh.tets.size());
-  sorted.neighbors.resize(mesh.tets.size());
-  for (size_t t = 0; t < old_tet.size(); ++t) {
-    for (int i = 0; i < 4; ++i) {
-      sorted.tets[t][i] = new_vertex[mesh.tets[old_tet[t]][i]];
-      const uint32_t neighbor = mesh.neighbors[old_tet[t]][i];
-      sorted.neighbors[t][i] = neighbor == kNoTet ? kNoTet : new_tet[neighbor];
+  sorted.neighbors.resize(mesh.neighbors.size());
+  ParallelFor(old_tet.size(), kTetsPerTask, [&](size_t first, size_t last) {
+    for (size_t t = first; t < last; ++t) {
+      for (int i = 0; i < 4; ++i) sorted.tets[t][i] = new_vertex[mesh.tets[old_tet[t]][i]];
     }
-  }
+  });
+  ParallelFor(sorted.neighbors.size(), kTetsPerTask, [&](size_t first, size_t last) {
+    for (size_t t = first; t < last; ++t) {
+      for (int i = 0; i < 4; ++i) {
+        const uint32_t neighbor = mesh.neighbors[old_tet[t]][i];
+        sorted.neighbors[t][i] = neighbor == kNoTet ? kNoTet : new_tet[neighbor];
+      }
+    }
+  });
   mesh = std::move(sorted);
   return {std::move(old_vertex), std::move(old_tet)};
 }

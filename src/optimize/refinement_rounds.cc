@@ -205,7 +205,7 @@ void RefinementRounds::RefineOnce() {
   LogInfo(
       "round {}: {} -> {} vertices, {} tets: {} edges split, {} empty and {} flat vertices "
       "dropped{}; errors "
-      "{:.1f} s, mesh {:.1f} s",
+      "{:.2f} s, mesh {:.2f} s",
       state_.rounds, WithThousands(vertices_before), WithThousands(mesh.positions.size()),
       WithThousands(mesh.tets.size()), WithThousands(result.split_edges),
       WithThousands(result.dropped_empty), WithThousands(result.dropped_flat),

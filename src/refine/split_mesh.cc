@@ -48,9 +48,9 @@ void SplitMesh::Cut(uint32_t tet, std::span<const glm::uvec4> parts) {
 }
 
 Refinement SplitMesh::Take() {
-  mesh_.neighbors = ComputeNeighbors(mesh_.tets, mesh_.positions.size());
   Refinement result{.split_edges = inserted_.size()};
   MeshOrder order = SortAlongMortonCurve(mesh_);
+  mesh_.neighbors = ComputeNeighbors(mesh_.tets, mesh_.positions.size());  // faster when sorted
   for (const uint32_t tet : order.tets) result.old_tets.push_back(old_tets_[tet]);
   result.of_vertices = {std::move(inserted_), std::move(order.vertices)};
   result.mesh = std::move(mesh_);

@@ -1,4 +1,4 @@
-// CPU time of the first and the last of many rounds of refinement, per tet of the mesh that the
+// Time of the first and the last of many rounds of refinement, per tet of the mesh that the
 // round makes: the same, if a scheme takes time in proportion to the mesh. For example
 //   bench_refine --scheme prism --rounds 20
 #include "benchmark/bench_scene.h"
@@ -48,13 +48,13 @@ RefineResult RefineOnce(const RoundStart& start, const RefineBenchOptions& optio
   return Refine(start.mesh, start.state, start.scores, refine);
 }
 
-// CPU microseconds per tet of the new mesh, over as many repetitions as make a million tets.
+// Microseconds per tet of the new mesh, over as many repetitions as make a million tets.
 double MicrosecondsPerTet(const RoundStart& start, const RefineBenchOptions& options) {
   double tets = 0;
   const Seconds seconds = Measure([&] {
     while (tets < 1e6) tets += double(RefineOnce(start, options).mesh.tets.size());
   });
-  return 1e6 * seconds.cpu / tets;
+  return 1e6 * seconds.wall / tets;
 }
 
 // The first and the last round take turns, because the speed of a shared machine changes.
@@ -95,7 +95,7 @@ void Run(const RefineBenchOptions& options) {
 
 int main(int argc, char** argv) {
   tetrec::RefineBenchOptions options;
-  CLI::App app("CPU time of the first and the last round of refinement, per tet");
+  CLI::App app("Time of the first and the last round of refinement, per tet");
   tetrec::AddWordOption(app, "--scheme", options.scheme, "");
   app.add_option("--tets", options.tets, "approximate number of tets of the first mesh")
       ->capture_default_str();
