@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "surface", 7,
+      "surface", 8,
       "Extracts the surface of a field, with vertex colours and a texture, and writes it, and the "
       "field if asked "
       "for, in formats of other programs. The files have the run's world as coordinates: z is up, "
@@ -16,10 +16,11 @@ int main(int argc, char** argv) {
   tetrec::SurfaceOptions options;
   command.InputStage("field", "Folder that tetrec-optimize wrote", {"optimize"});
   CLI::App& app = command.app();
-  AddWordOption(app, "--level", options.level,
-                "What the surface is a level of: opacity (where the training cameras' rays have "
-                "lost half of their light), density, or auto (opacity, but density with --isovalue "
-                "or where the scene or Vulkan is missing)");
+  AddWordOption(
+      app, "--level", options.level,
+      "What the surface is a level of: opacity (where the training cameras' rays have "
+      "lost a third of their light), density, or auto (opacity, but density with --isovalue "
+      "or where the scene or Vulkan is missing)");
   app.add_option(
       "--isovalue", options.isovalue,
       "density: density of the surface [1 / world unit]; 0: a fiftieth of the typical density "
@@ -30,6 +31,10 @@ int main(int argc, char** argv) {
       "extracted, 0 to 100");
   app.add_flag("--close", options.close,
                "Opacity: keep what closes the surface through space that no camera sees");
+  app.add_option(
+      "--align-rounds", options.align.rounds,
+      "Rounds in which the surface moves to where the photos agree, each half as far as the one "
+      "before it, 0 to 8; 0: leave it at the level");
   app.add_option(
       "--smooth-normals", options.smooth_normals,
       "Rounds in which the triangles' normals are averaged with similar ones around them, "
@@ -80,9 +85,9 @@ int main(int argc, char** argv) {
       app.add_option("--device", options.device.device,
                      "opacity: Vulkan device that renders depths: auto, cpu, gpu or a number"));
   using tetrec::GroupOptions;
-  GroupOptions(
-      app, "Level",
-      {"--level", "--isovalue", "--smoothing", "--smooth-normals", "--rays", "--seed", "--device"});
+  GroupOptions(app, "Level",
+               {"--level", "--isovalue", "--smoothing", "--align-rounds", "--smooth-normals",
+                "--rays", "--seed", "--device"});
   GroupOptions(app, "Part of the surface",
                {"--extent", "--margin", "--min-component-share", "--close", "--keep-cavities",
                 "--fill-holes"});

@@ -153,7 +153,7 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
     const Timer render_timer;
     const RenderView seen_from{scene.cameras[size_t(view.camera)], view.cam_from_world};
     const RenderedImage rendered = renderer->Render(seen_from, options.samples);
-    const DepthMap depth = renderer->RenderDepth(seen_from);
+    const DepthMap depth = renderer->RenderDepth(seen_from, kHalfLightDepth);
     render_seconds += render_timer.seconds();
     const std::string& file = files[views[i]];
     const Image truth = ReadImage(scene_folder / view.image);

@@ -67,10 +67,11 @@ class Renderer {
   virtual void SetField(const RadianceField& field) = 0;
   // Averages samples x samples rays per pixel, on a regular grid.
   virtual RenderedImage Render(const RenderView& view, int samples) = 0;
-  // The depth at which the ray through each pixel's centre has lost half of its light, which is a
-  // place on its way, unlike the mean depth; kNoDepth where it keeps more than half. The value
-  // of density is linear inside a tet, whatever the integral. The Vulkan renderers march for it.
-  virtual DepthMap RenderDepth(const RenderView& view) = 0;
+  // The depth that the ray through each pixel's centre has when it has passed this optical depth;
+  // for kHalfLightDepth a place on its way, unlike the mean depth. kNoDepth where the ray ends
+  // before. The value of density is linear inside a tet, whatever the integral. The Vulkan
+  // renderers march for it.
+  virtual DepthMap RenderDepth(const RenderView& view, double optical_depth) = 0;
   virtual RenderCounts counts() const = 0;
   virtual nlohmann::json DescribeDevice() const = 0;
   // Since the renderer was made, of work that has been waited for.

@@ -184,8 +184,8 @@ Vector6 CorrectionOf(const PoseTask& task, const Rigid3& pose, const MotionUnits
 double MedianDepth(Renderer& renderer, const PoseTask& task) {
   Random random(0);
   const Lattice lattice = DrawLattice(task.view.camera, kDepthPixels, random);
-  const DepthMap map =
-      renderer.RenderDepth({CameraOf(task.view.camera, lattice), task.view.cam_from_world});
+  const DepthMap map = renderer.RenderDepth(
+      {CameraOf(task.view.camera, lattice), task.view.cam_from_world}, kHalfLightDepth);
   std::vector<float> depths;
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "image/luma.h"
 
 #include <fmt/format.h>
 
@@ -11,11 +12,6 @@
 
 namespace tetrec {
 namespace {
-
-// ITU-R BT.601, on display sRGB.
-float Luma(const uint8_t* rgb) {
-  return (0.299f * float(rgb[0]) + 0.587f * float(rgb[1]) + 0.114f * float(rgb[2])) / 255.0f;
-}
 
 PixelKind KindOf(const Scene& scene, const Image& image, const uint8_t* pixel) {
   if (image.channels < 4 || pixel[3] >= kSeenAlpha) return PixelKind::kSeen;

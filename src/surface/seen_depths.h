@@ -1,4 +1,5 @@
-// Where the rays of the training cameras have lost half of their light in a field.
+// Where the rays of the training cameras are stopped in a field: where they have lost a third of
+// their light.
 #pragma once
 
 #include "field/radiance_field.h"

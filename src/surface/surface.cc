@@ -11,6 +11,7 @@
 #include "field/radiance_field.h"
 #include "mesh/mesh_facts.h"
 #include "run/field_world.h"
+#include "surface/align_with_photos.h"
 #include "surface/fill_holes.h"
 #include "surface/level.h"
 #include "surface/marching_tetrahedra.h"
@@ -80,7 +81,7 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld
     const auto scene_folder = PreviousStage(field_folder, {"sfm", "import"});
     const std::vector<SeenDepth> views =
         RenderSeenDepths(stored, scene_folder, field_folder, options.device);
-    LogInfo("level: where the rays of {} training views have lost half of their light",
+    LogInfo("level: where the rays of {} training views have lost a third of their light",
             views.size());
     const LevelSet all = MarchToOpacity(stored.mesh, views);
     if (options.close) return all;
@@ -125,9 +126,39 @@ LevelSet Cropped(const LevelSet& set, const ExportOptions& options, const FieldW
   return cropped;
 }
 
+// The training photos of the scene that the field was fitted to. Nothing if they are not there, and
+// the texture was not asked for by its size.
+std::vector<TexturePhoto> ReadPhotos(const SurfaceOptions& options, const Stage& stage) {
+  if (!options.texture.wanted && options.align.rounds == 0) return {};
+  const std::filesystem::path field = stage.Input("field");
+  try {
+    return ReadTexturePhotos(PreviousStage(field, {"sfm", "import"}), field);
+  } catch (const DataError& error) {
+    if (options.texture.size > 0) throw;
+    LogWarning("no photos, so the surface stays as extracted, with only vertex colours: {}",
+               error.what());
+    return {};
+  }
+}
+
+TriangleMesh Aligned(const TriangleMesh& mesh, std::span<TexturePhoto> photos,
+                     const SurfaceOptions& options, Stage& stage) {
+  if (photos.empty() || options.align.rounds == 0) return mesh;
+  const Timer timer;
+  AlignedSurface aligned = AlignWithPhotos(mesh, photos, options.align);
+  LogInfo(
+      "photos: agree on the place of {} of {} vertices; these and their neighbours moved by {:.2g} "
+      "pixels on average",
+      WithThousands(aligned.agreed), WithThousands(mesh.positions.size()), aligned.mean_move_px);
+  stage.Count("photo_alignment",
+              {{"agreed", aligned.agreed}, {"mean_move_px", aligned.mean_move_px}});
+  stage.Seconds("photo_alignment", timer.seconds());
+  return std::move(aligned.mesh);
+}
+
 // `diagonal` is that of the subject's bounds.
-TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, double diagonal,
-                     Stage& stage) {
+TriangleMesh Cleaned(const TriangleMesh& raw, std::span<TexturePhoto> photos,
+                     const SurfaceOptions& options, double diagonal, Stage& stage) {
   CleanResult kept = KeepLargePieces(SeparateFans(raw), options.clean);
   LogInfo("pieces: {} in all, {} dropped as small, {} as cavities ({} triangles)",
           WithThousands(kept.components), WithThousands(kept.dropped_small),
@@ -140,8 +171,9 @@ TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, dou
   LogInfo("small holes: {} closed by {} triangles", WithThousands(filled.holes),
           WithThousands(filled.triangles));
   stage.Count("filled_holes", filled.holes);
-  const TriangleMesh smooth = SmoothByNormals(
-      filled.mesh, {.rounds = options.smooth_normals, .max_move = kMaxSmoothingMove * diagonal});
+  const TriangleMesh smooth =
+      SmoothByNormals(Aligned(filled.mesh, photos, options, stage),
+                      {.rounds = options.smooth_normals, .max_move = kMaxSmoothingMove * diagonal});
   TriangleMesh simple = Simplify(smooth, options.max_deviation / 100 * diagonal);
   LogInfo("simplification: {} of {} triangles are left, within {:.3g} % of the subject's diagonal",
           WithThousands(simple.triangles.size()), WithThousands(filled.mesh.triangles.size()),
@@ -150,31 +182,15 @@ TriangleMesh Cleaned(const TriangleMesh& raw, const SurfaceOptions& options, dou
   return options.max_faces == 0 ? simple : Decimate(simple, options.max_faces);
 }
 
-// The folder of the scene that the field was fitted to. Nothing if it is not there and the texture
-// was not asked for.
-std::optional<std::filesystem::path> SceneFolder(const TextureChoice& choice, const Stage& stage) {
-  try {
-    return PreviousStage(stage.Input("field"), {"sfm", "import"});
-  } catch (const DataError& error) {
-    if (choice.size > 0) throw;
-    LogWarning("no texture, only vertex colours: {}", error.what());
-    return std::nullopt;
-  }
-}
-
-TexturedMesh Textured(TriangleMesh mesh_in_world, const SurfaceOptions& options, Stage& stage) {
-  if (!options.texture.wanted) return {std::move(mesh_in_world), {}};
-  const auto scene = SceneFolder(options.texture, stage);
-  if (!scene) return {std::move(mesh_in_world), {}};
+TexturedMesh Textured(TriangleMesh mesh_in_world, std::span<TexturePhoto> photos,
+                      const SurfaceOptions& options, Stage& stage) {
+  if (!options.texture.wanted || photos.empty()) return {std::move(mesh_in_world), {}};
   const Timer timer;
   try {
-    const auto photos = ReadTexturePhotos(*scene, stage.Input("field"), mesh_in_world);
+    FindTrust(mesh_in_world, photos);
     TexturedMesh textured = MakeTexture(mesh_in_world, photos, options.texture, stage);
     stage.Seconds("texture", timer.seconds());
     return textured;
-  } catch (const DataError& error) {
-    if (options.texture.size > 0) throw;
-    LogWarning("no texture, only vertex colours: {}", error.what());
   } catch (const UsageError& error) {
     // Too many charts for the largest texture, whose size the user did not ask for.
     if (options.texture.size > 0) throw;
@@ -211,6 +227,7 @@ void SurfaceOptions::Check() const {
         "close has an effect on the level of opacity only; leave it out, or level and isovalue");
   }
   CheckRange("smoothing", smoothing, 0, 100);
+  CheckRange("align_rounds", align.rounds, 0, 8);
   CheckRange("smooth_normals", smooth_normals, 0, 100);
   CheckRange("margin", margin, 0.0, 10.0);
   CheckRange("fill_holes", fill_holes, 0.0, 1000.0);
@@ -240,11 +257,12 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
     throw DataError("no surface there; choose another level or isovalue, or all as extent");
   }
   set = Cropped(set, options.exports, world, stage);
+  std::vector<TexturePhoto> photos = ReadPhotos(options, stage);
   const TriangleMesh cleaned =
-      Cleaned(ColoredSurface(set, WithStorage(stored, FieldStorage::kVertex)), options,
+      Cleaned(ColoredSurface(set, WithStorage(stored, FieldStorage::kVertex)), photos, options,
               world.subject_bounds.Diagonal(), stage);
   stage.Seconds("surface", timer.seconds());
-  TexturedMesh surface = Textured(cleaned, options, stage);
+  TexturedMesh surface = Textured(cleaned, photos, options, stage);
   surface.mesh = Transformed(std::move(surface.mesh),
                              ExportFromWorld(options.exports, world.input_from_world));
   Report(surface.mesh, stage);

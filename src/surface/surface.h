@@ -5,6 +5,7 @@
 #include "core/stage.h"
 #include "core/words.h"
 #include "gpu/device_options.h"
+#include "surface/align_with_photos.h"
 #include "surface/clean.h"
 #include "surface/export.h"
 #include "surface/texture.h"
@@ -23,7 +24,7 @@ inline constexpr auto kWords<SurfaceExtent> = std::to_array<Word<SurfaceExtent>>
 
 enum class SurfaceLevel {
   kAuto,     // opacity if the scene is there and no isovalue is given, otherwise density
-  kOpacity,  // where the training cameras' rays have lost half of their light (MarchToOpacity)
+  kOpacity,  // where the training cameras' rays have lost a third of their light (MarchToOpacity)
   kDensity,  // a level of density (SmoothedOccupancy)
 };
 template <>
@@ -40,6 +41,7 @@ struct SurfaceOptions {
   // from a camera has lost half of its light (FindHalfTransmittanceLevel).
   double isovalue = 0;
   int smoothing = 3;        // rounds of SmoothedOccupancy, for the density
+  AlignOptions align;       // of the extracted surface, if there are photos
   int smooth_normals = 10;  // rounds of SmoothByNormals
   SurfaceExtent extent = SurfaceExtent::kSubject;
   // Around the subject's bounds, in shares of their sides. Thin parts have few sparse points, so

@@ -94,9 +94,13 @@ void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo) {
   for (const int steps : distance) photo.trust.push_back(uint8_t(steps));
 }
 
+void FindTrust(const TriangleMesh& mesh_in_world, std::span<TexturePhoto> photos) {
+  ParallelForEach(photos.size(), "", "the surface will be extracted again",
+                  [&](size_t i) { FindTrust(mesh_in_world, photos[i]); });
+}
+
 std::vector<TexturePhoto> ReadTexturePhotos(const fs::path& scene_folder,
-                                            const fs::path& field_folder,
-                                            const TriangleMesh& mesh_in_world) {
+                                            const fs::path& field_folder) {
   const Scene scene = ReadScene(scene_folder);
   const auto corrections =
       ReadIfThere(field_folder / kCameraCorrectionsFile, &ReadCameraCorrections);
@@ -123,7 +127,6 @@ std::vector<TexturePhoto> ReadTexturePhotos(const fs::path& scene_folder,
                       (scene_folder / view.image).string(), photo.image.width, photo.image.height,
                       photo.camera.width, photo.camera.height));
     }
-    FindTrust(mesh_in_world, photo);
   });
   return photos;
 }

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,11 +44,13 @@ struct TexturePhoto {
 // not count, and where the surface's depth jumps, by 1 with each pixel, because near an outline
 // the surface and the photo rarely agree on what is in front.
 void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo);
+// Of all photos, in parallel.
+void FindTrust(const TriangleMesh& mesh_in_world, std::span<TexturePhoto> photos);
 
 // The training photos of the scene, seen from the cameras that the run corrected and with the
-// exposures that it estimated, if the field's folder has them. Throws DataError.
+// exposures that it estimated, if the field's folder has them; without depth and trust. Throws
+// DataError.
 std::vector<TexturePhoto> ReadTexturePhotos(const std::filesystem::path& scene_folder,
-                                            const std::filesystem::path& field_folder,
-                                            const TriangleMesh& mesh_in_world);
+                                            const std::filesystem::path& field_folder);
 
 }  // namespace tetrec

@@ -78,7 +78,7 @@ std::optional<DepthMap> FindDepth(ShownField& shown, const RenderView& from,
                                   const std::function<bool()>& give_up) {
   DepthMap map = MakeDepthMap(from.camera.width, from.camera.height);
   const bool is_done = ForBands(from.camera, give_up, [&](const Camera& band, int y) {
-    const DepthMap part = shown.renderer->RenderDepth({band, from.cam_from_world});
+    const DepthMap part = shown.renderer->RenderDepth({band, from.cam_from_world}, kHalfLightDepth);
     std::copy(part.depth.begin(), part.depth.end(), &map.At(0, y));
   });
   return is_done ? std::optional(std::move(map)) : std::nullopt;

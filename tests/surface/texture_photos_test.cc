@@ -31,7 +31,8 @@ TEST(TexturePhotos, TrainingPhotosComeWithTheirCorrectionsAndOutlinesAreNotTrust
                          {{first.name, corrected, 0, 0.01, 1}});
 
   const TriangleMesh ball = Sphere(0.6, glm::dvec3(0.0));
-  const auto photos = ReadTexturePhotos(scene_folder / "", field_folder / "", ball);
+  auto photos = ReadTexturePhotos(scene_folder / "", field_folder / "");
+  FindTrust(ball, photos);
   ASSERT_EQ(photos.size(), 3);
   EXPECT_EQ(photos[0].gain, glm::dvec3(1.25));
   EXPECT_EQ(photos[0].offset, glm::dvec3(-0.1));
@@ -56,7 +57,7 @@ TEST(TexturePhotos, TrainingPhotosComeWithTheirCorrectionsAndOutlinesAreNotTrust
 
   const Image small = MakeImage(5, 4, 3);
   WriteImage(scene_folder / first.image, small);
-  ExpectError<DataError>([&] { ReadTexturePhotos(scene_folder / "", field_folder / "", ball); },
+  ExpectError<DataError>([&] { ReadTexturePhotos(scene_folder / "", field_folder / ""); },
                          {"5 x 4", "64 x 64"});
 }
 

@@ -73,15 +73,16 @@ class RayCaster {
   }
 
   // As Renderer::RenderDepth.
-  DepthMap RenderDepth(const RadianceField& field, const TetBoxes& boxes, const RenderView& view) {
+  DepthMap RenderDepth(const RadianceField& field, const TetBoxes& boxes, const RenderView& view,
+                       double optical_depth) {
     const int width = view.camera.width, height = view.camera.height;
     DepthMap map = MakeDepthMap(width, height);
     ParallelFor(map.depth.size(), kRaysPerTask, [&](size_t first, size_t last) {
       for (size_t i = first; i < last; ++i) {
         const glm::ivec2 at(int(i % size_t(width)), int(i / size_t(width)));
         const WorldRay<Real> ray = RayThrough<Real>(view, glm::dvec2(at) + 0.5);
-        const auto segments = CutMesh<Real>(field, boxes, ray, Real(kHalfLightDepth));
-        const std::optional<Real> reach = ReachOf<Real>(field, segments, Real(kHalfLightDepth));
+        const auto segments = CutMesh<Real>(field, boxes, ray, Real(optical_depth));
+        const std::optional<Real> reach = ReachOf<Real>(field, segments, Real(optical_depth));
         if (reach) map.depth[i] = float(DepthOfDistance(view.camera, at, double(*reach)));
       }
     });

@@ -212,8 +212,8 @@ class ReferenceRenderer final : public ProbedRenderer {
     return caster_.Render(FieldSeenFrom(field_, CenterOf(view)), boxes_, view, samples);
   }
 
-  DepthMap RenderDepth(const RenderView& view) override {
-    return caster_.RenderDepth(field_, boxes_, view);
+  DepthMap RenderDepth(const RenderView& view, double optical_depth) override {
+    return caster_.RenderDepth(field_, boxes_, view, optical_depth);
   }
 
   FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient,

@@ -74,12 +74,12 @@ RenderedImage PicturePasses::Render(Integrator& integrator, DeviceField& field,
 }
 
 DepthMap PicturePasses::RenderDepth(MarchIntegrator& march, DeviceField& field,
-                                    const RenderView& view) {
+                                    const RenderView& view, double optical_depth) {
   const int width = view.camera.width, height = view.camera.height;
   SetView(field, view, 1);
   DepthMap map = MakeDepthMap(width, height);
   ForEachBatch(CoveringBlocks(width, height), [&](std::span<const RayBlock> blocks) {
-    const std::vector<float> reaches = ReachesOfBatch(march, field, blocks);
+    const std::vector<float> reaches = ReachesOfBatch(march, field, blocks, optical_depth);
     for (size_t r = 0; r < reaches.size(); ++r) {
       const glm::ivec2 at = PixelOfRay(blocks, r);
       if (at.x < width && at.y < height && reaches[r] > 0) {
@@ -159,13 +159,14 @@ std::vector<glm::vec4> PicturePasses::MarchBatch(Integrator& integrator, DeviceF
   return rays_.colors.DownloadAs<glm::vec4>(rays_.count);
 }
 
-// Distances from the camera at which rays of the view have lost half of their light; 0: nowhere.
+// Distances from the camera at which rays of the view have this optical depth; 0: nowhere.
 std::vector<float> PicturePasses::ReachesOfBatch(MarchIntegrator& march, DeviceField& field,
-                                                 std::span<const RayBlock> blocks) {
+                                                 std::span<const RayBlock> blocks,
+                                                 double optical_depth) {
   rays_.SetBlocks(device_, blocks, std::span(&gpu_view_, 1));
   counters_.AddRays(rays_.count);
   RayPass pass = PassOver(field, blocks, {});
-  pass.push.stop_depth = float(kHalfLightDepth);
+  pass.push.stop_depth = float(optical_depth);
   const Buffer reaches(device_, "ray reaches", uint64_t{rays_.count} * 4);
   Submit([&] { march.ForwardWithReaches(recorder_, pass, reaches); });
   counters_.Collect();

@@ -21,7 +21,8 @@ class PicturePasses {
   // As Renderer and RendererProbe describe them.
   RenderedImage Render(Integrator& integrator, DeviceField& field, const RenderView& view,
                        int samples);
-  DepthMap RenderDepth(MarchIntegrator& march, DeviceField& field, const RenderView& view);
+  DepthMap RenderDepth(MarchIntegrator& march, DeviceField& field, const RenderView& view,
+                       double optical_depth);
   std::vector<glm::vec4> MarchBlocks(Integrator& integrator, DeviceField& field,
                                      const RenderView& view, std::span<const RayBlock> blocks);
   // Adds the gradients of an image to the field's sums.
@@ -35,7 +36,7 @@ class PicturePasses {
   std::vector<glm::vec4> MarchBatch(Integrator& integrator, DeviceField& field,
                                     std::span<const RayBlock> blocks);
   std::vector<float> ReachesOfBatch(MarchIntegrator& march, DeviceField& field,
-                                    std::span<const RayBlock> blocks);
+                                    std::span<const RayBlock> blocks, double optical_depth);
   // Submits what `record` records, and waits.
   template <class Record>
   void Submit(const Record& record);

@@ -257,10 +257,10 @@ class VulkanRenderer final : public ProbedRenderer {
     return pictures_.Render(integrators_.rendering(), field_, view, samples);
   }
 
-  DepthMap RenderDepth(const RenderView& view) override {
+  DepthMap RenderDepth(const RenderView& view, double optical_depth) override {
     WaitAll();
     has_forward_ = false;
-    return pictures_.RenderDepth(integrators_.march(), field_, view);
+    return pictures_.RenderDepth(integrators_.march(), field_, view, optical_depth);
   }
 
   FieldGradient Backpropagate(const RenderView& view, std::span<const glm::vec4> pixel_gradient,

@@ -25,13 +25,15 @@ double EntryDistance(const glm::dvec3& eye, const glm::dvec3& direction) {
   return begin;
 }
 
-TEST_P(RenderDepthTest, ConstantDensityHalvesLightAfterTheHalfValueLayer) {
+TEST_P(RenderDepthTest, ConstantDensityReachesAnOpticalDepthAfterItsLayer) {
   constexpr float kDensity = 3;
-  const double layer = std::log(2.0) / kDensity;
   ProbedRenderer& renderer = MakeRenderer();
   renderer.SetField(ConstantField(RandomBoxMesh(100, 8), kDensity, glm::vec3(0.5f)));
+  double optical_depth = kHalfLightDepth;
   for (const RenderView& view : ThreeViews(37, 27)) {
-    const DepthMap map = renderer.RenderDepth(view);
+    const double layer = optical_depth / kDensity;
+    const DepthMap map = renderer.RenderDepth(view, optical_depth);
+    optical_depth *= 0.6;
     ASSERT_EQ(map.width, 37);
     ASSERT_EQ(map.height, 27);
     int hits = 0;
@@ -65,7 +67,8 @@ TEST_P(RenderDepthTest, DepthsAreThoseOfTheReference) {
       renderer.SetField(field);
       reference.SetField(field);
       for (const RenderView& view : ThreeViews(37, 27)) {
-        const DepthMap got = renderer.RenderDepth(view), want = reference.RenderDepth(view);
+        const DepthMap got = renderer.RenderDepth(view, kHalfLightDepth),
+                       want = reference.RenderDepth(view, kHalfLightDepth);
         const ReferenceImage image = RenderReference(field, view, 0);
         size_t hits = 0, off = 0;
         for (size_t i = 0; i < want.depth.size(); ++i) {
@@ -89,7 +92,7 @@ TEST_P(RenderDepthTest, DepthIsMeasuredFromACameraInsideTheField) {
   renderer.SetField(ConstantField(RandomBoxMesh(100, 9), kDensity, glm::vec3(0.5f)));
   const glm::dvec3 middle = 0.5 * glm::dvec3(kBoxMin + kBoxMax);
   const RenderView view = LookAt(middle, middle + glm::dvec3(0.1, 0.2, 1), 12, 10);
-  const DepthMap map = renderer.RenderDepth(view);
+  const DepthMap map = renderer.RenderDepth(view, kHalfLightDepth);
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
       const double cosine = (view.cam_from_world.rotation * PixelDirection(view, x, y)).z;

@@ -56,7 +56,8 @@ TEST_P(SignedDensityTest, PicturesAndDepthsAreThoseOfTheReference) {
         // As for positive densities, and steeper where values are large.
         ASSERT_NEAR(glm::distance(glm::dvec3(image.color_srgb[i]), truth.color_srgb[i]), 0.0, 2e-4);
       }
-      const DepthMap depth = renderer.RenderDepth(view), want = reference.RenderDepth(view);
+      const DepthMap depth = renderer.RenderDepth(view, kHalfLightDepth),
+                     want = reference.RenderDepth(view, kHalfLightDepth);
       size_t hits = 0, off = 0;
       for (size_t i = 0; i < want.depth.size(); ++i) {
         hits += want.depth[i] != kNoDepth;

@@ -1,0 +1,215 @@
+// Search along normals, and displacements that vary smoothly over the surface.
+#include "surface/align_with_photos.h"
+
+#include "core/parallel.h"
+#include "surface/photo_agreement.h"
+#include "surface/sighting.h"
+#include "surface/step_back.h"
+#include "surface/vertex_normals.h"
+
+#include <glm/glm.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace tetrec {
+namespace {
+
+constexpr int kSteps = 4;            // of the search, to either side
+constexpr double kFirstStep_px = 1;  // of the first round
+constexpr size_t kMostPhotos = 6;    // of those that see a vertex
+constexpr int kLeastTrust = 2;       // of the pixel that shows it
+constexpr int kNormalRounds = 3;     // of SmoothNormals: patches are larger than triangles
+constexpr double kLeastAgreement = 0.7;
+constexpr size_t kGrain = 512;
+
+// What pulls a displacement to the mean of its neighbours', and to 0, as the curvature of the
+// photos' agreement pulls it to its peak. The former decides between details and ripples: 2 to 20
+// give the demo's surface the same F-score.
+constexpr double kStiffness = 5, kRest = 0.002;
+constexpr int kRelaxations = 100;
+
+// The photos that see a vertex best, at most kMostPhotos.
+struct Onlookers {
+  std::vector<uint32_t> photos;
+  double footprint = 0;  // mean of their pixels' [world units]; 0 if fewer than two see the vertex
+};
+
+// From the front and closely is best.
+Onlookers FindOnlookers(const SurfacePoint& point, std::span<const TexturePhoto> photos) {
+  struct Candidate {
+    double worth, footprint;
+    uint32_t photo;
+  };
+  std::vector<Candidate> candidates;
+  for (uint32_t p = 0; p < photos.size(); ++p) {
+    const auto sighting = See(point, photos[p]);
+    if (!sighting) continue;
+    const size_t pixel = photos[p].Index(int(sighting->pixel.x), int(sighting->pixel.y));
+    if (photos[p].trust[pixel] < kLeastTrust) continue;
+    candidates.push_back({sighting->facing / sighting->footprint, sighting->footprint, p});
+  }
+  if (candidates.size() < 2) return {};
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.worth > b.worth || (a.worth == b.worth && a.photo < b.photo);
+  });
+  candidates.resize(std::min(candidates.size(), kMostPhotos));
+  Onlookers result;
+  for (const Candidate& candidate : candidates) {
+    result.photos.push_back(candidate.photo);
+    result.footprint += candidate.footprint / double(candidates.size());
+  }
+  return result;
+}
+
+std::vector<Onlookers> OnlookersOf(const TriangleMesh& mesh, std::span<const TexturePhoto> photos) {
+  const std::vector<glm::dvec3> normals = SmoothNormals(mesh, kNormalRounds);
+  std::vector<Onlookers> result(mesh.positions.size());
+  ParallelFor(result.size(), kGrain, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v) {
+      result[v] = FindOnlookers({glm::dvec3(mesh.positions[v]), normals[v]}, photos);
+    }
+  });
+  return result;
+}
+
+// The displacement of a vertex at which its photos agree.
+struct Peak {
+  double place = 0;   // along the normal [footprints]
+  double weight = 0;  // curvature of the agreement there; 0: no such place
+};
+
+SurfacePatch PatchAt(const glm::dvec3& center, const glm::dvec3& normal, double footprint) {
+  const glm::dvec3 axis = std::abs(normal.z) < 0.7 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 across = glm::normalize(glm::cross(axis, normal));
+  return {center, footprint * across, footprint * glm::cross(normal, across)};
+}
+
+Peak FindPeak(const SurfacePoint& point, const Onlookers& onlookers, const PhotoPatches& patches,
+              double step_px) {
+  if (onlookers.footprint == 0 || !(glm::length(point.normal) > 0)) return {};
+  const SurfacePatch patch = PatchAt(point.position, point.normal, onlookers.footprint);
+  std::array<double, 2 * kSteps + 1> agreement;
+  for (int k = -kSteps; k <= kSteps; ++k) {
+    SurfacePatch moved = patch;
+    moved.center += (k * step_px * onlookers.footprint) * point.normal;
+    agreement[size_t(k + kSteps)] = patches.Agreement(moved, onlookers.photos);
+  }
+  const auto best =
+      size_t(std::max_element(agreement.begin(), agreement.end()) - agreement.begin());
+  if (best == 0 || best + 1 == agreement.size() || agreement[best] < kLeastAgreement) return {};
+  const double before = agreement[best - 1], after = agreement[best + 1];
+  const double bend = 2 * agreement[best] - before - after;
+  if (!(bend > 0)) return {};
+  return {step_px * (double(best) - kSteps + 0.5 * (after - before) / bend),
+          bend / (step_px * step_px)};
+}
+
+std::vector<Peak> FindPeaks(const TriangleMesh& mesh, const std::vector<glm::dvec3>& normals,
+                            const std::vector<Onlookers>& onlookers, const PhotoPatches& patches,
+                            double step_px) {
+  std::vector<Peak> peaks(mesh.positions.size());
+  ParallelFor(peaks.size(), kGrain, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v) {
+      const SurfacePoint point{glm::dvec3(mesh.positions[v]), normals[v]};
+      peaks[v] = FindPeak(point, onlookers[v], patches, step_px);
+    }
+  });
+  return peaks;
+}
+
+// The neighbours of each vertex, one list after the other; those at the edges of two triangles are
+// there twice.
+struct Neighbors {
+  std::vector<uint32_t> begin, vertices;
+};
+
+Neighbors NeighborsOf(const TriangleMesh& mesh) {
+  Neighbors neighbors{std::vector<uint32_t>(mesh.positions.size() + 1, 0), {}};
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) neighbors.begin[t[k] + 1] += 2;
+  }
+  for (size_t v = 1; v < neighbors.begin.size(); ++v) {
+    neighbors.begin[v] += neighbors.begin[v - 1];
+  }
+  neighbors.vertices.resize(6 * mesh.triangles.size());
+  std::vector<uint32_t> next(neighbors.begin.begin(), neighbors.begin.end() - 1);
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) {
+      neighbors.vertices[next[t[k]]++] = t[(k + 1) % 3];
+      neighbors.vertices[next[t[k]]++] = t[(k + 2) % 3];
+    }
+  }
+  return neighbors;
+}
+
+// (V) Displacements [footprints] between those of the neighbours, the peaks and 0, by Gauss-Seidel.
+// Peaks that are some `scale` away from what the neighbours want count little (Geman and McClure's
+// estimator): the photos agree on a wrong place there.
+std::vector<double> Relax(const Neighbors& neighbors, std::span<const Peak> peaks, double scale) {
+  std::vector<double> displacement(peaks.size());
+  for (size_t v = 0; v < peaks.size(); ++v) displacement[v] = peaks[v].place;
+  for (int round = 0; round < kRelaxations; ++round) {
+    for (size_t v = 0; v < peaks.size(); ++v) {
+      const uint32_t begin = neighbors.begin[v], end = neighbors.begin[v + 1];
+      if (begin == end) continue;
+      double sum = 0;
+      for (uint32_t i = begin; i < end; ++i) sum += displacement[neighbors.vertices[i]];
+      const double mean = sum / double(end - begin);
+      const double off = (peaks[v].place - mean) / scale;
+      const double weight = peaks[v].weight / ((1 + off * off) * (1 + off * off));
+      displacement[v] =
+          (weight * peaks[v].place + kStiffness * mean) / (weight + kStiffness + kRest);
+    }
+  }
+  return displacement;
+}
+
+// Vertices that fewer than two photos see move by the others' footprints.
+double MeanFootprint(std::span<const Onlookers> onlookers) {
+  double sum = 0, count = 0;
+  for (const Onlookers& o : onlookers) {
+    sum += o.footprint;
+    count += o.footprint > 0;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+}  // namespace
+
+AlignedSurface AlignWithPhotos(TriangleMesh start, std::span<TexturePhoto> photos,
+                               const AlignOptions& options) {
+  if (options.rounds == 0) return {std::move(start), 0, 0};
+  FindTrust(start, photos);
+  const std::vector<Onlookers> onlookers = OnlookersOf(start, photos);
+  const double mean_footprint = MeanFootprint(onlookers);
+  const auto footprint = [&](size_t v) {
+    return onlookers[v].footprint > 0 ? onlookers[v].footprint : mean_footprint;
+  };
+  const PhotoPatches patches(photos);
+  const Neighbors neighbors = NeighborsOf(start);
+  TriangleMesh moved = start;
+  std::vector<uint8_t> agreed(start.positions.size(), 0);
+  double step_px = kFirstStep_px;
+  for (int round = 0; round < options.rounds; ++round, step_px /= 2) {
+    const std::vector<glm::dvec3> normals = SmoothNormals(moved, kNormalRounds);
+    const std::vector<Peak> peaks = FindPeaks(moved, normals, onlookers, patches, step_px);
+    const std::vector<double> displacement = Relax(neighbors, peaks, step_px);
+    for (size_t v = 0; v < peaks.size(); ++v) {
+      moved.positions[v] += glm::vec3(displacement[v] * footprint(v) * normals[v]);
+      agreed[v] = agreed[v] || peaks[v].weight > 0;
+    }
+  }
+  AlignedSurface result{StepBackFromCrossings(start, std::move(moved)),
+                        size_t(std::count(agreed.begin(), agreed.end(), uint8_t{1})), 0};
+  for (size_t v = 0; v < agreed.size() && mean_footprint > 0; ++v) {
+    const float move = glm::distance(result.mesh.positions[v], start.positions[v]);
+    result.mean_move_px += double(move) / footprint(v) / double(agreed.size());
+  }
+  return result;
+}
+
+}  // namespace tetrec

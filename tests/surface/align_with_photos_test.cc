@@ -1,0 +1,108 @@
+#include "surface/align_with_photos.h"
+
+#include "surface/photo_agreement.h"
+#include "surface/textured_shapes.h"
+
+#include <gtest/gtest.h>
+
+namespace tetrec {
+namespace {
+
+constexpr double kFootprint = 4.0 / 220;  // of the photos' pixels at the origin
+
+// Random greys at the corners of cells of 4 pixels, linear between them.
+glm::dvec3 Speckles(const glm::dvec3& p) {
+  const glm::dvec3 place = p / (4 * kFootprint) + 0.3, cell = glm::floor(place);
+  const glm::dvec3 t = place - cell;
+  double grey = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 step(corner & 1, corner >> 1 & 1, corner >> 2);
+    const glm::dvec3 weight = glm::mix(1.0 - t, t, step);
+    const double hash =
+        std::sin(glm::dot(cell + step, glm::dvec3(12.9898, 78.233, 37.719))) * 43758.5453;
+    grey += weight.x * weight.y * weight.z * (hash - std::floor(hash));
+  }
+  return glm::dvec3(grey);
+}
+
+// [-1, 1]^2 in the plane z = 0.
+TriangleMesh Wall() {
+  constexpr uint32_t kCells = 40;
+  TriangleMesh wall;
+  for (uint32_t y = 0; y <= kCells; ++y) {
+    for (uint32_t x = 0; x <= kCells; ++x) {
+      wall.positions.emplace_back(2.0f * float(x) / kCells - 1, 2.0f * float(y) / kCells - 1, 0);
+      const uint32_t v = y * (kCells + 1) + x, above = v + kCells + 1;
+      if (x == kCells || y == kCells) continue;
+      wall.triangles.emplace_back(v, v + 1, above + 1);
+      wall.triangles.emplace_back(v, above + 1, above);
+    }
+  }
+  return wall;
+}
+
+// Two pixels too deep, and one more or less from place to place.
+TriangleMesh Dented(TriangleMesh wall) {
+  for (glm::vec3& p : wall.positions) {
+    p.z -= float(kFootprint * (2 + std::sin(5.0 * p.x) * std::cos(4.0 * p.y)));
+  }
+  return wall;
+}
+
+std::vector<TexturePhoto> PhotosOfWall(const Paint& paint) {
+  std::vector<TexturePhoto> photos;
+  for (const glm::dvec2 side : {glm::dvec2(0, 0), {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
+    const double gain = 0.6 + 0.1 * double(photos.size());
+    photos.push_back(PhotoOf(Wall(), paint, 4.0 * glm::normalize(glm::dvec3(side, 2)), gain, 0.02));
+  }
+  return photos;
+}
+
+// Mean distance from the wall, without its border, which photos do not place.
+double ErrorOf(const TriangleMesh& mesh) {
+  double sum = 0, count = 0;
+  for (const glm::vec3& p : mesh.positions) {
+    if (std::max(std::abs(p.x), std::abs(p.y)) > 0.8f) continue;
+    sum += std::abs(p.z);
+    count += 1;
+  }
+  return sum / count;
+}
+
+TEST(PhotoPatches, AgreeOnTheSurfaceWhateverThePhotosExposure) {
+  const std::vector<TexturePhoto> photos = PhotosOfWall(Speckles);
+  const PhotoPatches patches(photos);
+  const std::vector<uint32_t> all = {0, 1, 2, 3, 4};
+  const auto agreement = [&](const glm::dvec3& center, std::span<const uint32_t> by) {
+    return patches.Agreement({center, {kFootprint, 0, 0}, {0, kFootprint, 0}}, by);
+  };
+  EXPECT_GT(agreement({0.2, 0.1, 0}, all), 0.9);
+  EXPECT_LT(agreement({0.2, 0.1, 5 * kFootprint}, all), 0.5);
+  EXPECT_LT(agreement({0.2, 0.1, -5 * kFootprint}, all), 0.5);
+  EXPECT_EQ(agreement({0.2, 0.1, 0}, std::span(all).first(1)), 0);
+  EXPECT_EQ(agreement({3, 0, 0}, all), 0);  // out of all photos
+}
+
+TEST(AlignWithPhotos, AWallThatIsTooDeepAndDentedBecomesThatOfThePhotos) {
+  const TriangleMesh dented = Dented(Wall());
+  std::vector<TexturePhoto> photos = PhotosOfWall(Speckles);
+  const AlignedSurface aligned = AlignWithPhotos(dented, photos, {});
+  EXPECT_GT(ErrorOf(dented), 1.8 * kFootprint);
+  EXPECT_LT(ErrorOf(aligned.mesh), 0.3 * kFootprint);
+  EXPECT_GT(aligned.agreed, dented.positions.size() / 2);
+  EXPECT_NEAR(aligned.mean_move_px, 2, 0.5);
+  EXPECT_EQ(aligned.mesh.triangles, dented.triangles);
+}
+
+TEST(AlignWithPhotos, ASurfaceThatThePhotosDoNotPlaceStays) {
+  const TriangleMesh dented = Dented(Wall());
+  std::vector<TexturePhoto> plain = PhotosOfWall([](const glm::dvec3&) { return glm::dvec3(0.5); });
+  EXPECT_EQ(AlignWithPhotos(dented, plain, {}).mesh.positions, dented.positions);
+  std::vector<TexturePhoto> photos = PhotosOfWall(Speckles);
+  EXPECT_EQ(AlignWithPhotos(dented, std::span(photos).first(1), {}).mesh.positions,
+            dented.positions);
+  EXPECT_EQ(AlignWithPhotos(dented, photos, {.rounds = 0}).mesh.positions, dented.positions);
+}
+
+}  // namespace
+}  // namespace tetrec
