@@ -146,6 +146,13 @@ Neighbors NeighborsOf(const TriangleMesh& mesh) {
   return neighbors;
 }
 
+// Whether an edge of the vertex has one triangle only, so that its other end is in the list once.
+bool IsAtBorder(const Neighbors& neighbors, uint32_t v) {
+  const auto begin = neighbors.vertices.begin() + neighbors.begin[v],
+             end = neighbors.vertices.begin() + neighbors.begin[v + 1];
+  return std::any_of(begin, end, [&](uint32_t w) { return std::count(begin, end, w) == 1; });
+}
+
 // (V) Displacements [footprints] between those of the neighbours, the peaks and 0, by Gauss-Seidel.
 // Peaks that are some `scale` away from what the neighbours want count little (Geman and McClure's
 // estimator): the photos agree on a wrong place there.
@@ -198,7 +205,8 @@ AlignedSurface AlignWithPhotos(TriangleMesh start, std::span<TexturePhoto> photo
     const std::vector<glm::dvec3> normals = SmoothNormals(moved, kNormalRounds);
     const std::vector<Peak> peaks = FindPeaks(moved, normals, onlookers, patches, step_px);
     const std::vector<double> displacement = Relax(neighbors, peaks, step_px);
-    for (size_t v = 0; v < peaks.size(); ++v) {
+    for (uint32_t v = 0; v < peaks.size(); ++v) {
+      if (IsAtBorder(neighbors, v)) continue;
       moved.positions[v] += glm::vec3(displacement[v] * footprint(v) * normals[v]);
       agreed[v] = agreed[v] || peaks[v].weight > 0;
     }

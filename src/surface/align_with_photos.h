@@ -20,12 +20,13 @@ struct AlignedSurface {
 };
 
 // Moves vertices along their normals to where the photos that see them correlate best
-// (PhotoPatches). Where they show too little to decide it, vertices follow their neighbours. The
-// opacity of a field is soft, so that its level may lie some pixels before or behind the surface.
-// Moves are shortened where the surface would cross itself (StepBackFromCrossings). Fills in depth
-// and trust of the photos. Methods: Furukawa and Ponce, Accurate, Dense, and Robust Multiview
-// Stereopsis, 2010 (patches that the photos agree on); Vu et al., High Accuracy and
-// Visibility-Consistent Dense Multiview Stereo, 2012 (a mesh as the unknown).
+// (PhotoPatches). Where they show too little to decide it, vertices follow their neighbours; those
+// at borders stay, so that a crop holds. The opacity of a field is soft, so that its level may lie
+// some pixels before or behind the surface. Moves are shortened where the surface would cross
+// itself (StepBackFromCrossings). Fills in depth and trust of the photos. Methods: Furukawa and
+// Ponce, Accurate, Dense, and Robust Multiview Stereopsis, 2010 (patches that the photos agree on);
+// Vu et al., High Accuracy and Visibility-Consistent Dense Multiview Stereo, 2012 (a mesh as the
+// unknown).
 AlignedSurface AlignWithPhotos(TriangleMesh mesh_in_world, std::span<TexturePhoto> photos,
                                const AlignOptions& options);
 
