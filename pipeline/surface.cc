@@ -32,9 +32,9 @@ int main(int argc, char** argv) {
   app.add_flag("--close", options.close,
                "Opacity: keep what closes the surface through space that no camera sees");
   app.add_option(
-      "--align-rounds", options.align.rounds,
-      "Rounds in which the surface moves to where the photos agree, each half as far as the one "
-      "before it, 0 to 8; 0: leave it at the level");
+      "--align-rounds", options.align_rounds,
+      "Rounds in which the surface moves to where the photos agree, each by half as much as the "
+      "one before it, 0 to 8; 0: leave the surface at the level");
   app.add_option(
       "--smooth-normals", options.smooth_normals,
       "Rounds in which the triangles' normals are averaged with similar ones around them, "

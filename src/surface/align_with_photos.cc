@@ -5,6 +5,7 @@
 #include "surface/photo_agreement.h"
 #include "surface/sighting.h"
 #include "surface/step_back.h"
+#include "surface/vertex_fans.h"
 #include "surface/vertex_normals.h"
 
 #include <glm/glm.hpp>
@@ -121,51 +122,29 @@ std::vector<Peak> FindPeaks(const TriangleMesh& mesh, const std::vector<glm::dve
   return peaks;
 }
 
-// The neighbours of each vertex, one list after the other; those at the edges of two triangles are
-// there twice.
-struct Neighbors {
-  std::vector<uint32_t> begin, vertices;
-};
-
-Neighbors NeighborsOf(const TriangleMesh& mesh) {
-  Neighbors neighbors{std::vector<uint32_t>(mesh.positions.size() + 1, 0), {}};
-  for (const glm::uvec3& t : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) neighbors.begin[t[k] + 1] += 2;
+// The mean over the other corners of a vertex's triangles.
+double MeanAround(size_t v, const TriangleMesh& mesh, const VertexFans& fans,
+                  const std::vector<double>& values) {
+  const std::span<const uint32_t> fan = fans.At(v);
+  double sum = 0;
+  for (const uint32_t t : fan) {
+    const glm::uvec3& corners = mesh.triangles[t];
+    sum += values[corners.x] + values[corners.y] + values[corners.z] - values[v];
   }
-  for (size_t v = 1; v < neighbors.begin.size(); ++v) {
-    neighbors.begin[v] += neighbors.begin[v - 1];
-  }
-  neighbors.vertices.resize(6 * mesh.triangles.size());
-  std::vector<uint32_t> next(neighbors.begin.begin(), neighbors.begin.end() - 1);
-  for (const glm::uvec3& t : mesh.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      neighbors.vertices[next[t[k]]++] = t[(k + 1) % 3];
-      neighbors.vertices[next[t[k]]++] = t[(k + 2) % 3];
-    }
-  }
-  return neighbors;
-}
-
-// Whether an edge of the vertex has one triangle only, so that its other end is in the list once.
-bool IsAtBorder(const Neighbors& neighbors, uint32_t v) {
-  const auto begin = neighbors.vertices.begin() + neighbors.begin[v],
-             end = neighbors.vertices.begin() + neighbors.begin[v + 1];
-  return std::any_of(begin, end, [&](uint32_t w) { return std::count(begin, end, w) == 1; });
+  return sum / (2 * double(fan.size()));
 }
 
 // (V) Displacements [footprints] between those of the neighbours, the peaks and 0, by Gauss-Seidel.
 // Peaks that are some `scale` away from what the neighbours want count little (Geman and McClure's
 // estimator): the photos agree on a wrong place there.
-std::vector<double> Relax(const Neighbors& neighbors, std::span<const Peak> peaks, double scale) {
+std::vector<double> Relax(const TriangleMesh& mesh, const VertexFans& fans,
+                          std::span<const Peak> peaks, double scale) {
   std::vector<double> displacement(peaks.size());
   for (size_t v = 0; v < peaks.size(); ++v) displacement[v] = peaks[v].place;
   for (int round = 0; round < kRelaxations; ++round) {
     for (size_t v = 0; v < peaks.size(); ++v) {
-      const uint32_t begin = neighbors.begin[v], end = neighbors.begin[v + 1];
-      if (begin == end) continue;
-      double sum = 0;
-      for (uint32_t i = begin; i < end; ++i) sum += displacement[neighbors.vertices[i]];
-      const double mean = sum / double(end - begin);
+      if (fans.At(v).empty()) continue;
+      const double mean = MeanAround(v, mesh, fans, displacement);
       const double off = (peaks[v].place - mean) / scale;
       const double weight = peaks[v].weight / ((1 + off * off) * (1 + off * off));
       displacement[v] =
@@ -187,9 +166,8 @@ double MeanFootprint(std::span<const Onlookers> onlookers) {
 
 }  // namespace
 
-AlignedSurface AlignWithPhotos(TriangleMesh start, std::span<TexturePhoto> photos,
-                               const AlignOptions& options) {
-  if (options.rounds == 0) return {std::move(start), 0, 0};
+AlignedSurface AlignWithPhotos(TriangleMesh start, std::span<TexturePhoto> photos, int rounds) {
+  if (rounds == 0) return {std::move(start), 0, 0};
   FindTrust(start, photos);
   const std::vector<Onlookers> onlookers = OnlookersOf(start, photos);
   const double mean_footprint = MeanFootprint(onlookers);
@@ -197,16 +175,17 @@ AlignedSurface AlignWithPhotos(TriangleMesh start, std::span<TexturePhoto> photo
     return onlookers[v].footprint > 0 ? onlookers[v].footprint : mean_footprint;
   };
   const PhotoPatches patches(photos);
-  const Neighbors neighbors = NeighborsOf(start);
+  const VertexFans fans(start);
+  const std::vector<bool> border = BorderVertices(start);
   TriangleMesh moved = start;
   std::vector<uint8_t> agreed(start.positions.size(), 0);
   double step_px = kFirstStep_px;
-  for (int round = 0; round < options.rounds; ++round, step_px /= 2) {
+  for (int round = 0; round < rounds; ++round, step_px /= 2) {
     const std::vector<glm::dvec3> normals = SmoothNormals(moved, kNormalRounds);
     const std::vector<Peak> peaks = FindPeaks(moved, normals, onlookers, patches, step_px);
-    const std::vector<double> displacement = Relax(neighbors, peaks, step_px);
-    for (uint32_t v = 0; v < peaks.size(); ++v) {
-      if (IsAtBorder(neighbors, v)) continue;
+    const std::vector<double> displacement = Relax(start, fans, peaks, step_px);
+    for (size_t v = 0; v < peaks.size(); ++v) {
+      if (border[v]) continue;
       moved.positions[v] += glm::vec3(displacement[v] * footprint(v) * normals[v]);
       agreed[v] = agreed[v] || peaks[v].weight > 0;
     }

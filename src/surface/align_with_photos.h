@@ -9,10 +9,6 @@
 
 namespace tetrec {
 
-struct AlignOptions {
-  int rounds = 3;  // each searches half as far as the one before it; 0: none
-};
-
 struct AlignedSurface {
   TriangleMesh mesh;
   size_t agreed = 0;        // vertices for which photos agreed on a place
@@ -23,11 +19,11 @@ struct AlignedSurface {
 // (PhotoPatches). Where they show too little to decide it, vertices follow their neighbours; those
 // at borders stay, so that a crop holds. The opacity of a field is soft, so that its level may lie
 // some pixels before or behind the surface. Moves are shortened where the surface would cross
-// itself (StepBackFromCrossings). Fills in depth and trust of the photos. Methods: Furukawa and
-// Ponce, Accurate, Dense, and Robust Multiview Stereopsis, 2010 (patches that the photos agree on);
-// Vu et al., High Accuracy and Visibility-Consistent Dense Multiview Stereo, 2012 (a mesh as the
-// unknown).
+// itself (StepBackFromCrossings). Each of `rounds` searches half as far as the one before it; 0:
+// none. Fills in depth and trust of the photos. Methods: Furukawa and Ponce, Accurate, Dense, and
+// Robust Multiview Stereopsis, 2010 (patches that the photos agree on); Vu et al., High Accuracy
+// and Visibility-Consistent Dense Multiview Stereo, 2012 (a mesh as the unknown).
 AlignedSurface AlignWithPhotos(TriangleMesh mesh_in_world, std::span<TexturePhoto> photos,
-                               const AlignOptions& options);
+                               int rounds);
 
 }  // namespace tetrec

@@ -89,7 +89,8 @@ PhotoPatches::PhotoPatches(std::span<const TexturePhoto> photos)
 }
 
 double PhotoPatches::Agreement(const SurfacePatch& patch, std::span<const uint32_t> photos) const {
-  // Of unit vectors the squared sum has as many ones as vectors, and each pair twice.
+  // The square of a sum of vectors is the sum of their squares plus twice that of all pairs'
+  // products.
   Samples sum{};
   float own = 0;
   int count = 0;

@@ -129,7 +129,7 @@ LevelSet Cropped(const LevelSet& set, const ExportOptions& options, const FieldW
 // The training photos of the scene that the field was fitted to. Nothing if they are not there, and
 // the texture was not asked for by its size.
 std::vector<TexturePhoto> ReadPhotos(const SurfaceOptions& options, const Stage& stage) {
-  if (!options.texture.wanted && options.align.rounds == 0) return {};
+  if (!options.texture.wanted && options.align_rounds == 0) return {};
   const std::filesystem::path field = stage.Input("field");
   try {
     return ReadTexturePhotos(PreviousStage(field, {"sfm", "import"}), field);
@@ -143,13 +143,12 @@ std::vector<TexturePhoto> ReadPhotos(const SurfaceOptions& options, const Stage&
 
 TriangleMesh Aligned(const TriangleMesh& mesh, std::span<TexturePhoto> photos,
                      const SurfaceOptions& options, Stage& stage) {
-  if (photos.empty() || options.align.rounds == 0) return mesh;
+  if (photos.empty() || options.align_rounds == 0) return mesh;
   const Timer timer;
-  AlignedSurface aligned = AlignWithPhotos(mesh, photos, options.align);
-  LogInfo(
-      "photos: agree on the place of {} of {} vertices; these and their neighbours moved by {:.2g} "
-      "pixels on average",
-      WithThousands(aligned.agreed), WithThousands(mesh.positions.size()), aligned.mean_move_px);
+  AlignedSurface aligned = AlignWithPhotos(mesh, photos, options.align_rounds);
+  LogInfo("alignment: photos agree on the place of {} of {} vertices; mean move: {:.2g} pixels",
+          WithThousands(aligned.agreed), WithThousands(mesh.positions.size()),
+          aligned.mean_move_px);
   stage.Count("photo_alignment",
               {{"agreed", aligned.agreed}, {"mean_move_px", aligned.mean_move_px}});
   stage.Seconds("photo_alignment", timer.seconds());
@@ -227,7 +226,7 @@ void SurfaceOptions::Check() const {
         "close has an effect on the level of opacity only; leave it out, or level and isovalue");
   }
   CheckRange("smoothing", smoothing, 0, 100);
-  CheckRange("align_rounds", align.rounds, 0, 8);
+  CheckRange("align_rounds", align_rounds, 0, 8);
   CheckRange("smooth_normals", smooth_normals, 0, 100);
   CheckRange("margin", margin, 0.0, 10.0);
   CheckRange("fill_holes", fill_holes, 0.0, 1000.0);

@@ -44,7 +44,7 @@ struct TexturePhoto {
 // not count, and where the surface's depth jumps, by 1 with each pixel, because near an outline
 // the surface and the photo rarely agree on what is in front.
 void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo);
-// Of all photos, in parallel.
+// The same for several photos, in parallel.
 void FindTrust(const TriangleMesh& mesh_in_world, std::span<TexturePhoto> photos);
 
 // The training photos of the scene, seen from the cameras that the run corrected and with the

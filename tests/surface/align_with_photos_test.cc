@@ -86,7 +86,7 @@ TEST(PhotoPatches, AgreeOnTheSurfaceWhateverThePhotosExposure) {
 TEST(AlignWithPhotos, AWallThatIsTooDeepAndDentedBecomesThatOfThePhotos) {
   const TriangleMesh dented = Dented(Wall());
   std::vector<TexturePhoto> photos = PhotosOfWall(Speckles);
-  const AlignedSurface aligned = AlignWithPhotos(dented, photos, {});
+  const AlignedSurface aligned = AlignWithPhotos(dented, photos, 3);
   EXPECT_GT(ErrorOf(dented), 1.8 * kFootprint);
   EXPECT_LT(ErrorOf(aligned.mesh), 0.3 * kFootprint);
   EXPECT_GT(aligned.agreed, dented.positions.size() / 2);
@@ -97,11 +97,11 @@ TEST(AlignWithPhotos, AWallThatIsTooDeepAndDentedBecomesThatOfThePhotos) {
 TEST(AlignWithPhotos, ASurfaceThatThePhotosDoNotPlaceStays) {
   const TriangleMesh dented = Dented(Wall());
   std::vector<TexturePhoto> plain = PhotosOfWall([](const glm::dvec3&) { return glm::dvec3(0.5); });
-  EXPECT_EQ(AlignWithPhotos(dented, plain, {}).mesh.positions, dented.positions);
+  EXPECT_EQ(AlignWithPhotos(dented, plain, 3).mesh.positions, dented.positions);
   std::vector<TexturePhoto> photos = PhotosOfWall(Speckles);
-  EXPECT_EQ(AlignWithPhotos(dented, std::span(photos).first(1), {}).mesh.positions,
+  EXPECT_EQ(AlignWithPhotos(dented, std::span(photos).first(1), 3).mesh.positions,
             dented.positions);
-  EXPECT_EQ(AlignWithPhotos(dented, photos, {.rounds = 0}).mesh.positions, dented.positions);
+  EXPECT_EQ(AlignWithPhotos(dented, photos, 0).mesh.positions, dented.positions);
 }
 
 }  // namespace
