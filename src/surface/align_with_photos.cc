@@ -31,6 +31,10 @@ constexpr size_t kGrain = 512;
 // photos' agreement pulls it to its peak. The former decides between details and ripples: 2 to 20
 // give the demo's surface the same F-score.
 constexpr double kStiffness = 5, kRest = 0.002;
+// The latter where the surface would fold, so that what is around bends instead. A larger one also
+// holds flat parts whose thin triangles turn easily (the demo's table).
+constexpr double kHold = 1;
+constexpr int kMostHolds = 5;  // times that folds are looked for in a round
 constexpr int kRelaxations = 100;
 
 // The photos that see a vertex best, at most kMostPhotos.
@@ -138,7 +142,8 @@ double MeanAround(size_t v, const TriangleMesh& mesh, const VertexFans& fans,
 // Peaks that are some `scale` away from what the neighbours want count little (Geman and McClure's
 // estimator): the photos agree on a wrong place there.
 std::vector<double> Relax(const TriangleMesh& mesh, const VertexFans& fans,
-                          std::span<const Peak> peaks, double scale) {
+                          std::span<const Peak> peaks, const std::vector<double>& rest,
+                          double scale) {
   std::vector<double> displacement(peaks.size());
   for (size_t v = 0; v < peaks.size(); ++v) displacement[v] = peaks[v].place;
   for (int round = 0; round < kRelaxations; ++round) {
@@ -148,20 +153,48 @@ std::vector<double> Relax(const TriangleMesh& mesh, const VertexFans& fans,
       const double off = (peaks[v].place - mean) / scale;
       const double weight = peaks[v].weight / ((1 + off * off) * (1 + off * off));
       displacement[v] =
-          (weight * peaks[v].place + kStiffness * mean) / (weight + kStiffness + kRest);
+          (weight * peaks[v].place + kStiffness * mean) / (weight + kStiffness + rest[v]);
     }
   }
   return displacement;
 }
 
-// Vertices that fewer than two photos see move by the others' footprints.
-double MeanFootprint(std::span<const Onlookers> onlookers) {
+// Holds the corners of triangles that `after` turns over; false if all of these are held already.
+bool HoldFolds(const TriangleMesh& before, const TriangleMesh& after, std::vector<double>& rest) {
+  bool found = false;
+  for (const glm::uvec3& t : before.triangles) {
+    if (glm::dot(DoubleAreaNormal(before, t), DoubleAreaNormal(after, t)) >= 0) continue;
+    for (int k = 0; k < 3; ++k) {
+      found = found || rest[t[k]] != kHold;
+      rest[t[k]] = kHold;
+    }
+  }
+  return found;
+}
+
+// Vertices that fewer than two photos see have the mean of the others.
+std::vector<double> FootprintsOf(std::span<const Onlookers> onlookers) {
   double sum = 0, count = 0;
   for (const Onlookers& o : onlookers) {
     sum += o.footprint;
     count += o.footprint > 0;
   }
-  return count > 0 ? sum / count : 0;
+  std::vector<double> footprints;
+  for (const Onlookers& o : onlookers) {
+    footprints.push_back(o.footprint > 0 || count == 0 ? o.footprint : sum / count);
+  }
+  return footprints;
+}
+
+// `mesh` moved by displacements along normals, except for its border.
+TriangleMesh Displaced(const TriangleMesh& mesh, const std::vector<double>& displacement,
+                       const std::vector<double>& footprints,
+                       const std::vector<glm::dvec3>& normals, const std::vector<bool>& border) {
+  TriangleMesh moved = mesh;
+  for (size_t v = 0; v < displacement.size(); ++v) {
+    if (!border[v]) moved.positions[v] += glm::vec3(displacement[v] * footprints[v] * normals[v]);
+  }
+  return moved;
 }
 
 }  // namespace
@@ -170,31 +203,32 @@ AlignedSurface AlignWithPhotos(TriangleMesh start, std::span<TexturePhoto> photo
   if (rounds == 0) return {std::move(start), 0, 0};
   FindTrust(start, photos);
   const std::vector<Onlookers> onlookers = OnlookersOf(start, photos);
-  const double mean_footprint = MeanFootprint(onlookers);
-  const auto footprint = [&](size_t v) {
-    return onlookers[v].footprint > 0 ? onlookers[v].footprint : mean_footprint;
-  };
+  const std::vector<double> footprints = FootprintsOf(onlookers);
   const PhotoPatches patches(photos);
   const VertexFans fans(start);
   const std::vector<bool> border = BorderVertices(start);
+  std::vector<double> rest(start.positions.size(), kRest);
   TriangleMesh moved = start;
-  std::vector<uint8_t> agreed(start.positions.size(), 0);
+  std::vector<bool> agreed(start.positions.size(), false);
   double step_px = kFirstStep_px;
   for (int round = 0; round < rounds; ++round, step_px /= 2) {
     const std::vector<glm::dvec3> normals = SmoothNormals(moved, kNormalRounds);
     const std::vector<Peak> peaks = FindPeaks(moved, normals, onlookers, patches, step_px);
-    const std::vector<double> displacement = Relax(start, fans, peaks, step_px);
-    for (size_t v = 0; v < peaks.size(); ++v) {
-      if (border[v]) continue;
-      moved.positions[v] += glm::vec3(displacement[v] * footprint(v) * normals[v]);
-      agreed[v] = agreed[v] || peaks[v].weight > 0;
+    for (size_t v = 0; v < peaks.size(); ++v) agreed[v] = agreed[v] || peaks[v].weight > 0;
+    TriangleMesh next;
+    for (int hold = 0; hold < kMostHolds; ++hold) {
+      next =
+          Displaced(moved, Relax(start, fans, peaks, rest, step_px), footprints, normals, border);
+      if (!HoldFolds(start, next, rest)) break;
     }
+    moved = std::move(next);
   }
   AlignedSurface result{StepBackFromCrossings(start, std::move(moved)),
-                        size_t(std::count(agreed.begin(), agreed.end(), uint8_t{1})), 0};
-  for (size_t v = 0; v < agreed.size() && mean_footprint > 0; ++v) {
+                        size_t(std::count(agreed.begin(), agreed.end(), true)), 0};
+  for (size_t v = 0; v < footprints.size(); ++v) {
+    if (!(footprints[v] > 0)) continue;  // no photo sees anything
     const float move = glm::distance(result.mesh.positions[v], start.positions[v]);
-    result.mean_move_px += double(move) / footprint(v) / double(agreed.size());
+    result.mean_move_px += double(move) / footprints[v] / double(footprints.size());
   }
   return result;
 }

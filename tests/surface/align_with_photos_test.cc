@@ -26,14 +26,14 @@ glm::dvec3 Speckles(const glm::dvec3& p) {
 }
 
 // [-1, 1]^2 in the plane z = 0.
-TriangleMesh Wall() {
-  constexpr uint32_t kCells = 40;
+TriangleMesh Wall(uint32_t cells = 40) {
   TriangleMesh wall;
-  for (uint32_t y = 0; y <= kCells; ++y) {
-    for (uint32_t x = 0; x <= kCells; ++x) {
-      wall.positions.emplace_back(2.0f * float(x) / kCells - 1, 2.0f * float(y) / kCells - 1, 0);
-      const uint32_t v = y * (kCells + 1) + x, above = v + kCells + 1;
-      if (x == kCells || y == kCells) continue;
+  for (uint32_t y = 0; y <= cells; ++y) {
+    for (uint32_t x = 0; x <= cells; ++x) {
+      wall.positions.emplace_back(2 * float(x) / float(cells) - 1, 2 * float(y) / float(cells) - 1,
+                                  0);
+      const uint32_t v = y * (cells + 1) + x, above = v + cells + 1;
+      if (x == cells || y == cells) continue;
       wall.triangles.emplace_back(v, v + 1, above + 1);
       wall.triangles.emplace_back(v, above + 1, above);
     }
@@ -49,13 +49,20 @@ TriangleMesh Dented(TriangleMesh wall) {
   return wall;
 }
 
-std::vector<TexturePhoto> PhotosOfWall(const Paint& paint) {
+std::vector<TexturePhoto> PhotosFromAbove(const TriangleMesh& mesh, const Paint& paint) {
   std::vector<TexturePhoto> photos;
   for (const glm::dvec2 side : {glm::dvec2(0, 0), {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
     const double gain = 0.6 + 0.1 * double(photos.size());
-    photos.push_back(PhotoOf(Wall(), paint, 4.0 * glm::normalize(glm::dvec3(side, 2)), gain, 0.02));
+    photos.push_back(PhotoOf(mesh, paint, 4.0 * glm::normalize(glm::dvec3(side, 2)), gain, 0.02));
   }
   return photos;
+}
+
+// A wall that is bent along y at a right angle, with the edge towards the cameras.
+TriangleMesh Ridge(uint32_t cells) {
+  TriangleMesh ridge = Wall(cells);
+  for (glm::vec3& p : ridge.positions) p.z = -std::abs(p.x);
+  return ridge;
 }
 
 // Mean distance from the wall, without its border, which photos do not place.
@@ -70,7 +77,7 @@ double ErrorOf(const TriangleMesh& mesh) {
 }
 
 TEST(PhotoPatches, AgreeOnTheSurfaceWhateverThePhotosExposure) {
-  const std::vector<TexturePhoto> photos = PhotosOfWall(Speckles);
+  const std::vector<TexturePhoto> photos = PhotosFromAbove(Wall(), Speckles);
   const PhotoPatches patches(photos);
   const std::vector<uint32_t> all = {0, 1, 2, 3, 4};
   const auto agreement = [&](const glm::dvec3& center, std::span<const uint32_t> by) {
@@ -85,7 +92,7 @@ TEST(PhotoPatches, AgreeOnTheSurfaceWhateverThePhotosExposure) {
 
 TEST(AlignWithPhotos, AWallThatIsTooDeepAndDentedBecomesThatOfThePhotos) {
   const TriangleMesh dented = Dented(Wall());
-  std::vector<TexturePhoto> photos = PhotosOfWall(Speckles);
+  std::vector<TexturePhoto> photos = PhotosFromAbove(Wall(), Speckles);
   const AlignedSurface aligned = AlignWithPhotos(dented, photos, 3);
   EXPECT_GT(ErrorOf(dented), 1.8 * kFootprint);
   EXPECT_LT(ErrorOf(aligned.mesh), 0.3 * kFootprint);
@@ -94,11 +101,29 @@ TEST(AlignWithPhotos, AWallThatIsTooDeepAndDentedBecomesThatOfThePhotos) {
   EXPECT_EQ(aligned.mesh.triangles, dented.triangles);
 }
 
+// Mean height above or below such a ridge.
+double ErrorOfRidge(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const glm::vec3& p : mesh.positions) sum += std::abs(p.z + std::abs(p.x));
+  return sum / double(mesh.positions.size());
+}
+
+// If the edge folded, it would be taken back to where it was.
+TEST(AlignWithPhotos, AnEdgeWhoseTrianglesAreSmallerThanTheMovesMovesToo) {
+  const TriangleMesh ridge = Ridge(200);
+  TriangleMesh high = ridge;
+  for (glm::vec3& p : high.positions) p.z += float(3 * kFootprint);
+  std::vector<TexturePhoto> photos = PhotosFromAbove(ridge, Speckles);
+  const TriangleMesh aligned = AlignWithPhotos(high, photos, 3).mesh;
+  EXPECT_LT(ErrorOfRidge(aligned), 0.2 * ErrorOfRidge(high));
+}
+
 TEST(AlignWithPhotos, ASurfaceThatThePhotosDoNotPlaceStays) {
   const TriangleMesh dented = Dented(Wall());
-  std::vector<TexturePhoto> plain = PhotosOfWall([](const glm::dvec3&) { return glm::dvec3(0.5); });
+  std::vector<TexturePhoto> plain =
+      PhotosFromAbove(Wall(), [](const glm::dvec3&) { return glm::dvec3(0.5); });
   EXPECT_EQ(AlignWithPhotos(dented, plain, 3).mesh.positions, dented.positions);
-  std::vector<TexturePhoto> photos = PhotosOfWall(Speckles);
+  std::vector<TexturePhoto> photos = PhotosFromAbove(Wall(), Speckles);
   EXPECT_EQ(AlignWithPhotos(dented, std::span(photos).first(1), 3).mesh.positions,
             dented.positions);
   EXPECT_EQ(AlignWithPhotos(dented, photos, 0).mesh.positions, dented.positions);
