@@ -3,6 +3,7 @@
 
 #include "core/parallel.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 
@@ -71,6 +72,13 @@ uint32_t FindTet(const TetMesh& mesh, const glm::dvec3& point, uint32_t start, b
     tet = next;
   }
   return ScanForTet(mesh, point);  // the walk circles, as it may where the mesh is not Delaunay
+}
+
+glm::dvec4 WeightsInTet(const TetMesh& mesh, uint32_t tet, const glm::dvec3& point) {
+  glm::dvec4 weights;
+  for (int i = 0; i < 4; ++i) weights[i] = std::max(0.0, Side(mesh, tet, i, point));
+  const double sum = weights[0] + weights[1] + weights[2] + weights[3];
+  return sum > 0 ? weights / sum : glm::dvec4(0.25);
 }
 
 }  // namespace tetrec

@@ -204,11 +204,12 @@ void RefinementRounds::RefineOnce() {
   const TetMesh& mesh = parts_.field.mesh();
   LogInfo(
       "round {}: {} -> {} vertices, {} tets: {} edges split, {} empty and {} flat vertices "
-      "dropped{}; errors "
+      "dropped, {} put back, {} added against new opacity{}; errors "
       "{:.2f} s, mesh {:.2f} s",
       state_.rounds, WithThousands(vertices_before), WithThousands(mesh.positions.size()),
       WithThousands(mesh.tets.size()), WithThousands(result.split_edges),
       WithThousands(result.dropped_empty), WithThousands(result.dropped_flat),
+      WithThousands(result.put_back), WithThousands(result.patches),
       result.refused > 0 ? fmt::format(", {} splits refused", WithThousands(result.refused)) : "",
       look_seconds, timer.seconds() - look_seconds);
 }

@@ -6,6 +6,7 @@
 #include "mesh/delaunay.h"
 #include "mesh/locate.h"
 #include "mesh/mesh_edges.h"
+#include "refine/darkened.h"
 #include "refine/spare_vertices.h"
 
 #include <algorithm>
@@ -87,45 +88,117 @@ std::vector<uint32_t> OldTets(const TetMesh& mesh, const TetMesh& new_mesh) {
   return old_tets;
 }
 
-}  // namespace
+// What the vertices of a new mesh are made of.
+struct Plan {
+  std::vector<uint8_t> is_spare;    // (V) old vertices that go
+  std::vector<Edge> edges;          // that may be split, the most urgent first
+  std::vector<PlaceInTet> patches;  // new vertices with the values of the old field
+};
 
-Refinement InsertVertices(TetMesh mesh, const FieldState& state, const RefineScores& scores,
-                          const RefineOptions& options) {
+// A row between the rows of a tet, in three steps between two rows each.
+uint32_t AppendPatch(const PlaceInTet& place, uint32_t next_row, Prolongation& of_vertices) {
+  const glm::uvec4& v = place.vertices;
+  const glm::dvec4& w = place.weights;
+  const auto share = [](double a, double b) { return a + b > 0 ? float(b / (a + b)) : 0.0f; };
+  of_vertices.inserted.push_back({v[0], v[1], share(w[0], w[1])});
+  of_vertices.inserted.push_back({v[2], v[3], share(w[2], w[3])});
+  of_vertices.inserted.push_back({next_row, next_row + 1, share(w[0] + w[1], w[2] + w[3])});
+  return next_row + 2;
+}
+
+// As many edges are split as the budget leaves room for.
+Refinement Triangulate(const TetMesh& mesh, const Plan& plan, const RefineOptions& options) {
   const size_t count = mesh.positions.size();
-  const std::vector<uint8_t> on_hull = BoundaryVertices(mesh);
-  const SpareVertices spare = FindSpareVertices(mesh, state, scores, options);
-
   Refinement result;
-  result.dropped_empty = spare.empty;
-  result.dropped_flat = spare.flat;
   std::vector<glm::vec3> points;
   std::vector<uint32_t> rows;  // of the points, among old and inserted ones
   for (uint32_t v = 0; v < count; ++v) {
-    if (spare.is_spare[v]) continue;
+    if (plan.is_spare[v]) continue;
     points.push_back(mesh.positions[v]);
     rows.push_back(v);
   }
-
+  const auto next_row = [&] { return uint32_t(count + result.of_vertices.inserted.size()); };
+  for (const PlaceInTet& patch : plan.patches) {
+    points.push_back(patch.position);
+    rows.push_back(AppendPatch(patch, next_row(), result.of_vertices));
+  }
   const uint64_t wanted = VertexBudget(count, options);
   Random random(options.seed ^ 0x51DEull, count);
-  const size_t room = wanted > points.size() ? wanted - points.size() : 0;
-  for (const Edge edge : ChooseEdges(mesh, scores.of_tets, on_hull, room, options)) {
+  for (const Edge edge : plan.edges) {
+    if (points.size() >= wanted) break;
     // Off the exact middle, so that regular starts do not stay cospherical.
     const float f = float(0.5 + 0.1 * (random.Uniform() - 0.5));
     points.push_back(glm::mix(mesh.positions[edge.a], mesh.positions[edge.b], f));
-    rows.push_back(uint32_t(count + result.split_edges));
+    rows.push_back(next_row());
     result.of_vertices.inserted.push_back({edge.a, edge.b, f});
     ++result.split_edges;
   }
-
-  const bool has_cells = state.layout.storage == FieldStorage::kCell;
-  if (!has_cells) mesh = {};
   DelaunayResult delaunay = BuildDelaunay(points);
   result.mesh = std::move(delaunay.mesh);
   for (const uint32_t point : delaunay.point_of_vertex) {
     result.of_vertices.kept.push_back(rows[point]);
   }
-  if (has_cells) result.old_tets = OldTets(mesh, result.mesh);
+  return result;
+}
+
+std::vector<float> DensitiesAtVertices(const FieldState& state) {
+  const size_t components = size_t(state.layout.Components());
+  std::vector<float> values(state.rows());
+  for (size_t v = 0; v < values.size(); ++v) {
+    values[v] = ValueOf(state.layout.density(), state.parameters[v * components + kDensityOffset]);
+  }
+  return values;
+}
+
+// Puts vertices where the new mesh would be opaque and the old one is not: spare ones return, and
+// patches are added, a share of the vertices at most. True if there are any.
+bool Mend(const TetMesh& mesh, const FieldState& state, const Refinement& refined,
+          uint64_t most_vertices, Plan& plan, Refinement& counts) {
+  constexpr double kMostPatches = 0.01;
+  std::vector<uint32_t> gone;
+  for (uint32_t v = 0; v < plan.is_spare.size(); ++v) {
+    if (plan.is_spare[v]) gone.push_back(v);
+  }
+  const DarkenedPlaces darkened =
+      FindDarkened(mesh, DensitiesAtVertices(state), gone, refined.mesh, refined.of_vertices);
+  const size_t stay = mesh.positions.size() - gone.size();
+  uint64_t room = most_vertices > stay ? most_vertices - stay : 0;
+  for (const uint32_t v : darkened.vertices) {
+    if (room == 0) break;
+    plan.is_spare[v] = 0;
+    ++counts.put_back;
+    --room;
+  }
+  const uint64_t patches =
+      std::min({room, uint64_t(darkened.places.size()),
+                uint64_t(kMostPatches * double(refined.mesh.positions.size()))});
+  plan.patches.assign(darkened.places.begin(), darkened.places.begin() + ptrdiff_t(patches));
+  counts.patches = patches;
+  return counts.put_back + counts.patches > 0;
+}
+
+}  // namespace
+
+Refinement InsertVertices(TetMesh mesh, const FieldState& state, const RefineScores& scores,
+                          const RefineOptions& options) {
+  const SpareVertices spare = FindSpareVertices(mesh, state, scores, options);
+  const uint64_t kept = mesh.positions.size() - spare.empty - spare.flat;
+  const uint64_t wanted = VertexBudget(mesh.positions.size(), options);
+  Plan plan{spare.is_spare,
+            ChooseEdges(mesh, scores.of_tets, BoundaryVertices(mesh),
+                        wanted > kept ? wanted - kept : 0, options),
+            {}};
+  Refinement result = Triangulate(mesh, plan, options);
+  if (state.layout.storage == FieldStorage::kCell) {
+    result.old_tets = OldTets(mesh, result.mesh);
+  } else if (Mend(mesh, state, result, options.max_vertices, plan, result)) {
+    const uint64_t put_back = result.put_back, patches = result.patches;
+    result = Triangulate(mesh, plan, options);
+    result.put_back = put_back;
+    result.patches = patches;
+  }
+  result.dropped_empty = spare.empty;
+  result.dropped_flat = spare.flat;
   return result;
 }
 
