@@ -96,31 +96,37 @@ struct Plan {
 };
 
 // A row between the rows of a tet, in three steps between two rows each.
-uint32_t AppendPatch(const PlaceInTet& place, uint32_t next_row, Prolongation& of_vertices) {
+uint32_t AppendPatch(const PlaceInTet& place, uint32_t next_row, std::vector<RowSource>& inserted) {
   const glm::uvec4& v = place.vertices;
   const glm::dvec4& w = place.weights;
   const auto share = [](double a, double b) { return a + b > 0 ? float(b / (a + b)) : 0.0f; };
-  of_vertices.inserted.push_back({v[0], v[1], share(w[0], w[1])});
-  of_vertices.inserted.push_back({v[2], v[3], share(w[2], w[3])});
-  of_vertices.inserted.push_back({next_row, next_row + 1, share(w[0] + w[1], w[2] + w[3])});
+  inserted.push_back({v[0], v[1], share(w[0], w[1])});
+  inserted.push_back({v[2], v[3], share(w[2], w[3])});
+  inserted.push_back({next_row, next_row + 1, share(w[0] + w[1], w[2] + w[3])});
   return next_row + 2;
 }
 
-// As many edges are split as the budget leaves room for.
-Refinement Triangulate(const TetMesh& mesh, const Plan& plan, const RefineOptions& options) {
-  const size_t count = mesh.positions.size();
-  Refinement result;
+struct NewVertices {
   std::vector<glm::vec3> points;
   std::vector<uint32_t> rows;  // of the points, among old and inserted ones
+  std::vector<RowSource> inserted;
+  uint64_t split_edges = 0;
+};
+
+// As many edges are split as the budget leaves room for.
+NewVertices VerticesOf(const TetMesh& mesh, const Plan& plan, const RefineOptions& options) {
+  const size_t count = mesh.positions.size();
+  NewVertices vertices;
+  auto& [points, rows, inserted, split_edges] = vertices;
   for (uint32_t v = 0; v < count; ++v) {
     if (plan.is_spare[v]) continue;
     points.push_back(mesh.positions[v]);
     rows.push_back(v);
   }
-  const auto next_row = [&] { return uint32_t(count + result.of_vertices.inserted.size()); };
+  const auto next_row = [&] { return uint32_t(count + vertices.inserted.size()); };
   for (const PlaceInTet& patch : plan.patches) {
     points.push_back(patch.position);
-    rows.push_back(AppendPatch(patch, next_row(), result.of_vertices));
+    rows.push_back(AppendPatch(patch, next_row(), inserted));
   }
   const uint64_t wanted = VertexBudget(count, options);
   Random random(options.seed ^ 0x51DEull, count);
@@ -130,14 +136,21 @@ Refinement Triangulate(const TetMesh& mesh, const Plan& plan, const RefineOption
     const float f = float(0.5 + 0.1 * (random.Uniform() - 0.5));
     points.push_back(glm::mix(mesh.positions[edge.a], mesh.positions[edge.b], f));
     rows.push_back(next_row());
-    result.of_vertices.inserted.push_back({edge.a, edge.b, f});
-    ++result.split_edges;
+    inserted.push_back({edge.a, edge.b, f});
+    ++split_edges;
   }
-  DelaunayResult delaunay = BuildDelaunay(points);
+  return vertices;
+}
+
+Refinement Triangulate(NewVertices vertices) {
+  DelaunayResult delaunay = BuildDelaunay(vertices.points);
+  Refinement result;
   result.mesh = std::move(delaunay.mesh);
+  result.of_vertices.inserted = std::move(vertices.inserted);
   for (const uint32_t point : delaunay.point_of_vertex) {
-    result.of_vertices.kept.push_back(rows[point]);
+    result.of_vertices.kept.push_back(vertices.rows[point]);
   }
+  result.split_edges = vertices.split_edges;
   return result;
 }
 
@@ -150,15 +163,20 @@ std::vector<float> DensitiesAtVertices(const FieldState& state) {
   return values;
 }
 
+struct Mending {
+  uint64_t put_back = 0, patches = 0;
+};
+
 // Puts vertices where the new mesh would be opaque and the old one is not: spare ones return, and
-// patches are added, a share of the vertices at most. True if there are any.
-bool Mend(const TetMesh& mesh, const FieldState& state, const Refinement& refined,
-          uint64_t most_vertices, Plan& plan, Refinement& counts) {
+// patches are added, a share of the vertices at most.
+Mending Mend(const TetMesh& mesh, const FieldState& state, const Refinement& refined,
+             uint64_t most_vertices, Plan& plan) {
   constexpr double kMostPatches = 0.01;
   std::vector<uint32_t> gone;
   for (uint32_t v = 0; v < plan.is_spare.size(); ++v) {
     if (plan.is_spare[v]) gone.push_back(v);
   }
+  Mending mending;
   const DarkenedPlaces darkened =
       FindDarkened(mesh, DensitiesAtVertices(state), gone, refined.mesh, refined.of_vertices);
   const size_t stay = mesh.positions.size() - gone.size();
@@ -166,15 +184,31 @@ bool Mend(const TetMesh& mesh, const FieldState& state, const Refinement& refine
   for (const uint32_t v : darkened.vertices) {
     if (room == 0) break;
     plan.is_spare[v] = 0;
-    ++counts.put_back;
+    ++mending.put_back;
     --room;
   }
-  const uint64_t patches =
-      std::min({room, uint64_t(darkened.places.size()),
-                uint64_t(kMostPatches * double(refined.mesh.positions.size()))});
-  plan.patches.assign(darkened.places.begin(), darkened.places.begin() + ptrdiff_t(patches));
-  counts.patches = patches;
-  return counts.put_back + counts.patches > 0;
+  mending.patches = std::min({room, uint64_t(darkened.places.size()),
+                              uint64_t(kMostPatches * double(refined.mesh.positions.size()))});
+  plan.patches.assign(darkened.places.begin(),
+                      darkened.places.begin() + ptrdiff_t(mending.patches));
+  return mending;
+}
+
+// A triangulation takes more memory than all else here, so what it can do without is freed before.
+Refinement TriangulateAndMend(TetMesh mesh, const FieldState& state, NewVertices vertices,
+                              const RefineOptions& options, Plan& plan) {
+  mesh.neighbors = std::vector<glm::uvec4>();
+  Refinement first = Triangulate(std::move(vertices));
+  mesh.neighbors = ComputeNeighbors(mesh.tets, mesh.positions.size());
+  const Mending mending = Mend(mesh, state, first, options.max_vertices, plan);
+  if (mending.put_back + mending.patches == 0) return first;
+  first = {};
+  NewVertices mended = VerticesOf(mesh, plan, options);
+  mesh = {};
+  Refinement result = Triangulate(std::move(mended));
+  result.put_back = mending.put_back;
+  result.patches = mending.patches;
+  return result;
 }
 
 }  // namespace
@@ -188,14 +222,13 @@ Refinement InsertVertices(TetMesh mesh, const FieldState& state, const RefineSco
             ChooseEdges(mesh, scores.of_tets, BoundaryVertices(mesh),
                         wanted > kept ? wanted - kept : 0, options),
             {}};
-  Refinement result = Triangulate(mesh, plan, options);
+  NewVertices vertices = VerticesOf(mesh, plan, options);
+  Refinement result;
   if (state.layout.storage == FieldStorage::kCell) {
+    result = Triangulate(std::move(vertices));
     result.old_tets = OldTets(mesh, result.mesh);
-  } else if (Mend(mesh, state, result, options.max_vertices, plan, result)) {
-    const uint64_t put_back = result.put_back, patches = result.patches;
-    result = Triangulate(mesh, plan, options);
-    result.put_back = put_back;
-    result.patches = patches;
+  } else {
+    result = TriangulateAndMend(std::move(mesh), state, std::move(vertices), options, plan);
   }
   result.dropped_empty = spare.empty;
   result.dropped_flat = spare.flat;

@@ -11,6 +11,7 @@ namespace tetrec {
 // tets, around new and dropped vertices and where vertices have moved. Where that would make the
 // mesh opaque, dropped vertices return and others are added in place of edges to split
 // (darkened.h), unless the field has cells. The hull's vertices stay.
+// The old mesh is freed before the last triangulation takes memory, unless cells need it.
 Refinement InsertVertices(TetMesh mesh, const FieldState& state, const RefineScores& scores,
                           const RefineOptions& options);
 
