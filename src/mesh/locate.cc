@@ -74,6 +74,12 @@ uint32_t FindTet(const TetMesh& mesh, const glm::dvec3& point, uint32_t start, b
   return ScanForTet(mesh, point);  // the walk circles, as it may where the mesh is not Delaunay
 }
 
+glm::dvec3 Centroid(const TetMesh& mesh, const glm::uvec4& tet) {
+  glm::dvec3 sum(0.0);
+  for (int i = 0; i < 4; ++i) sum += glm::dvec3(mesh.positions[tet[i]]);
+  return 0.25 * sum;
+}
+
 glm::dvec4 WeightsInTet(const TetMesh& mesh, uint32_t tet, const glm::dvec3& point) {
   glm::dvec4 weights;
   for (int i = 0; i < 4; ++i) weights[i] = std::max(0.0, Side(mesh, tet, i, point));

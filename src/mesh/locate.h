@@ -13,6 +13,8 @@ namespace tetrec {
 uint32_t FindTet(const TetMesh& mesh, const glm::dvec3& point, uint32_t start = 0,
                  bool is_convex = false);
 
+glm::dvec3 Centroid(const TetMesh& mesh, const glm::uvec4& tet);
+
 // The weights of the tet's vertices whose mean is the point (barycentric coordinates), which add up
 // to 1 and of which none is negative: outside of the tet, those of a point in its surface.
 glm::dvec4 WeightsInTet(const TetMesh& mesh, uint32_t tet, const glm::dvec3& point);

@@ -42,4 +42,21 @@ int LongestEdge(const TetMesh& mesh, const glm::uvec4& tet) {
   return longest;
 }
 
+std::vector<double> MeanEdgesOfVertices(const TetMesh& mesh) {
+  std::vector<double> sums(mesh.positions.size(), 0.0);
+  std::vector<uint32_t> counts(mesh.positions.size(), 0);
+  for (const glm::uvec4& tet : mesh.tets) {
+    for (const auto& ends : kTetEdges) {
+      const double length =
+          double(glm::distance(mesh.positions[tet[ends[0]]], mesh.positions[tet[ends[1]]]));
+      for (const int end : ends) {
+        sums[tet[end]] += length;
+        ++counts[tet[end]];
+      }
+    }
+  }
+  for (size_t v = 0; v < sums.size(); ++v) sums[v] /= double(std::max(counts[v], 1u));
+  return sums;
+}
+
 }  // namespace tetrec

@@ -20,4 +20,7 @@ MeshEdges EdgesOf(const TetMesh& mesh);
 // The first of the longest edges of a tet, as its place in kTetEdges.
 int LongestEdge(const TetMesh& mesh, const glm::uvec4& tet);
 
+// (V) The mean length of each vertex's edges, each counted once for each of its tets.
+std::vector<double> MeanEdgesOfVertices(const TetMesh& mesh);
+
 }  // namespace tetrec

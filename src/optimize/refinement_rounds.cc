@@ -204,7 +204,7 @@ void RefinementRounds::RefineOnce() {
   const TetMesh& mesh = parts_.field.mesh();
   LogInfo(
       "round {}: {} -> {} vertices, {} tets: {} edges split, {} empty and {} flat vertices "
-      "dropped, {} put back, {} added against new opacity{}; errors "
+      "dropped, {} put back and {} added to keep clear space clear{}; errors "
       "{:.2f} s, mesh {:.2f} s",
       state_.rounds, WithThousands(vertices_before), WithThousands(mesh.positions.size()),
       WithThousands(mesh.tets.size()), WithThousands(result.split_edges),

@@ -2,6 +2,7 @@
 #include "optimize/vertex_motion.h"
 
 #include "core/timer.h"
+#include "mesh/mesh_edges.h"
 #include "optimize/article_motion.h"
 
 #include <glm/common.hpp>
@@ -20,20 +21,9 @@ constexpr uint64_t kStepsOfMotion = 16;
 static_assert(kStepsOfMotion <= kMostSummedBatches);
 constexpr float kBeta1 = 0.9f, kBeta2 = 0.95f;
 
-// The mean length of the edges of each vertex, counted once for each of their tets.
 std::vector<float> SizesOfVertices(const TetMesh& mesh) {
-  std::vector<float> sums(mesh.positions.size(), 0.0f);
-  std::vector<uint32_t> counts(mesh.positions.size(), 0);
-  for (const glm::uvec4& tet : mesh.tets) {
-    for (const auto& ends : kTetEdges) {
-      const uint32_t a = tet[ends[0]], b = tet[ends[1]];
-      const float length = glm::distance(mesh.positions[a], mesh.positions[b]);
-      sums[a] += length, sums[b] += length;
-      ++counts[a], ++counts[b];
-    }
-  }
-  for (size_t v = 0; v < sums.size(); ++v) sums[v] /= float(counts[v]);
-  return sums;
+  const std::vector<double> mean_edges = MeanEdgesOfVertices(mesh);
+  return {mean_edges.begin(), mean_edges.end()};
 }
 
 }  // namespace

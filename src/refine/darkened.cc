@@ -3,6 +3,7 @@
 
 #include "core/parallel.h"
 #include "mesh/locate.h"
+#include "mesh/mesh_edges.h"
 
 #include <algorithm>
 #include <array>
@@ -44,38 +45,20 @@ double MeanEdge(const TetMesh& mesh, const glm::uvec4& tet) {
   return sum / std::size(kTetEdges);
 }
 
-glm::dvec3 Centroid(const TetMesh& mesh, const glm::uvec4& tet) {
-  glm::dvec3 sum(0.0);
-  for (int i = 0; i < 4; ++i) sum += glm::dvec3(mesh.positions[tet[i]]);
-  return 0.25 * sum;
-}
-
-// (V) A tet at each vertex, and the mean over all tets at it of their mean edge.
-struct Surroundings {
-  std::vector<uint32_t> tet;
-  std::vector<float> mean_edge;
-};
-Surroundings SurroundingsOf(const TetMesh& mesh) {
-  const size_t count = mesh.positions.size();
-  Surroundings result{std::vector<uint32_t>(count, 0), std::vector<float>(count, 0.0f)};
-  std::vector<uint32_t> tets(count, 0);
+// (V) A tet at each vertex.
+std::vector<uint32_t> TetsAtVertices(const TetMesh& mesh) {
+  std::vector<uint32_t> tets(mesh.positions.size(), 0);
   for (uint32_t t = 0; t < mesh.tets.size(); ++t) {
-    const float length = float(MeanEdge(mesh, mesh.tets[t]));
-    for (int i = 0; i < 4; ++i) {
-      const uint32_t v = mesh.tets[t][i];
-      result.tet[v] = t;
-      result.mean_edge[v] += length;
-      ++tets[v];
-    }
+    for (int i = 0; i < 4; ++i) tets[mesh.tets[t][i]] = t;
   }
-  for (size_t v = 0; v < count; ++v) result.mean_edge[v] /= float(std::max(tets[v], 1u));
-  return result;
+  return tets;
 }
 
 // Gone vertices whose place in the new field is opaque.
-std::vector<uint32_t> DarkenedVertices(const DensityOnMesh& old_field, const Surroundings& around,
+std::vector<uint32_t> DarkenedVertices(const DensityOnMesh& old_field,
                                        std::span<const uint32_t> gone,
                                        const DensityOnMesh& new_field) {
+  const std::vector<double> lengths = MeanEdgesOfVertices(old_field.mesh);
   std::vector<uint32_t> darkened;
   uint32_t tet = 0;  // near the vertex before, which is often near this one
   for (const uint32_t v : gone) {
@@ -83,11 +66,9 @@ std::vector<uint32_t> DarkenedVertices(const DensityOnMesh& old_field, const Sur
     const uint32_t found = FindTet(new_field.mesh, point, tet, true);
     if (found == kNoTet) continue;
     tet = found;
-    const double length = double(around.mean_edge[v]);
-    if (Opacity(new_field.At(tet, point), length) - Opacity(double(old_field.values[v]), length) >
-        kDarker) {
-      darkened.push_back(v);
-    }
+    const double before = Opacity(double(old_field.values[v]), lengths[v]);
+    const double after = Opacity(new_field.At(tet, point), lengths[v]);
+    if (after - before > kDarker) darkened.push_back(v);
   }
   return darkened;
 }
@@ -97,10 +78,11 @@ struct RankedPlace {
   PlaceInTet place;
 };
 // `rows`: of the new vertices, below the number of old ones if they are old.
-std::vector<RankedPlace> DarkenedTets(const DensityOnMesh& old_field, const Surroundings& around,
+std::vector<RankedPlace> DarkenedTets(const DensityOnMesh& old_field,
                                       const DensityOnMesh& new_field,
                                       const std::vector<uint32_t>& rows) {
   const uint32_t old_vertices = uint32_t(old_field.mesh.positions.size());
+  const std::vector<uint32_t> tets_at = TetsAtVertices(old_field.mesh);
   std::vector<RankedPlace> darkened;
   std::mutex mutex;
   ParallelFor(new_field.mesh.tets.size(), 1 << 13, [&](size_t begin, size_t end) {
@@ -113,7 +95,7 @@ std::vector<RankedPlace> DarkenedTets(const DensityOnMesh& old_field, const Surr
       if (opacity <= kDarker) continue;
       const glm::dvec3 point = Centroid(new_field.mesh, tet);
       for (int i = 0; i < 4; ++i) {
-        if (rows[tet[i]] < old_vertices) old_tet = around.tet[rows[tet[i]]];
+        if (rows[tet[i]] < old_vertices) old_tet = tets_at[rows[tet[i]]];
       }
       const uint32_t at = FindTet(old_field.mesh, point, old_tet, true);
       if (at == kNoTet) continue;
@@ -137,9 +119,8 @@ DarkenedPlaces FindDarkened(const TetMesh& mesh, const std::vector<float>& densi
                             const Prolongation& of_vertices) {
   const std::vector<float> new_density = Prolong(density, of_vertices);
   const DensityOnMesh old_field{mesh, density}, new_field{new_mesh, new_density};
-  const Surroundings around = SurroundingsOf(mesh);
-  DarkenedPlaces darkened{DarkenedVertices(old_field, around, gone, new_field), {}};
-  std::vector<RankedPlace> ranked = DarkenedTets(old_field, around, new_field, of_vertices.kept);
+  DarkenedPlaces darkened{DarkenedVertices(old_field, gone, new_field), {}};
+  std::vector<RankedPlace> ranked = DarkenedTets(old_field, new_field, of_vertices.kept);
   // The order in which threads found them does not matter.
   std::ranges::sort(ranked, [](const RankedPlace& a, const RankedPlace& b) {
     const auto key = [](const RankedPlace& r) {

@@ -26,9 +26,9 @@ struct DarkenedPlaces {
 
 // Where vertices go or have moved, a new triangulation may join an opaque vertex to a distant clear
 // one. The density falls linearly along such an edge, so that it is opaque almost up to its end and
-// hides what is behind it, in many pictures. Finds such places: at each of `gone`, old vertices,
-// the optical depth over its mean edge, and at the centroids of new tets that over the tet's mean
-// edge, both in the old field and in the new one.
+// hides what is behind it, in many pictures. Finds such places among the old vertices `gone` and
+// the centroids of new tets: those where the opacity over the mean edge, of the vertex or the tet,
+// is larger in the new field than in the old one by 0.3 or more.
 // `density`: values at the old vertices [1 / world unit], of any sign. `new_mesh`: of the vertices
 // that `of_vertices` makes of the old ones. Both meshes fill the same convex hull.
 DarkenedPlaces FindDarkened(const TetMesh& mesh, const std::vector<float>& density,

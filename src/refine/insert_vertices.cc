@@ -56,12 +56,6 @@ std::vector<Edge> ChooseEdges(const TetMesh& mesh, const std::vector<float>& err
   return edges;
 }
 
-glm::dvec3 Centroid(const TetMesh& mesh, const glm::uvec4& tet) {
-  glm::dvec3 sum(0.0);
-  for (int i = 0; i < 4; ++i) sum += glm::dvec3(mesh.positions[tet[i]]);
-  return 0.25 * sum;
-}
-
 // For a point that rounding puts outside the hull.
 uint32_t NearestTet(const TetMesh& mesh, const glm::dvec3& point) {
   uint32_t nearest = 0;

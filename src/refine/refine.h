@@ -77,7 +77,7 @@ struct Refinement {
   // (T) For a field with a row per tet only: the old tet that contains each new tet's centroid.
   std::vector<uint32_t> old_tets;
   uint64_t split_edges = 0, dropped_empty = 0, dropped_flat = 0;
-  // insert: of the dropped vertices, and vertices inside of old tets (darkened.h).
+  // insert: dropped vertices that returned, and vertices added inside old tets (darkened.h).
   uint64_t put_back = 0, patches = 0;
   uint64_t refused = 0;  // splits that would have harmed the mesh
 };

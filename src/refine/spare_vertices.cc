@@ -3,6 +3,7 @@
 
 #include "core/random.h"
 #include "mesh/boundary.h"
+#include "mesh/mesh_edges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,23 +49,6 @@ std::vector<double> LightAround(const TetMesh& mesh, const std::vector<float>& v
     for (int i = 0; i < 4; ++i) light[mesh.tets[t][i]] += double(visible_of_tets[t]);
   }
   return light;
-}
-
-// The mean length of each vertex's edges, each counted once for each of its tets.
-std::vector<double> MeanEdges(const TetMesh& mesh) {
-  std::vector<double> sums(mesh.positions.size(), 0.0);
-  std::vector<uint32_t> counts(mesh.positions.size(), 0);
-  for (const glm::uvec4& tet : mesh.tets) {
-    for (const auto& ends : kTetEdges) {
-      const double length = EdgeLength(mesh, tet[ends[0]], tet[ends[1]]);
-      for (const int end : ends) {
-        sums[tet[end]] += length;
-        ++counts[tet[end]];
-      }
-    }
-  }
-  for (size_t v = 0; v < sums.size(); ++v) sums[v] /= double(std::max(counts[v], 1u));
-  return sums;
 }
 
 // Calls visit(vertex, neighbour, offset, weight) for each edge of each tet, both ways. The offset
@@ -125,7 +109,7 @@ double SignedOpacity(double density, double length) {
 // a tet around it with a mean weight of 1/4.
 std::vector<double> ErrorsWithout(const TetMesh& mesh, const FieldState& state,
                                   const std::vector<double>& light) {
-  const std::vector<double> mean_edges = MeanEdges(mesh);
+  const std::vector<double> mean_edges = MeanEdgesOfVertices(mesh);
   const std::vector<glm::dvec4> values = ValuesAtVertices(state);
   const std::vector<glm::dvec4> predicted = PredictedValues(mesh, values, mean_edges);
   std::vector<double> errors(values.size());

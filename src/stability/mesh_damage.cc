@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "geometry/orientation.h"
 #include "mesh/delaunay.h"
+#include "mesh/locate.h"
 
 #include <fmt/format.h>
 
@@ -16,12 +17,6 @@ namespace {
 
 constexpr float kSliverShare =
     1e-4f;  // height of a sliver over that of the tet that it was cut from
-
-glm::dvec3 Centroid(const TetMesh& mesh, const glm::uvec4& tet) {
-  glm::dvec3 sum(0.0);
-  for (int i = 0; i < 4; ++i) sum += glm::dvec3(mesh.positions[tet[i]]);
-  return 0.25 * sum;
-}
 
 // The four tets around a vertex inside a tet.
 std::array<glm::uvec4, 4> SplitAt(const glm::uvec4& tet, uint32_t inner) {
