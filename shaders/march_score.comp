@@ -1,6 +1,6 @@
-// Where the error is. Adds to every tet that a ray passes the ray's error (push.score) times the tet's
-// share of the ray's opacity. The residual is what the loss kernel leaves in ray_gradients when its
-// scale is 1/2.
+// Where error and light are. Adds to every tet that a ray passes the ray's error (push.score) times
+// the tet's share of the ray's opacity, and that share itself where it is visible. The residual is
+// what the loss kernel leaves in ray_gradients when its scale is 1/2.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "atomic_sum.glsl"
@@ -11,7 +11,7 @@
 
 layout(std430, binding = kBindRayEntries) readonly buffer RayEntries { Entry ray_entries[]; };
 layout(std430, binding = kBindRayGradients) readonly buffer RayGradients { vec4 ray_gradients[]; };
-layout(std430, binding = kBindTetScores) buffer TetScores { Sum tet_scores[]; };
+layout(std430, binding = kBindTetScores) buffer TetScores { Sum tet_scores[]; };  // kScoresPerTet each
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
@@ -20,11 +20,8 @@ void main() {
   Ray ray = MakeRay(read);
   g_first_color = ray.slot * push.row_count;
   vec3 residual = ray_gradients[read].rgb;
-  bool is_visible_score = push.score == kScoreVisible;
-  float least_share = is_visible_score ? kLeastVisibleShare : kLeastScoredShare;
-  float error = is_visible_score                      ? 1.0
-                : push.score == kScoreSquaredResidual ? dot(residual, residual)
-                                                      : dot(abs(residual), vec3(1.0));
+  float error = push.score == kScoreSquaredResidual ? dot(residual, residual)
+                                                    : dot(abs(residual), vec3(1.0));
   Entry entry = ray_entries[read];
   bool go = exists && ray.valid && (ray.start_tet != kNoTet || entry.x != kMiss);
   MarchState state;
@@ -52,7 +49,10 @@ void main() {
     float tau = 0.5 * (DensityOf(density0) + DensityOf(density1)) * (cut.end - cut.begin) * (z1 - z0);
     float t = exp(-depth);
     float share = t * (1.0 - exp(-tau));
-    if (share > least_share) AddTo(tet_scores[tet], error * share, kScoreQuanta);
+    if (share > kLeastScoredShare) {
+      AddTo(tet_scores[kScoresPerTet * tet], error * share, kScoreQuanta);
+      if (share > kLeastVisibleShare) AddTo(tet_scores[kScoresPerTet * tet + 1u], share, kScoreQuanta);
+    }
     depth += tau;
     z0 = z1;
     density0 = density1;

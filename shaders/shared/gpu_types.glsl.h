@@ -203,11 +203,12 @@ struct SpreadPush {
   float density_scale;  // as in AdamPush
 };
 
-// What a ray adds to the scores of its tets (ScoreKind): sums over the channels.
+// The error of a ray in the scores of its tets (ScoreKind): sums over the channels.
 #define kScoreSquaredResidual 0
 #define kScoreAbsoluteResidual 1
-#define kScoreVisible 2
 
+// Sums of a tet (TetScores): error, then light.
+#define kScoresPerTet 2
 // Fixed-point tet scores: a ray adds its error times at most 1, and no more than kLargestScore;
 // kMostScoredRays of them stay below 2^62 quanta.
 #define kScoreQuanta 4294967296.0
@@ -216,7 +217,7 @@ struct SpreadPush {
 // Smaller shares of a ray's opacity are not added: additions are what scoring costs, and such
 // shares decide no split.
 #define kLeastScoredShare 1e-3
-// The same for kScoreVisible: light that a picture of 8 bits hardly shows is not counted.
+// The same for light: what a picture of 8 bits hardly shows is not counted.
 #define kLeastVisibleShare 1e-2
 
 // Sums of an edge (EdgeSums): slopes by colour and density, then curvatures by both.

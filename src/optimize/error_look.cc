@@ -62,38 +62,23 @@ void ForEachBatch(std::span<const RayBlock> blocks, const BatchDrawer& batches, 
   }
 }
 
-std::vector<float> ScoresOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
-                            const BatchDrawer& batches, uint64_t iteration,
-                            ScoreKind kind = ScoreKind::kSquaredResidual) {
+TetScores ScoresOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
+                   const BatchDrawer& batches, uint64_t iteration) {
   renderer.ClearScores();
-  ForEachBatch(blocks, batches, iteration,
-               [&](const TrainingBatch& batch) { renderer.AddScores(batch, kind); });
+  ForEachBatch(blocks, batches, iteration, [&](const TrainingBatch& batch) {
+    renderer.AddScores(batch, ScoreKind::kSquaredResidual);
+  });
   return renderer.ReadScores();
-}
-
-std::vector<float> Look(TrainingRenderer& renderer, const TrainingSet& set,
-                        const BatchDrawer& batches, const OptimizeOptions& options,
-                        uint64_t iteration, ScoreKind kind) {
-  const std::vector<RayBlock> blocks =
-      DrawJudgingBlocks(set, options, renderer.mesh().tets.size(), iteration);
-  return ScoresOf(renderer, blocks, batches, iteration, kind);
 }
 
 }  // namespace
 
-std::vector<float> LookAtErrors(TrainingRenderer& renderer, const TrainingSet& set,
-                                const BatchDrawer& batches, const OptimizeOptions& options,
-                                uint64_t iteration) {
-  return Look(renderer, set, batches, options, iteration, ScoreKind::kSquaredResidual);
-}
-
-std::vector<float> LookAtLight(TrainingRenderer& renderer, const TrainingSet& set,
-                               const BatchDrawer& batches, const OptimizeOptions& options,
-                               uint64_t iteration) {
-  // Fewer rays would miss tets that are seen.
+TetScores LookAtTets(TrainingRenderer& renderer, const TrainingSet& set, const BatchDrawer& batches,
+                     const OptimizeOptions& options, uint64_t iteration) {
   OptimizeOptions of_look = options;
   of_look.score_rays_per_tet = std::max(of_look.score_rays_per_tet, 1.0);
-  return Look(renderer, set, batches, of_look, iteration, ScoreKind::kVisible);
+  const size_t tets = renderer.mesh().tets.size();
+  return ScoresOf(renderer, DrawJudgingBlocks(set, of_look, tets, iteration), batches, iteration);
 }
 
 uint64_t CountEmpty(const std::vector<float>& light_of_tets) {
@@ -109,8 +94,10 @@ std::vector<float> LookAtVariances(TrainingRenderer& renderer, const TrainingSet
   double views = 0;
   for (size_t first = 0, last = 0; first < blocks.size(); first = last, ++views) {
     while (last < blocks.size() && blocks[last].view == blocks[first].view) ++last;
-    const std::vector<float> of_view = ScoresOf(
-        renderer, std::span(blocks).subspan(first, last - first), batches, iteration + first);
+    const std::vector<float> of_view =
+        ScoresOf(renderer, std::span(blocks).subspan(first, last - first), batches,
+                 iteration + first)
+            .errors;
     for (size_t t = 0; t < tets; ++t) {
       sums[t] += of_view[t];
       squares[t] += double(of_view[t]) * of_view[t];

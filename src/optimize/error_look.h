@@ -12,17 +12,11 @@
 
 namespace tetrec {
 
-// Scores per tet, from blocks that are drawn in random order, none twice, as many as the field's
-// tets need to be judged.
-std::vector<float> LookAtErrors(TrainingRenderer& renderer, const TrainingSet& set,
-                                const BatchDrawer& batches, const OptimizeOptions& options,
-                                uint64_t iteration);
-
-// From the same blocks, or more if there is less than a ray per tet, the light that the rays lose
-// in each tet, of which shares below 1 % of a ray's light are not counted (ScoreKind::kVisible).
-std::vector<float> LookAtLight(TrainingRenderer& renderer, const TrainingSet& set,
-                               const BatchDrawer& batches, const OptimizeOptions& options,
-                               uint64_t iteration);
+// The squared errors and the light of the tets, from blocks that are drawn in random order, none
+// twice, as many as the field's tets need to be judged: a ray per tet or more, because fewer would
+// miss tets that are seen.
+TetScores LookAtTets(TrainingRenderer& renderer, const TrainingSet& set, const BatchDrawer& batches,
+                     const OptimizeOptions& options, uint64_t iteration);
 
 // The number of tets in which no ray loses 1 % of its light.
 uint64_t CountEmpty(const std::vector<float>& light_of_tets);

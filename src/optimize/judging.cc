@@ -71,6 +71,13 @@ std::vector<RayBlock> BlocksOfRays(std::span<const RayBlock> blocks, int samples
   return rays;
 }
 
+// Every n-th block, n being odd, so that all columns of the tiles of four blocks are met.
+std::vector<RayBlock> EveryNth(std::span<const RayBlock> blocks, size_t n) {
+  std::vector<RayBlock> some;
+  for (size_t i = n / 2; i < blocks.size(); i += n) some.push_back(blocks[i]);
+  return some;
+}
+
 // The error of blocks of one view, which are rendered in batches of bounded size.
 ErrorSum ErrorOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
                  const glm::vec3& background_srgb, int samples) {
@@ -135,10 +142,12 @@ Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
   std::vector<ErrorSum> views;
   ErrorSum all, whole, tiles;
   const std::span<const RayBlock> blocks = judging.blocks;
+  const size_t pixels = blocks.size() * kRaysPerBlock;
+  const size_t n = (pixels + kMostJudgedPixels - 1) / kMostJudgedPixels | 1;
   for (size_t begin = 0, end = 0; begin < blocks.size(); begin = end) {
     while (end < blocks.size() && blocks[end].view == blocks[begin].view) ++end;
-    const ErrorSum sum =
-        ErrorOf(renderer, blocks.subspan(begin, end - begin), background_srgb, samples);
+    const std::vector<RayBlock> judged = EveryNth(blocks.subspan(begin, end - begin), n);
+    const ErrorSum sum = ErrorOf(renderer, judged, background_srgb, samples);
     views.push_back(sum);
     all.Add(sum);
     (judging.is_whole[blocks[begin].view] ? whole : tiles).Add(sum);

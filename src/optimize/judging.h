@@ -49,7 +49,9 @@ struct Judgement {
 };
 
 // The renderer's targets are TargetsToJudge. `background_srgb`: behind field and targets.
-// `samples`: TrainingBatch::samples.
+// `samples`: TrainingBatch::samples. If more than kMostJudgedPixels judge, each view is judged by
+// blocks at regular distances, because those of a tile are wrong together.
+inline constexpr size_t kMostJudgedPixels = size_t{1} << 17;
 Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
                 const glm::vec3& background_srgb, int samples = 1);
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace tetrec {
@@ -92,7 +93,7 @@ RefineScores ScoresOfKind(TrainingRenderer& renderer, const TrainingSet& set, Ba
     case RefineScore::kAuto:
       break;
     case RefineScore::kResidual:
-      scores.of_tets = LookAtErrors(renderer, set, batches, options, iteration);
+      scores.of_tets = LookAtTets(renderer, set, batches, options, iteration).errors;
       return scores;
     case RefineScore::kVariance:
       scores.of_tets = LookAtVariances(renderer, set, batches, options, iteration);
@@ -121,13 +122,16 @@ RefineScores ScoresOfKind(TrainingRenderer& renderer, const TrainingSet& set, Ba
 
 RefineScores LookAtScores(TrainingRenderer& renderer, const TrainingSet& set, BatchDrawer& batches,
                           const OptimizeOptions& options, uint64_t iteration) {
-  RefineScores scores = ScoresOfKind(renderer, set, batches, options, iteration);
-  if (options.refine != RefineScheme::kInsert) return scores;
-  const bool has_errors = ScoreOf(options) == RefineScore::kResidual;
-  const std::vector<float> errors =
-      has_errors ? scores.of_tets : LookAtErrors(renderer, set, batches, options, iteration);
-  scores.squared_error = std::accumulate(errors.begin(), errors.end(), 0.0);
-  scores.visible_of_tets = LookAtLight(renderer, set, batches, options, iteration);
+  if (options.refine != RefineScheme::kInsert) {
+    return ScoresOfKind(renderer, set, batches, options, iteration);
+  }
+  TetScores of_tets = LookAtTets(renderer, set, batches, options, iteration);
+  const bool by_error = ScoreOf(options) == RefineScore::kResidual;
+  RefineScores scores =
+      by_error ? RefineScores{} : ScoresOfKind(renderer, set, batches, options, iteration);
+  scores.squared_error = std::accumulate(of_tets.errors.begin(), of_tets.errors.end(), 0.0);
+  scores.visible_of_tets = std::move(of_tets.light);
+  if (by_error) scores.of_tets = std::move(of_tets.errors);
   return scores;
 }
 

@@ -376,7 +376,7 @@ class Trainer {
 
   void CountEmptyTets() {
     end_of_growth_.empty_tets = CountEmpty(
-        LookAtLight(*renderer_, pictures_.set(), batches_, options_, steps_.iteration()));
+        LookAtTets(*renderer_, pictures_.set(), batches_, options_, steps_.iteration()).light);
     stage_.Count("empty_tets", end_of_growth_.empty_tets);
     LogInfo("empty tets, in which no ray loses 1 % of its light: {:.0f} %",
             100.0 * double(end_of_growth_.empty_tets) / double(end_of_growth_.tets));

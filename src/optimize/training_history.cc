@@ -50,7 +50,7 @@ std::string TrainingHistory::DetailOf(const RunFigures& now) const {
 std::optional<double> TrainingHistory::WatchIfDue(double progress) {
   if (watched_.views.empty() || progress - last_watch_ < 0.1) return std::nullopt;
   last_watch_ = progress;
-  last_watched_psnr_ = WatchPsnr(watched_);
+  last_watched_psnr_ = WatchPsnr(watched_, StrideFor(watched_, kPixelsOfCurve));
   return last_watched_psnr_;
 }
 

@@ -37,6 +37,9 @@ class StepAverages {
   uint64_t count_ = 0;
 };
 
+// All pixels of large photos would take a fifth of a run of two minutes.
+inline constexpr uint64_t kPixelsOfCurve = 40000;
+
 class TrainingHistory {
  public:
   // `keep_bytes`: TrainingLogWriter. `has_limit`: the length of the run is known.
@@ -54,13 +57,14 @@ class TrainingHistory {
   // A row and a line if 2 % of the run have passed since the last one or, if its length is not
   // known, whenever it has become longer by 5 %.
   void Record(const RunFigures& now);
-  // The last row. Returns the PSNR of the watched views [dB], if there are any.
+  // The last row. Returns the PSNR of all pixels of the watched views [dB], if there are any.
   std::optional<double> End(const RunFigures& now);
 
   uint64_t bytes() const { return log_.bytes(); }  // of metrics.csv
 
  private:
-  // Judges the watched views if 10 % of the run have passed since that was done.
+  // Judges the watched views, by kPixelsOfCurve of their pixels, if 10 % of the run have passed
+  // since that was done.
   std::optional<double> WatchIfDue(double progress);
   TrainingRow Row(const RunFigures& now, std::optional<double> heldout_psnr,
                   const char* phase) const;

@@ -4,6 +4,9 @@
 #include "render/renderer.h"
 #include "scene/scene.h"
 
+#include <glm/glm.hpp>
+
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -22,7 +25,14 @@ struct WatchedViews {
 std::vector<int> ChooseWatchedViews(const Scene& scene, int count);
 
 // Mean over the views of the PSNR of 8-bit images, RGB over the background, 4 rays per pixel, with
-// the field that the renderer has.
-double WatchPsnr(const WatchedViews& watched);
+// the field that the renderer has. Of the pixels in every `stride`-th row and column.
+double WatchPsnr(const WatchedViews& watched, int stride = 1);
+
+// The least stride that leaves no more than `pixels` pixels of all watched views.
+int StrideFor(const WatchedViews& watched, uint64_t pixels);
+
+// The camera whose pixels have their centres where those in every `stride`-th row and column of
+// another camera have the point `place` ([0, 1], from the pixel's corner).
+Camera ThinnedCamera(const Camera& camera, int stride, const glm::dvec2& place);
 
 }  // namespace tetrec

@@ -56,7 +56,7 @@ struct RefineOptions {
 struct RefineScores {
   std::vector<float> of_tets;      // (T)
   std::vector<float> of_vertices;  // (V)
-  // (T) The light that rays lose in each tet (ScoreKind::kVisible), by which vertices are found
+  // (T) The light that rays lose in each tet (TetScores::light), by which vertices are found
   // that the mesh can do without (spare_vertices.h); their squared error may grow by a share of
   // squared_error. Empty if that is not known.
   std::vector<float> visible_of_tets;

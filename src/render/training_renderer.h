@@ -115,11 +115,15 @@ struct GradientSums {
   std::vector<double> absolute_position;
 };
 
-// What AddScores adds to each tet that a ray passes, times the tet's share of the ray's opacity.
-enum class ScoreKind {
-  kSquaredResidual,   // squares of the residual (of what the view shows), over the channels
-  kAbsoluteResidual,  // absolute values
-  kVisible,           // 1, where the share is at least kLeastVisibleShare: 0 for tets not seen
+// A ray's error in AddScores: the sum over the channels of the residual's squares or absolute
+// values. The residual is that of what the view shows.
+enum class ScoreKind { kSquaredResidual, kAbsoluteResidual };
+
+// What the rays of AddScores say of each tet.
+struct TetScores {
+  std::vector<float> errors;  // rays' errors times the tet's shares of their opacity
+  // The shares themselves, where they are at least kLeastVisibleShare: 0 for tets not seen.
+  std::vector<float> light;
 };
 
 // What the rays say of a vertex that would halve an edge, by its hat function
@@ -192,7 +196,7 @@ class TrainingRenderer : public Renderer {
   virtual void ClearScores() = 0;
   // At most kMostScoredRays rays between ClearScores and ReadScores.
   virtual StepResult AddScores(const TrainingBatch& batch, ScoreKind kind) = 0;
-  virtual std::vector<float> ReadScores() = 0;  // per tet
+  virtual TetScores ReadScores() = 0;
 
   // The same for edges, those of the mesh, of a field with values at vertices. Passages of tets in
   // which a ray loses less than kLeastScoredShare add nothing.

@@ -6,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <tuple>
 
 namespace tetrec {
@@ -84,18 +86,23 @@ TEST(JudgingSet, LeavesTheBlocksOfWholeViewsOutOfTheDraw) {
   EXPECT_EQ(set.blocks.size(), all);
 }
 
-// The pictures show the background alone, so every residual is known.
-TEST(Judge, GivesThePsnrOfTheJudgingPixelsAndItsStandardError) {
-  TrainingSet set = GreySet(24, 64, 48);
-  const JudgingSet judging = ChooseJudgingSet(set, 1);
-  ASSERT_EQ(std::count(judging.is_whole.begin(), judging.is_whole.end(), uint8_t{1}), 1);
-  const auto renderer = CreateRenderer({.kind = RendererKind::kReference});
+// Its pictures show the background alone, so every residual is known.
+std::unique_ptr<TrainingRenderer> RendererOfNothing() {
+  auto renderer = CreateRenderer({.kind = RendererKind::kReference});
   RadianceField field;
   field.mesh =
       BuildDelaunay(std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}).mesh;
   field.density.assign(4, 0.0f);
   field.color_srgb.assign(4, glm::vec3(0.0f));
   renderer->SetState(field.mesh, StateOf(field));
+  return renderer;
+}
+
+TEST(Judge, GivesThePsnrOfTheJudgingPixelsAndItsStandardError) {
+  TrainingSet set = GreySet(24, 64, 48);
+  const JudgingSet judging = ChooseJudgingSet(set, 1);
+  ASSERT_EQ(std::count(judging.is_whole.begin(), judging.is_whole.end(), uint8_t{1}), 1);
+  const auto renderer = RendererOfNothing();
   renderer->SetTargets(set.views, TargetsToJudge(set, judging));
 
   const double residual = 128.0 / 255.0 - 0.25;
@@ -116,6 +123,27 @@ TEST(Judge, GivesThePsnrOfTheJudgingPixelsAndItsStandardError) {
   EXPECT_NEAR(mixed.views_psnr, -20 * std::log10(0.25), 1e-4);
   EXPECT_NEAR(mixed.tiles_psnr, judgement.psnr, 1e-9);
   EXPECT_GT(mixed.standard_error, 0.001);
+}
+
+TEST(Judge, LooksAtSomeBlocksOfEveryViewIfManyPixelsJudge) {
+  const TrainingSet set = GreySet(24, 640, 480);
+  const JudgingSet judging = ChooseJudgingSet(set, 1);
+  const double all = double(judging.blocks.size() * kRaysPerBlock);
+  ASSERT_GT(all, 2.0 * kMostJudgedPixels);
+  const auto renderer = RendererOfNothing();
+  renderer->SetTargets(set.views, TargetsToJudge(set, judging));
+  const Judgement judgement = Judge(*renderer, judging, glm::vec3(0.25f));
+  EXPECT_NEAR(judgement.psnr, -20 * std::log10(128.0 / 255.0 - 0.25), 1e-4);
+  ASSERT_EQ(judgement.views.size(), set.views.size());
+  double judged = 0;
+  for (const ErrorSum& view : judgement.views) judged += view.rays;
+  EXPECT_LE(judged, double(kMostJudgedPixels));
+  for (size_t v = 0; v < set.views.size(); ++v) {
+    const auto is_of_view = [&](const RayBlock& block) { return block.view == v; };
+    const double of_view =
+        double(std::ranges::count_if(judging.blocks, is_of_view) * kRaysPerBlock);
+    EXPECT_NEAR(judgement.views[v].rays / of_view, judged / all, 0.01) << v;
+  }
 }
 
 TEST(GainBetween, HasNoErrorWhereAllViewsGainAlike) {

@@ -55,7 +55,7 @@ class ReferenceRenderer final : public ProbedRenderer {
     SpreadAll();
     rate_shares_.assign(rows, 1.0f);
     boxes_ = MakeTetBoxes(field_.mesh);
-    scores_.assign(field_.mesh.tets.size(), 0.0);
+    ClearScores();
     sums_ = ReferenceSums(field_);
     forward_.reset();
   }
@@ -180,15 +180,21 @@ class ReferenceRenderer final : public ProbedRenderer {
     SpreadAll();
   }
 
-  void ClearScores() override { scores_.assign(scores_.size(), 0.0); }
+  void ClearScores() override {
+    errors_.assign(field_.mesh.tets.size(), 0.0);
+    light_.assign(field_.mesh.tets.size(), 0.0);
+  }
 
   StepResult AddScores(const TrainingBatch& batch, ScoreKind kind) override {
     return WithResiduals(batch, [&](const BatchRays& rays, const auto& residuals, const auto&) {
-      AddErrorShares<Real>(field_, boxes_, caster_.stop_depth(), rays, residuals, kind, scores_);
+      AddErrorShares<Real>(field_, boxes_, caster_.stop_depth(), rays, residuals, kind, errors_,
+                           light_);
     });
   }
 
-  std::vector<float> ReadScores() override { return {scores_.begin(), scores_.end()}; }
+  TetScores ReadScores() override {
+    return {{errors_.begin(), errors_.end()}, {light_.begin(), light_.end()}};
+  }
 
   void ClearEdgeSums(const MeshEdges& edges) override {
     edges_ = edges;
@@ -295,7 +301,7 @@ class ReferenceRenderer final : public ProbedRenderer {
   std::optional<ForwardedBatch> forward_;
   TrainingTargets targets_;
   std::vector<BlockExposureSums> block_sums_;  // since AddExposureSums
-  std::vector<double> scores_;
+  std::vector<double> errors_, light_;         // of tets
   MeshEdges edges_;
   std::vector<EdgeSums> edge_sums_;
   std::array<StepResult, 2> results_;

@@ -265,17 +265,17 @@ void MarkRowsWithGradients(DeviceField& field, std::span<const double> padded) {
 DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point) {
   const uint64_t sum = SumBytes(fixed_point);
   const bool cells = layout.storage == FieldStorage::kCell;
-  // Rows of 16 bytes: 2 per tet; 2 per vertex and 4 sums; for what has attributes a parameter, two
-  // moments and a sum per component, a rate share, behind colour and density a parameter and a sum
-  // per component (padded to 4) and a moment per attribute, and one row more if that is a tet; 2
-  // per face, and twice as many nodes of 2 as there are faces, at most. View-dependent colours of a
-  // row and their sums for each view of a batch.
+  // Rows of 16 bytes: 2 per tet, beside its scores; 2 per vertex and 4 sums; for what has
+  // attributes a parameter, two moments and a sum per component, a rate share, behind colour and
+  // density a parameter and a sum per component (padded to 4) and a moment per attribute, and one
+  // row more if that is a tet; 2 per face, and twice as many nodes of 2 as there are faces, at
+  // most. View-dependent colours of a row and their sums for each view of a batch.
   const RowPart others = OtherPart(layout);
   const uint64_t views = layout.HarmonicsDegree() > 0 ? kMostViewsOfBatch : 0;
   const uint64_t attributes = kStandardComponents * (3 * 4 + sum) + 4 + others.stride * (4 + sum) +
                               4 * OtherMomentPart(layout).count + (others.count > 0 ? 4 : 0) +
                               views * (16 + kStandardComponents * sum);
-  return {.of_tet = 2 * 16 + sum + (cells ? 16 + attributes : 0),
+  return {.of_tet = 2 * 16 + kScoresPerTet * sum + (cells ? 16 + attributes : 0),
           .of_vertex = 2 * 16 + 4 * sum + (cells ? 0 : attributes),
           .of_face = 2 * 16 + 2 * 2 * 16};
 }
@@ -312,7 +312,8 @@ DeviceField UploadField(const Device& device, TetMesh host_mesh, const FieldStat
       Buffer(device, "field gradients",
              uint64_t{field.row_count} * kStandardComponents * SumBytes(fixed_point), kTexels);
   field.gradients.FillZero();
-  field.tet_scores = Buffer(device, "tet scores", field.tet_count * SumBytes(fixed_point));
+  field.tet_scores =
+      Buffer(device, "tet scores", kScoresPerTet * field.tet_count * SumBytes(fixed_point));
   field.tet_scores.FillZero();
   return field;
 }
@@ -390,11 +391,19 @@ void UploadPositions(DeviceField& field, std::span<const glm::vec3> positions) {
   field.vertices.Upload(VertexRows(field.mesh, field.layout.storage));
 }
 
-std::vector<float> DownloadScores(const DeviceField& field) {
-  if (!field.fixed_point) return field.tet_scores.DownloadAs<float>(field.tet_count);
-  std::vector<float> scores;
-  for (int64_t score : field.tet_scores.DownloadAs<int64_t>(field.tet_count)) {
-    scores.push_back(float(double(score) / kScoreQuanta));
+TetScores DownloadScores(const DeviceField& field) {
+  const size_t count = kScoresPerTet * field.tet_count;
+  TetScores scores;
+  const auto add = [&](const auto& sums, double unit) {
+    for (size_t i = 0; i < count; i += kScoresPerTet) {
+      scores.errors.push_back(float(double(sums[i]) * unit));
+      scores.light.push_back(float(double(sums[i + 1]) * unit));
+    }
+  };
+  if (field.fixed_point) {
+    add(field.tet_scores.DownloadAs<int64_t>(count), 1 / kScoreQuanta);
+  } else {
+    add(field.tet_scores.DownloadAs<float>(count), 1.0);
   }
   return scores;
 }

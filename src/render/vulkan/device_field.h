@@ -3,6 +3,7 @@
 
 #include "field/field_state.h"
 #include "gpu/buffer.h"
+#include "render/training_renderer.h"
 #include "render/vulkan/fixed_point.h"
 
 #include <span>
@@ -74,7 +75,7 @@ void UploadParameters(DeviceField& field, std::span<const float> parameters);
 // Moves the vertices; density and colour are yet to be spread again.
 void UploadPositions(DeviceField& field, std::span<const glm::vec3> positions);
 // Tet scores.
-std::vector<float> DownloadScores(const DeviceField& field);
+TetScores DownloadScores(const DeviceField& field);
 
 // Makes position_gradients, zero, if it is absent.
 void AllocatePositionGradients(const Device& device, DeviceField& field);

@@ -18,8 +18,6 @@ uint32_t NumberOf(ScoreKind kind) {
       return kScoreSquaredResidual;
     case ScoreKind::kAbsoluteResidual:
       return kScoreAbsoluteResidual;
-    case ScoreKind::kVisible:
-      return kScoreVisible;
   }
   return kScoreSquaredResidual;
 }

@@ -229,7 +229,7 @@ class VulkanRenderer final : public ProbedRenderer {
     });
   }
 
-  std::vector<float> ReadScores() override {
+  TetScores ReadScores() override {
     WaitAll();
     return DownloadScores(field_);
   }

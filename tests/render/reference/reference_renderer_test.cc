@@ -44,7 +44,7 @@ struct Lesson {
 struct Learnt {
   FieldState state;
   std::vector<double> losses;
-  std::vector<float> scores;
+  TetScores scores;
 };
 
 // Takes steps over blocks of all views with jitter, then gathers scores.
@@ -98,11 +98,13 @@ TEST_F(RendererTest, ReferenceLearnsWhatTheMarchLearns) {
       // may have either sign: one of 1,188 rays moves a vertex by a thousandth of a step.
       const double tolerance = loss == LossKind::kL2 ? 2e-4 : 2e-3;
       EXPECT_LT(LargestDifference(reference.state.parameters, march.state.parameters), tolerance);
-      double most = 0;
-      for (float score : march.scores) most = std::max(most, double(score));
-      for (size_t t = 0; t < march.scores.size(); ++t) {
+      const double most = *std::max_element(march.scores.errors.begin(), march.scores.errors.end());
+      for (size_t t = 0; t < march.scores.errors.size(); ++t) {
         // Rounding decides if a share of a thousandth counts.
-        EXPECT_NEAR(reference.scores[t], march.scores[t], 1e-3 * most + 5e-3) << "tet " << t;
+        EXPECT_NEAR(reference.scores.errors[t], march.scores.errors[t], 1e-3 * most + 5e-3)
+            << "tet " << t;
+        // And if a share of a hundredth is seen.
+        EXPECT_NEAR(reference.scores.light[t], march.scores.light[t], 2.5e-2) << "tet " << t;
       }
     }
   }
@@ -136,7 +138,8 @@ TEST(ReferenceRenderer, LearnsTheSameBitsOnOneCoreAsOnAll) {
     EXPECT_EQ(LargestDifference(one.state.parameters, all.state.parameters), 0.0);
     EXPECT_EQ(LargestDifference(one.state.second_moment, all.state.second_moment), 0.0);
     EXPECT_EQ(one.losses, all.losses);
-    EXPECT_EQ(one.scores, all.scores);
+    EXPECT_EQ(one.scores.errors, all.scores.errors);
+    EXPECT_EQ(one.scores.light, all.scores.light);
   }
 }
 

@@ -241,7 +241,7 @@ TEST_F(CellMarch, ScoresShareOutTheSquaredResidualOfEveryRay) {
   renderer.ClearScores();
   const std::vector<RayBlock> blocks = BlocksOf(views);
   renderer.AddScores({.blocks = blocks}, ScoreKind::kSquaredResidual);
-  const std::vector<float> scores = renderer.ReadScores();
+  const std::vector<float> scores = renderer.ReadScores().errors;
   const double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
   EXPECT_LE(sum, expected * (1.0 + 1e-4));
   // Shares below 1e-3 are omitted; a ray meets at most 20 tets.

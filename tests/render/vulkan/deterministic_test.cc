@@ -63,6 +63,10 @@ bool SameBits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
+bool SameBits(const TetScores& a, const TetScores& b) {
+  return SameBits(a.errors, b.errors) && SameBits(a.light, b.light);
+}
+
 void ExpectSameBits(const FieldState& a, const FieldState& b) {
   EXPECT_TRUE(SameBits(a.parameters, b.parameters));
   EXPECT_TRUE(SameBits(a.first_moment, b.first_moment));
@@ -78,7 +82,7 @@ void SetGreyTargets(ProbedRenderer& renderer) {
 
 struct Learned {
   FieldState state;
-  std::vector<float> scores;
+  TetScores scores;
 };
 
 // The state of a field after a few steps. `order` selects the order of every step's blocks; steps
@@ -101,7 +105,7 @@ Learned Learn(ProbedRenderer& renderer, uint32_t order, uint32_t read_back_at = 
   }
   renderer.ClearScores();
   renderer.AddScores({.blocks = blocks}, ScoreKind::kSquaredResidual);
-  const std::vector<float> scores = renderer.ReadScores();
+  const TetScores scores = renderer.ReadScores();
   return {renderer.ReadState(), scores};
 }
 

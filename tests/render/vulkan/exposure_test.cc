@@ -245,7 +245,7 @@ TEST_P(ExposureTest, ScoresAreErrorsOfWhatTheViewShows) {
     renderer.SetExposures(TwoExposures());
     renderer.ClearScores();
     renderer.AddScores(BatchOf(blocks, 0), ScoreKind::kSquaredResidual);
-    return renderer.ReadScores();
+    return renderer.ReadScores().errors;
   };
   const std::vector<float> scores = scores_of(MakeRenderer());
   // The score of a ray's tets sums to its squared residual times its opacity.

@@ -285,14 +285,15 @@ TEST_F(RendererTest, ScoresShareOutTheSquaredResidualOfEveryRay) {
     renderer.ClearScores();
     renderer.AddScores({.blocks = blocks, .background_srgb = background},
                        ScoreKind::kSquaredResidual);
-    const std::vector<float> scores = renderer.ReadScores();
+    const std::vector<float> scores = renderer.ReadScores().errors;
     const double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
     EXPECT_LE(sum, expected * (1.0 + 1e-4));
     // Shares below 1e-3 are omitted; a ray meets at most 20 tets.
     EXPECT_GE(sum, expected - 20 * 1e-3 * residuals);
     EXPECT_GT(sum, 0.9 * expected);
     renderer.ClearScores();
-    EXPECT_EQ(renderer.ReadScores(), std::vector<float>(scores.size(), 0.0f));
+    EXPECT_EQ(renderer.ReadScores().errors, std::vector<float>(scores.size(), 0.0f));
+    EXPECT_EQ(renderer.ReadScores().light, std::vector<float>(scores.size(), 0.0f));
   }
 }
 

@@ -398,7 +398,7 @@ TEST_P(TrainingPartsTest, ScoresCanShareOutAbsoluteResiduals) {
                                        std::pair{ScoreKind::kAbsoluteResidual, absolutes}}) {
     renderer.ClearScores();
     renderer.AddScores({.blocks = blocks_}, kind);
-    const std::vector<float> scores = renderer.ReadScores();
+    const std::vector<float> scores = renderer.ReadScores().errors;
     const double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
     EXPECT_LE(sum, expected * (1.0 + 1e-4));
     // Shares below 1e-3 are left out; a ray meets 40 tets at most.
@@ -415,8 +415,8 @@ TEST_P(TrainingPartsTest, ScoresCanCountTheLightThatRaysLose) {
     ++rays;
   }
   renderer.ClearScores();
-  renderer.AddScores({.blocks = blocks_}, ScoreKind::kVisible);
-  const std::vector<float> scores = renderer.ReadScores();
+  renderer.AddScores({.blocks = blocks_}, ScoreKind::kSquaredResidual);
+  const std::vector<float> scores = renderer.ReadScores().light;
   const double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
   EXPECT_LE(sum, light * (1.0 + 1e-4));
   // Shares below 1e-2 are left out; a ray meets 40 tets at most.
