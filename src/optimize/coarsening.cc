@@ -111,6 +111,7 @@ Coarsening::Waiting Coarsening::Save(const std::filesystem::path& file) const {
 }
 
 void Coarsening::PutBack(const Waiting& waiting) {
+  parts_.field.TakeMesh();  // frees the present field before the other one takes memory
   Checkpoint checkpoint = ReadCheckpoint(waiting.file);
   parts_.field.Put(std::move(checkpoint.mesh), std::move(checkpoint.state));
   parts_.motion.Resume(waiting.motion);

@@ -20,41 +20,14 @@ bool IsJudgingTile(uint64_t seed, uint32_t view, uint32_t x, uint32_t y) {
   return Random(seed ^ 0x7D6Eull, tile).Below(kTilesPerJudge) == 0;
 }
 
-class JudgingMap {
- public:
-  JudgingMap(const TrainingSet& set, const JudgingSet& judging) {
-    for (const TargetImage& target : set.targets) {
-      pixels_.emplace_back(size_t(target.width) * target.height, uint8_t{0});
-    }
-    for (const RayBlock& block : judging.blocks) Mark(set.targets[block.view], block);
-  }
-  bool Contains(size_t view, size_t pixel) const { return pixels_[view][pixel] != 0; }
-
- private:
-  void Mark(const TargetImage& target, const RayBlock& block) {
-    const int x_end = std::min(target.width, int(block.x) + kRayBlockWidth);
-    const int y_end = std::min(target.height, int(block.y) + kRayBlockHeight);
-    for (int y = int(block.y); y < y_end; ++y) {
-      for (int x = int(block.x); x < x_end; ++x) {
-        pixels_[block.view][size_t(y) * target.width + x] = 1;
-      }
+void HideBlock(const RayBlock& block, TargetImage& target) {
+  const int x_end = std::min(target.width, int(block.x) + kRayBlockWidth);
+  const int y_end = std::min(target.height, int(block.y) + kRayBlockHeight);
+  for (int y = int(block.y); y < y_end; ++y) {
+    for (int x = int(block.x); x < x_end; ++x) {
+      target.rgba8[size_t(y) * target.width + x] = kNotJudgedTarget;
     }
   }
-
-  std::vector<std::vector<uint8_t>> pixels_;
-};
-
-// The targets where JudgingMap::Contains is `judges`, kNotJudgedTarget elsewhere.
-std::vector<TargetImage> TargetsWhere(const TrainingSet& set, const JudgingSet& judging,
-                                      bool judges) {
-  const JudgingMap map(set, judging);
-  std::vector<TargetImage> targets = set.targets;
-  for (size_t view = 0; view < targets.size(); ++view) {
-    for (size_t i = 0; i < targets[view].rgba8.size(); ++i) {
-      if (map.Contains(view, i) != judges) targets[view].rgba8[i] = kNotJudgedTarget;
-    }
-  }
-  return targets;
 }
 
 // The blocks of rays through the pixels of `blocks`, samples x samples per pixel.
@@ -130,11 +103,9 @@ JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed) {
 }
 
 std::vector<TargetImage> TargetsToLearn(const TrainingSet& set, const JudgingSet& judging) {
-  return TargetsWhere(set, judging, false);
-}
-
-std::vector<TargetImage> TargetsToJudge(const TrainingSet& set, const JudgingSet& judging) {
-  return TargetsWhere(set, judging, true);
+  std::vector<TargetImage> targets = set.targets;
+  for (const RayBlock& block : judging.blocks) HideBlock(block, targets[block.view]);
+  return targets;
 }
 
 Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,

@@ -26,10 +26,9 @@ inline constexpr size_t kLeastViewsToJudge = 24, kViewsPerJudge = 16;
 inline constexpr uint32_t kTilesPerJudge = 32;
 JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed);
 
-// The targets with kNotJudgedTarget where pixels judge, and where they do not. The blocks of whole
-// views are not to be learned from either.
+// The targets with kNotJudgedTarget where pixels judge. The blocks of whole views are not to be
+// learned from either.
 std::vector<TargetImage> TargetsToLearn(const TrainingSet& set, const JudgingSet& judging);
-std::vector<TargetImage> TargetsToJudge(const TrainingSet& set, const JudgingSet& judging);
 
 // The squared error of some rays, of display sRGB in [0, 1], averaged over the channels.
 struct ErrorSum {
@@ -48,7 +47,7 @@ struct Judgement {
   std::vector<ErrorSum> views;            // each view that judges
 };
 
-// The renderer's targets are TargetsToJudge. `background_srgb`: behind field and targets.
+// The renderer's targets are those of the set. `background_srgb`: behind field and targets.
 // `samples`: TrainingBatch::samples. If more than kMostJudgedPixels judge, each view is judged by
 // blocks at regular distances, because those of a tile are wrong together.
 inline constexpr size_t kMostJudgedPixels = size_t{1} << 17;

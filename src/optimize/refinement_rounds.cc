@@ -35,12 +35,11 @@ GrowthStep StepOf(double seconds, uint64_t iteration, const TetMesh& mesh) {
 }
 
 RefinementRounds::RefinementRounds(const OptimizeOptions& options, std::vector<PlannedRound> plan,
-                                   const RefinedParts& parts, std::filesystem::path best_file,
-                                   uint64_t max_tets)
+                                   const RefinedParts& parts, RoundsFiles files, uint64_t max_tets)
     : options_(options),
       plan_(std::move(plan)),
       parts_(parts),
-      best_file_(std::move(best_file)),
+      files_(std::move(files)),
       max_tets_(max_tets) {}
 
 void RefinementRounds::Resume(RoundsState state) {
@@ -130,15 +129,20 @@ bool RefinementRounds::LastRoundGained() const {
 
 void RefinementRounds::SaveBest(double psnr) {
   state_.best_psnr = psnr;
-  Checkpoint best;
-  best.mesh = parts_.field.mesh();
-  best.state = parts_.field.ReadState();
-  WriteCheckpoint(best_file_, best);
+  SaveField(files_.best);
+}
+
+void RefinementRounds::SaveField(const std::filesystem::path& file) const {
+  Checkpoint checkpoint;
+  checkpoint.mesh = parts_.field.mesh();
+  checkpoint.state = parts_.field.ReadState();
+  WriteCheckpoint(file, checkpoint);
 }
 
 // The mesh stays as it was then.
 void RefinementRounds::ReturnToBest(double psnr) {
-  Checkpoint best = ReadCheckpoint(best_file_);
+  parts_.field.TakeMesh();  // frees the present field before the other one takes memory
+  Checkpoint best = ReadCheckpoint(files_.best);
   LogInfo(
       "round {} lost {:.2f} dB on the judging pictures: returns to {} vertices and refines no more",
       state_.rounds, state_.best_psnr - psnr, WithThousands(best.mesh.positions.size()));
@@ -148,22 +152,26 @@ void RefinementRounds::ReturnToBest(double psnr) {
 
 // None if no refined mesh was found that the budget allows; the field is then as before. The number
 // of tets is known only once the points are triangulated, so a few numbers of vertices are tried.
+// Meanwhile the mesh waits on disk: memory is scarcest during a triangulation.
 std::optional<RefineResult> RefinementRounds::RefineWithinBudget(const FieldState& before,
                                                                  const RefineScores& scores,
                                                                  RefineOptions refine) {
   if (max_tets_ == kNoBudget) return Refine(parts_.field.TakeMesh(), before, scores, refine);
   constexpr int kMostTries = 4;
   constexpr double kMargin = 0.99;
+  SaveField(files_.unrefined);
   TetMesh mesh = parts_.field.TakeMesh();
   uint64_t tets = mesh.tets.size(), vertices = mesh.positions.size();
   for (int i = 0; i < kMostTries; ++i) {
     const double affordable = double(max_tets_) / double(tets) * double(vertices);
     const double allowed = i == 0 ? affordable : kMargin * affordable;
     refine.max_vertices = std::min(refine.max_vertices, uint64_t(allowed));
-    RefineResult result = Refine(mesh, before, scores, refine);
+    RefineResult result = Refine(std::move(mesh), before, scores, refine);
     tets = result.mesh.tets.size();
     vertices = result.mesh.positions.size();
     if (tets <= max_tets_) return result;
+    result = {};
+    mesh = ReadCheckpoint(files_.unrefined).mesh;
   }
   parts_.field.Put(std::move(mesh), before);
   return {};

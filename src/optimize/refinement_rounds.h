@@ -42,12 +42,17 @@ struct RefinedParts {
   TrainingRenderer& renderer;
 };
 
+// Fields that wait on disk.
+struct RoundsFiles {
+  std::filesystem::path best;
+  std::filesystem::path unrefined;  // while a refinement may turn out too large for the budget
+};
+
 class RefinementRounds {
  public:
-  // `best_file`: keeps the best field on disk. The mesh never exceeds `max_tets`.
+  // The mesh never exceeds `max_tets`.
   RefinementRounds(const OptimizeOptions& options, std::vector<PlannedRound> plan,
-                   const RefinedParts& parts, std::filesystem::path best_file,
-                   uint64_t max_tets = kNoBudget);
+                   const RefinedParts& parts, RoundsFiles files, uint64_t max_tets = kNoBudget);
 
   // Once steps() has been resumed.
   void Resume(RoundsState state);
@@ -78,13 +83,14 @@ class RefinementRounds {
   std::optional<RefineResult> RefineWithinBudget(const FieldState& before,
                                                  const RefineScores& scores, RefineOptions refine);
   void SaveBest(double psnr);
+  void SaveField(const std::filesystem::path& file) const;
   void ReturnToBest(double psnr);
   void RefineOnce();
 
   const OptimizeOptions& options_;
   std::vector<PlannedRound> plan_;
   RefinedParts parts_;
-  std::filesystem::path best_file_;
+  RoundsFiles files_;
   uint64_t max_tets_;
   RoundsState state_;
   uint64_t last_iteration_ = 0;  // at the last round, or when the run was resumed

@@ -119,7 +119,7 @@ class Trainer {
         rounds_(options,
                 PlanRounds(options, start.positions.size(), max_vertices_, pictures_.set().pixels),
                 {field_, motion_, pictures_, batches_, steps_, *renderer_},
-                stage.Scratch("best.bin"), max_tets_),
+                {stage.Scratch("best.bin"), stage.Scratch("unrefined.bin")}, max_tets_),
         coarsening_(options, {field_, motion_, pictures_, batches_, steps_, *renderer_}, rounds_,
                     stage.Scratch("finer.bin"), stage.Scratch("coarser.bin")),
         checkpoint_path_(stage.Scratch(kCheckpointFile)) {}

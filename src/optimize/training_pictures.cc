@@ -23,7 +23,7 @@ void TrainingPictures::EndJudgingIfDue(double progress) {
 }
 
 Judgement TrainingPictures::JudgeField(int samples) {
-  renderer_.SetTargets(set_.views, TargetsToJudge(set_, judging_));
+  renderer_.SetTargets(set_.views, set_.targets);
   const Judgement judgement = Judge(renderer_, judging_, background_srgb_, samples);
   ChooseLearned(learns_all_);
   return judgement;

@@ -36,6 +36,7 @@ constexpr double kStiffness = 5, kRest = 0.002;
 constexpr double kHold = 1;
 constexpr int kMostHolds = 5;  // times that folds are looked for in a round
 constexpr int kRelaxations = 100;
+constexpr int kRelaxationsAfterHold = 30;  // few vertices have to change
 
 // The photos that see a vertex best, at most kMostPhotos.
 struct Onlookers {
@@ -138,15 +139,13 @@ double MeanAround(size_t v, const TriangleMesh& mesh, const VertexFans& fans,
   return sum / (2 * double(fan.size()));
 }
 
-// (V) Displacements [footprints] between those of the neighbours, the peaks and 0, by Gauss-Seidel.
-// Peaks that are some `scale` away from what the neighbours want count little (Geman and McClure's
-// estimator): the photos agree on a wrong place there.
-std::vector<double> Relax(const TriangleMesh& mesh, const VertexFans& fans,
-                          std::span<const Peak> peaks, const std::vector<double>& rest,
-                          double scale) {
-  std::vector<double> displacement(peaks.size());
-  for (size_t v = 0; v < peaks.size(); ++v) displacement[v] = peaks[v].place;
-  for (int round = 0; round < kRelaxations; ++round) {
+// Moves the displacements [footprints] of the vertices towards those of the neighbours, the peaks
+// and 0, by Gauss-Seidel. Peaks that are some `scale` away from what the neighbours want count
+// little (Geman and McClure's estimator): the photos agree on a wrong place there.
+void Relax(const TriangleMesh& mesh, const VertexFans& fans, std::span<const Peak> peaks,
+           const std::vector<double>& rest, double scale, int rounds,
+           std::vector<double>& displacement) {
+  for (int round = 0; round < rounds; ++round) {
     for (size_t v = 0; v < peaks.size(); ++v) {
       if (fans.At(v).empty()) continue;
       const double mean = MeanAround(v, mesh, fans, displacement);
@@ -156,7 +155,6 @@ std::vector<double> Relax(const TriangleMesh& mesh, const VertexFans& fans,
           (weight * peaks[v].place + kStiffness * mean) / (weight + kStiffness + rest[v]);
     }
   }
-  return displacement;
 }
 
 // Holds the corners of triangles that `after` turns over; false if all of these are held already.
@@ -215,10 +213,13 @@ AlignedSurface AlignWithPhotos(TriangleMesh start, std::span<TexturePhoto> photo
     const std::vector<glm::dvec3> normals = SmoothNormals(moved, kNormalRounds);
     const std::vector<Peak> peaks = FindPeaks(moved, normals, onlookers, patches, step_px);
     for (size_t v = 0; v < peaks.size(); ++v) agreed[v] = agreed[v] || peaks[v].weight > 0;
+    std::vector<double> displacement;
+    for (const Peak& peak : peaks) displacement.push_back(peak.place);
     TriangleMesh next;
     for (int hold = 0; hold < kMostHolds; ++hold) {
-      next =
-          Displaced(moved, Relax(start, fans, peaks, rest, step_px), footprints, normals, border);
+      Relax(start, fans, peaks, rest, step_px, hold == 0 ? kRelaxations : kRelaxationsAfterHold,
+            displacement);
+      next = Displaced(moved, displacement, footprints, normals, border);
       if (!HoldFolds(start, next, rest)) break;
     }
     moved = std::move(next);

@@ -1,6 +1,7 @@
 // Bilateral filtering of normals, and vertices that follow.
 #include "surface/smooth.h"
 
+#include "core/parallel.h"
 #include "surface/step_back.h"
 #include "surface/vertex_fans.h"
 #include "surface/vertex_normals.h"
@@ -13,6 +14,7 @@ namespace tetrec {
 namespace {
 
 constexpr int kVertexRounds = 20;  // in which vertices follow the normals
+constexpr size_t kGrain = 4096;
 
 std::vector<glm::dvec3> FilteredNormals(const TriangleMesh& mesh, const VertexFans& fans,
                                         const SmoothOptions& options) {
@@ -26,18 +28,20 @@ std::vector<glm::dvec3> FilteredNormals(const TriangleMesh& mesh, const VertexFa
   const double per_squared = -0.5 / (options.edge_width * options.edge_width);
   for (int round = 0; round < options.rounds; ++round) {
     std::vector<glm::dvec3> filtered = normals;
-    for (size_t t = 0; t < normals.size(); ++t) {
-      glm::dvec3 sum(0.0);
-      for (int k = 0; k < 3; ++k) {
-        for (const uint32_t other : fans.At(mesh.triangles[t][k])) {
-          const glm::dvec3 difference = normals[other] - normals[t];
-          sum += areas[other] * std::exp(per_squared * glm::dot(difference, difference)) *
-                 normals[other];
+    ParallelFor(normals.size(), kGrain, [&](size_t begin, size_t end) {
+      for (size_t t = begin; t < end; ++t) {
+        glm::dvec3 sum(0.0);
+        for (int k = 0; k < 3; ++k) {
+          for (const uint32_t other : fans.At(mesh.triangles[t][k])) {
+            const glm::dvec3 difference = normals[other] - normals[t];
+            sum += areas[other] * std::exp(per_squared * glm::dot(difference, difference)) *
+                   normals[other];
+          }
         }
+        const double length = glm::length(sum);
+        if (length > 0) filtered[t] = sum / length;
       }
-      const double length = glm::length(sum);
-      if (length > 0) filtered[t] = sum / length;
-    }
+    });
     normals = std::move(filtered);
   }
   return normals;
@@ -57,17 +61,19 @@ TriangleMesh SmoothByNormals(TriangleMesh mesh, const SmoothOptions& options) {
     for (const glm::uvec3& t : mesh.triangles) {
       centers.push_back((positions[t.x] + positions[t.y] + positions[t.z]) / 3.0);
     }
-    for (size_t v = 0; v < positions.size(); ++v) {
-      if (border[v] || fans.At(v).empty()) continue;
-      glm::dvec3 move(0.0);
-      for (const uint32_t t : fans.At(v)) {
-        move += normals[t] * glm::dot(normals[t], centers[t] - positions[v]);
+    ParallelFor(positions.size(), kGrain, [&](size_t begin, size_t end) {
+      for (size_t v = begin; v < end; ++v) {
+        if (border[v] || fans.At(v).empty()) continue;
+        glm::dvec3 move(0.0);
+        for (const uint32_t t : fans.At(v)) {
+          move += normals[t] * glm::dot(normals[t], centers[t] - positions[v]);
+        }
+        glm::dvec3 offset = positions[v] + move / double(fans.At(v).size()) - start[v];
+        const double length = glm::length(offset);
+        if (length > options.max_move) offset *= options.max_move / length;
+        positions[v] = start[v] + offset;
       }
-      glm::dvec3 offset = positions[v] + move / double(fans.At(v).size()) - start[v];
-      const double length = glm::length(offset);
-      if (length > options.max_move) offset *= options.max_move / length;
-      positions[v] = start[v] + offset;
-    }
+    });
   }
   TriangleMesh moved = mesh;
   for (size_t v = 0; v < positions.size(); ++v) moved.positions[v] = glm::vec3(positions[v]);

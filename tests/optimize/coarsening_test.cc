@@ -21,7 +21,8 @@ struct GrownRun {
   const ScratchFolder folder;
   SmallRun run;
   RefinedParts parts{run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer};
-  RefinementRounds rounds{run.options, {{0.1, 1000}}, parts, folder / "best.bin"};
+  RefinementRounds rounds{
+      run.options, {{0.1, 1000}}, parts, {folder / "best.bin", folder / "unrefined.bin"}};
   Coarsening coarsening{run.options, parts, rounds, folder / "finer.bin", folder / "coarser.bin"};
 };
 

@@ -59,13 +59,19 @@ TEST(JudgingSet, PartsEveryPixelBetweenLearningAndJudging) {
   const TrainingSet set = GreySet(24, 70, 50);  // not a multiple of tiles or blocks
   const JudgingSet judging = ChooseJudgingSet(set, 3);
   const std::vector<TargetImage> learn = TargetsToLearn(set, judging);
-  const std::vector<TargetImage> judge = TargetsToJudge(set, judging);
+  std::vector<std::vector<bool>> judge(set.targets.size(), std::vector<bool>(70 * 50, false));
+  for (const RayBlock& block : judging.blocks) {
+    for (uint32_t y = block.y; y < std::min(block.y + kRayBlockHeight, 50u); ++y) {
+      for (uint32_t x = block.x; x < std::min(block.x + kRayBlockWidth, 70u); ++x) {
+        judge[block.view][y * 70 + x] = true;
+      }
+    }
+  }
   size_t judged = 0;
   for (size_t v = 0; v < set.targets.size(); ++v) {
     for (size_t i = 0; i < set.targets[v].rgba8.size(); ++i) {
-      const bool learns = learn[v].rgba8[i] == kGrey, judges = judge[v].rgba8[i] == kGrey;
-      EXPECT_NE(learns, judges);
-      EXPECT_EQ(learns ? judge[v].rgba8[i] : learn[v].rgba8[i], kNotJudgedTarget);
+      const bool judges = judge[v][i];
+      EXPECT_EQ(learn[v].rgba8[i], judges ? kNotJudgedTarget : kGrey);
       if (judging.is_whole[v]) {  // a chessboard of tiles
         EXPECT_EQ(judges, (i % 70 / 16 + i / 70 / 16) % 2 == 0);
       }
@@ -103,7 +109,7 @@ TEST(Judge, GivesThePsnrOfTheJudgingPixelsAndItsStandardError) {
   const JudgingSet judging = ChooseJudgingSet(set, 1);
   ASSERT_EQ(std::count(judging.is_whole.begin(), judging.is_whole.end(), uint8_t{1}), 1);
   const auto renderer = RendererOfNothing();
-  renderer->SetTargets(set.views, TargetsToJudge(set, judging));
+  renderer->SetTargets(set.views, set.targets);
 
   const double residual = 128.0 / 255.0 - 0.25;
   const Judgement judgement = Judge(*renderer, judging, glm::vec3(0.25f));
@@ -118,7 +124,7 @@ TEST(Judge, GivesThePsnrOfTheJudgingPixelsAndItsStandardError) {
       set.targets[v].rgba8.assign(set.targets[v].rgba8.size(), 0xFF000000u);
     }
   }
-  renderer->SetTargets(set.views, TargetsToJudge(set, judging));
+  renderer->SetTargets(set.views, set.targets);
   const Judgement mixed = Judge(*renderer, judging, glm::vec3(0.25f));
   EXPECT_NEAR(mixed.views_psnr, -20 * std::log10(0.25), 1e-4);
   EXPECT_NEAR(mixed.tiles_psnr, judgement.psnr, 1e-9);
@@ -131,7 +137,7 @@ TEST(Judge, LooksAtSomeBlocksOfEveryViewIfManyPixelsJudge) {
   const double all = double(judging.blocks.size() * kRaysPerBlock);
   ASSERT_GT(all, 2.0 * kMostJudgedPixels);
   const auto renderer = RendererOfNothing();
-  renderer->SetTargets(set.views, TargetsToJudge(set, judging));
+  renderer->SetTargets(set.views, set.targets);
   const Judgement judgement = Judge(*renderer, judging, glm::vec3(0.25f));
   EXPECT_NEAR(judgement.psnr, -20 * std::log10(128.0 / 255.0 - 0.25), 1e-4);
   ASSERT_EQ(judgement.views.size(), set.views.size());

@@ -19,7 +19,7 @@ class RefinementRoundsTest : public ::testing::Test {
       run_.options,
       plan_,
       {run_.field, run_.motion, run_.pictures, run_.batches, run_.steps, *run_.renderer},
-      folder_ / "best.bin"};
+      {folder_ / "best.bin", folder_ / "unrefined.bin"}};
   size_t vertices() const { return run_.field.mesh().positions.size(); }
 };
 
@@ -123,7 +123,7 @@ TEST_F(RefinementRoundsTest, AreAllDoneWhereTheOptionsAskForThem) {
     RefinementRounds rounds(
         run.options, plan_,
         {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
-        folder / "best.bin");
+        {folder / "best.bin", folder / "unrefined.bin"});
     for (uint32_t round = 1; round <= plan_.size(); ++round) {
       run.PutField(0.3);
       rounds.Advance(0.0);
@@ -147,7 +147,7 @@ TEST_F(RefinementRoundsTest, NeverExceedTheBudget) {
       RefinementRounds rounds(
           run.options, {{0.1, 2000}, {0.2, 4000}},
           {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
-          folder / "best.bin", bound);
+          {folder / "best.bin", folder / "unrefined.bin"}, bound);
       while (!rounds.IsOver()) {
         rounds.Advance(0.0);
         EXPECT_LE(run.field.mesh().tets.size(), bound);
@@ -205,7 +205,7 @@ TEST(RefinementRounds, OfSchemesThatSplitLeaveThePictureAsItIs) {
     RefinementRounds rounds(
         run.options, {{0.1, 2000}},
         {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
-        folder / "best.bin");
+        {folder / "best.bin", folder / "unrefined.bin"});
     run.PutField(0.2);
     const size_t before = run.field.mesh().positions.size();
     rounds.Advance(0.0);

@@ -14,15 +14,25 @@ void TrainingViews::SetTargets(std::span<const RenderView> views,
   TETREC_CHECK(views.size() == targets.size(), "one target per view");
   views_.assign(views.begin(), views.end());
   first_pixels_.clear();
-  std::vector<uint32_t> pixels;
+  uint64_t pixels = 0;
   for (size_t i = 0; i < views.size(); ++i) {
     TETREC_CHECK(
         views[i].camera.width == targets[i].width && views[i].camera.height == targets[i].height,
         fmt::format("target {} and its camera differ in size", i));
-    first_pixels_.push_back(uint32_t(pixels.size()));
-    pixels.insert(pixels.end(), targets[i].rgba8.begin(), targets[i].rgba8.end());
+    first_pixels_.push_back(uint32_t(pixels));
+    pixels += targets[i].rgba8.size();
   }
-  targets_ = MakeBuffer(device_, "target pictures", pixels, VK_FORMAT_R8G8B8A8_UNORM);
+  const uint64_t bytes = pixels * sizeof(uint32_t);
+  if (targets_.bytes() != bytes) {
+    targets_ = {};  // frees the old ones before the new ones take memory
+    targets_ = Buffer(device_, "target pictures", bytes, VK_FORMAT_R8G8B8A8_UNORM);
+  }
+  for (size_t i = 0; i < targets.size(); ++i) {
+    const std::vector<uint32_t>& rgba8 = targets[i].rgba8;
+    if (rgba8.empty()) continue;
+    targets_.Upload(rgba8.data(), rgba8.size() * sizeof(uint32_t),
+                    first_pixels_[i] * sizeof(uint32_t));
+  }
 }
 
 void TrainingViews::EnterField(const DeviceField& field) {
