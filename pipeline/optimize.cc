@@ -147,8 +147,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   app.add_option("--score-rays", options.score_rays_per_tet,
                  "Rays per tet that gather the errors for a refinement")
       ->check(tetrec::AboveZero());
-  app.add_option("--watched-views", options.watched_views,
-                 "Held-out views whose PSNR is recorded in metrics.csv")
+  app.add_option(
+         "--watched-views", options.watched_views,
+         "Held-out views whose PSNR is recorded in metrics.csv: during the run that of up to "
+         "40,000 of their pixels, at the end that of all")
       ->check(CLI::Range(0, 1000));
   app.add_flag("--deterministic", options.renderer.deterministic,
                "Give the same bytes for any number of threads and after a resume, a little slower; "

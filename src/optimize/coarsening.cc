@@ -3,7 +3,7 @@
 
 #include "core/log.h"
 #include "core/progress.h"
-#include "optimize/checkpoint.h"
+#include "optimize/field_on_disk.h"
 #include "optimize/refine_scores.h"
 #include "refine/refine.h"
 
@@ -103,17 +103,12 @@ uint64_t Coarsening::StepsOfTrial() const {
 }
 
 Coarsening::Waiting Coarsening::Save(const std::filesystem::path& file) const {
-  Checkpoint checkpoint;
-  checkpoint.mesh = parts_.field.mesh();
-  checkpoint.state = parts_.field.ReadState();
-  WriteCheckpoint(file, checkpoint);
+  SaveField(file, parts_.field);
   return {file, parts_.motion.state()};
 }
 
 void Coarsening::PutBack(const Waiting& waiting) {
-  parts_.field.TakeMesh();  // frees the present field before the other one takes memory
-  Checkpoint checkpoint = ReadCheckpoint(waiting.file);
-  parts_.field.Put(std::move(checkpoint.mesh), std::move(checkpoint.state));
+  RestoreField(waiting.file, parts_.field);
   parts_.motion.Resume(waiting.motion);
 }
 

@@ -44,7 +44,7 @@ std::vector<RayBlock> BlocksOfRays(std::span<const RayBlock> blocks, int samples
   return rays;
 }
 
-// Every n-th block, n being odd, so that all columns of the tiles of four blocks are met.
+// Every n-th block. An odd n visits all columns of a tile, which is four blocks wide.
 std::vector<RayBlock> EveryNth(std::span<const RayBlock> blocks, size_t n) {
   std::vector<RayBlock> some;
   for (size_t i = n / 2; i < blocks.size(); i += n) some.push_back(blocks[i]);

@@ -48,8 +48,8 @@ struct Judgement {
 };
 
 // The renderer's targets are those of the set. `background_srgb`: behind field and targets.
-// `samples`: TrainingBatch::samples. If more than kMostJudgedPixels judge, each view is judged by
-// blocks at regular distances, because those of a tile are wrong together.
+// `samples`: TrainingBatch::samples. If there are more than kMostJudgedPixels judging pixels, only
+// every n-th block of each view is rendered: the errors of neighbours are alike.
 inline constexpr size_t kMostJudgedPixels = size_t{1} << 17;
 Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
                 const glm::vec3& background_srgb, int samples = 1);

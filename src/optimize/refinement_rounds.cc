@@ -7,9 +7,9 @@
 #include "core/timer.h"
 #include "optimize/checkpoint.h"
 #include "optimize/error_look.h"
+#include "optimize/field_on_disk.h"
 #include "optimize/refine_scores.h"
 #include "refine/refine.h"
-#include "render/seen_colors.h"
 
 #include <fmt/format.h>
 
@@ -129,25 +129,15 @@ bool RefinementRounds::LastRoundGained() const {
 
 void RefinementRounds::SaveBest(double psnr) {
   state_.best_psnr = psnr;
-  SaveField(files_.best);
-}
-
-void RefinementRounds::SaveField(const std::filesystem::path& file) const {
-  Checkpoint checkpoint;
-  checkpoint.mesh = parts_.field.mesh();
-  checkpoint.state = parts_.field.ReadState();
-  WriteCheckpoint(file, checkpoint);
+  SaveField(files_.best, parts_.field);
 }
 
 // The mesh stays as it was then.
 void RefinementRounds::ReturnToBest(double psnr) {
-  parts_.field.TakeMesh();  // frees the present field before the other one takes memory
-  Checkpoint best = ReadCheckpoint(files_.best);
+  RestoreField(files_.best, parts_.field);
   LogInfo(
       "round {} lost {:.2f} dB on the judging pictures: returns to {} vertices and refines no more",
-      state_.rounds, state_.best_psnr - psnr, WithThousands(best.mesh.positions.size()));
-  parts_.field.Put(std::move(best.mesh),
-                   WithHarmonics(best.state, parts_.field.harmonics_degree()));
+      state_.rounds, state_.best_psnr - psnr, WithThousands(parts_.field.mesh().positions.size()));
 }
 
 // None if no refined mesh was found that the budget allows; the field is then as before. The number
@@ -159,7 +149,7 @@ std::optional<RefineResult> RefinementRounds::RefineWithinBudget(const FieldStat
   if (max_tets_ == kNoBudget) return Refine(parts_.field.TakeMesh(), before, scores, refine);
   constexpr int kMostTries = 4;
   constexpr double kMargin = 0.99;
-  SaveField(files_.unrefined);
+  SaveField(files_.unrefined, parts_.field);
   TetMesh mesh = parts_.field.TakeMesh();
   uint64_t tets = mesh.tets.size(), vertices = mesh.positions.size();
   for (int i = 0; i < kMostTries; ++i) {

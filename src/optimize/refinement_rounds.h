@@ -83,7 +83,6 @@ class RefinementRounds {
   std::optional<RefineResult> RefineWithinBudget(const FieldState& before,
                                                  const RefineScores& scores, RefineOptions refine);
   void SaveBest(double psnr);
-  void SaveField(const std::filesystem::path& file) const;
   void ReturnToBest(double psnr);
   void RefineOnce();
 

@@ -14,28 +14,26 @@ namespace {
 
 constexpr int kSamples = 2;  // kSamples x kSamples rays per pixel
 
-// Of the rows and columns of a picture, every stride-th one counts, from here on.
-int FirstOfStride(int stride) { return (stride - 1) / 2; }
+// The first of every stride-th row or column of a picture, and their number, which is at least 1.
+int FirstOfStride(int size, int stride) { return (std::min(size, stride) - 1) / 2; }
 
 int CountOfStride(int size, int stride) {
-  return std::max((size - FirstOfStride(stride) + stride - 1) / stride, 1);
+  return (size - FirstOfStride(size, stride) + stride - 1) / stride;
 }
 
 Image Thinned(const Image& image, int stride) {
   Image thinned = MakeImage(CountOfStride(image.width, stride), CountOfStride(image.height, stride),
                             image.channels);
+  const int left = FirstOfStride(image.width, stride), top = FirstOfStride(image.height, stride);
   for (int y = 0; y < thinned.height; ++y) {
     for (int x = 0; x < thinned.width; ++x) {
-      const uint8_t* pixel =
-          image.At(std::min(FirstOfStride(stride) + stride * x, image.width - 1),
-                   std::min(FirstOfStride(stride) + stride * y, image.height - 1));
-      std::copy_n(pixel, image.channels, thinned.At(x, y));
+      std::copy_n(image.At(left + stride * x, top + stride * y), image.channels, thinned.At(x, y));
     }
   }
   return thinned;
 }
 
-// As Renderer::Render with kSamples of the thinned picture's pixels.
+// The thinned picture, with kSamples x kSamples rays in each of its pixels.
 RenderedImage RenderThinned(Renderer& renderer, const RenderView& view, int stride) {
   if (stride == 1) return renderer.Render(view, kSamples);
   constexpr int kPlaces = kSamples * kSamples;
@@ -103,15 +101,15 @@ int StrideFor(const WatchedViews& watched, uint64_t pixels) {
 }
 
 Camera ThinnedCamera(const Camera& camera, int stride, const glm::dvec2& place) {
-  const auto moved = [&](double center, double at) {
-    return (center - FirstOfStride(stride) - at) / stride + 0.5;
+  const auto moved = [&](double center, int size, double at) {
+    return (center - FirstOfStride(size, stride) - at) / stride + 0.5;
   };
   return {CountOfStride(camera.width, stride),
           CountOfStride(camera.height, stride),
           camera.fx / stride,
           camera.fy / stride,
-          moved(camera.cx, place.x),
-          moved(camera.cy, place.y)};
+          moved(camera.cx, camera.width, place.x),
+          moved(camera.cy, camera.height, place.y)};
 }
 
 }  // namespace tetrec

@@ -25,14 +25,14 @@ struct WatchedViews {
 std::vector<int> ChooseWatchedViews(const Scene& scene, int count);
 
 // Mean over the views of the PSNR of 8-bit images, RGB over the background, 4 rays per pixel, with
-// the field that the renderer has. Of the pixels in every `stride`-th row and column.
+// the field that the renderer has. Only pixels in every `stride`-th row and column are rendered.
 double WatchPsnr(const WatchedViews& watched, int stride = 1);
 
 // The least stride that leaves no more than `pixels` pixels of all watched views.
 int StrideFor(const WatchedViews& watched, uint64_t pixels);
 
-// The camera whose pixels have their centres where those in every `stride`-th row and column of
-// another camera have the point `place` ([0, 1], from the pixel's corner).
+// A camera with one pixel for each pixel in every `stride`-th row and column of `camera`. Its pixel
+// centres lie at `place` of those pixels, in [0, 1] from the corner.
 Camera ThinnedCamera(const Camera& camera, int stride, const glm::dvec2& place);
 
 }  // namespace tetrec

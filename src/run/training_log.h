@@ -18,7 +18,8 @@ struct TrainingRow {
   double seconds = 0;  // of optimisation
   uint64_t rays = 0;   // so far
   std::optional<double> loss;
-  std::optional<double> train_psnr, heldout_psnr;  // [dB]
+  // [dB]. While a run goes on, that of the watched views is of some of their pixels.
+  std::optional<double> train_psnr, heldout_psnr;
   uint64_t tets = 0, vertices = 0;
   std::string phase;                        // "optimise", or "end" in the last row
   std::optional<uint64_t> degenerate_tets;  // flat or inside out, where moves may make such

@@ -32,6 +32,12 @@ TEST(ThinnedCamera, HasItsPixelsInEveryNthRowAndColumn) {
   }
 }
 
+TEST(ThinnedCamera, StaysInAPictureThatIsLowerThanTheStride) {
+  const Camera thinned = ThinnedCamera({100, 2, 50.0, 50.0, 50.0, 1.0}, 9, {0.5, 0.5});
+  EXPECT_EQ(thinned.height, 1);
+  EXPECT_NEAR((0.5 - thinned.cy) / thinned.fy, (0.5 - 1.0) / 50.0, 1e-12);  // row 0
+}
+
 // Photos that are pictures of the field itself, so that a pixel in the wrong place is a loss.
 struct WatchedBox {
   WatchedBox() {

@@ -1,0 +1,24 @@
+// Fields that wait on disk, in the format of a checkpoint.
+#include "optimize/field_on_disk.h"
+
+#include "optimize/checkpoint.h"
+#include "render/seen_colors.h"
+
+#include <utility>
+
+namespace tetrec {
+
+void SaveField(const std::filesystem::path& file, const FittedField& field) {
+  Checkpoint checkpoint;
+  checkpoint.mesh = field.mesh();
+  checkpoint.state = field.ReadState();
+  WriteCheckpoint(file, checkpoint);
+}
+
+void RestoreField(const std::filesystem::path& file, FittedField& field) {
+  field.TakeMesh();
+  Checkpoint checkpoint = ReadCheckpoint(file);
+  field.Put(std::move(checkpoint.mesh), WithHarmonics(checkpoint.state, field.harmonics_degree()));
+}
+
+}  // namespace tetrec

@@ -1,0 +1,17 @@
+// Fields that wait on disk while a run tries another one.
+#pragma once
+
+#include "optimize/fitted_field.h"
+
+#include <filesystem>
+
+namespace tetrec {
+
+// Writes mesh and state, with moments.
+void SaveField(const std::filesystem::path& file, const FittedField& field);
+
+// Replaces the field by a saved one, which gets the present field's degree of harmonics. The
+// present field is freed before the other one takes memory.
+void RestoreField(const std::filesystem::path& file, FittedField& field);
+
+}  // namespace tetrec
