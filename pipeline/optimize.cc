@@ -32,6 +32,11 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
                  "Initial learning rate of the coefficients of harmonics [display sRGB]")
       ->check(tetrec::AboveZero());
   app.add_option(
+         "--sh-decay", options.harmonics_decay,
+         "Share by which the coefficients of harmonics at visible vertices decay in a step, "
+         "per unit of their learning rate")
+      ->check(CLI::Range(0.0, 10.0));
+  app.add_option(
          "--density-rate", options.density_rate,
          "Initial learning rate of density's parameter: its logarithm, or of signed density "
          "asinh(value / scale)")
@@ -167,7 +172,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
                {"--rays", "--loss", "--jitter", "--subject-share", "--background", "--fine-rays",
                 "--judging-pictures", "--watched-views"});
   GroupOptions(app, "Field",
-               {"--storage", "--density", "--max-density", "--density-decay", "--sh",
+               {"--storage", "--density", "--max-density", "--density-decay", "--sh", "--sh-decay",
                 "--camera-space", "--seen-space"});
   GroupOptions(
       app, "Learning rates",

@@ -52,6 +52,7 @@ uint UpdateAttribute(int kind, uint row, uint number, uint begin) {
     at += 1u;
   }
   float rate = 0.0;
+  float decay = rate_class == kRateHarmonics ? rate_shares[row] * push.harmonics_decay : 0.0;
   TETREC_RARELY(squares > 0.0) {
     uint moment = row * push.moment_stride + number;
     float second = SharedMoment(moments[moment], squares / float(kind & 255), push.beta2);
@@ -60,7 +61,7 @@ uint UpdateAttribute(int kind, uint row, uint number, uint begin) {
   }
   at = begin;
   while (at < end) {
-    precise float next = parameters[at] - rate * GradientAt(at, activation, rate_class);
+    precise float next = SharedStep(parameters[at], decay, rate, GradientAt(at, activation, rate_class));
     if (squares > 0.0) parameters[at] = ClampParameter(activation, next, push.least_log, push.largest_log);
     other_gradients[at] = Sum(0);
     at += 1u;

@@ -41,8 +41,9 @@ float Squares() {
   return squares;
 }
 
-void MoveTexel(uint texel, float rate, vec4 gradient) {
-  precise vec4 next = texelFetch(harmonics, int(texel)) - rate * gradient;
+void MoveTexel(uint texel, float decay, float rate, vec4 gradient) {
+  vec4 before = texelFetch(harmonics, int(texel));
+  precise vec4 next = before - (decay * before + rate * gradient);  // SharedStep
   uint at = 4u * texel;
   parameters[at] = next.x;
   parameters[at + 1u] = next.y;
@@ -53,9 +54,9 @@ void MoveTexel(uint texel, float rate, vec4 gradient) {
 // Four coefficients are three texels.
 #define MoveFour(texel, c0, c1, c2, c3)                     \
   {                                                         \
-    MoveTexel(texel, rate, vec4(c0, c1.r));                 \
-    MoveTexel(texel + 1u, rate, vec4(c1.gb, c2.rg));        \
-    MoveTexel(texel + 2u, rate, vec4(c2.b, c3));            \
+    MoveTexel(texel, decay, rate, vec4(c0, c1.r));          \
+    MoveTexel(texel + 1u, decay, rate, vec4(c1.gb, c2.rg)); \
+    MoveTexel(texel + 2u, decay, rate, vec4(c2.b, c3));     \
   }
 
 // Without a branch, which would copy all registers; a row whose gradients are all 0 stays.
@@ -66,6 +67,7 @@ void MoveRow(uint row, float squares) {
   float second = moves ? SharedMoment(before, squares / float(3 * kHarmonics), push.beta2) : before;
   moments[moment] = second;
   float rate = moves ? SharedRate(rate_shares[row] * push.rate, second, push.epsilon) : 0.0;
+  float decay = moves ? rate_shares[row] * push.decay : 0.0;
   uint texel = row * (push.other_stride / 4u);
   MoveFour(texel, by_coefficient[0], by_coefficient[1], by_coefficient[2], by_coefficient[3])
   if (kHarmonics > 3) {

@@ -49,6 +49,13 @@ TETREC_FN Real SharedRate(Real rate, Real moment, Real epsilon) {
   return rate / (sqrt(moment) + epsilon);
 }
 
+// Such a parameter after its step. A row with gradients also decays by a share of itself
+// (Loshchilov and Hutter 2019, "Decoupled weight decay regularization"), which does not depend on
+// them.
+TETREC_FN Real SharedStep(Real parameter, Real decay, Real rate, Real gradient) {
+  return parameter - (decay * parameter + rate * gradient);
+}
+
 // Lets a signed parameter that falls through 0 stop there once, without its momentum: below 0 most
 // rays no longer move it, so it should not get there by what others have changed since.
 TETREC_FN TETREC_T(AdamState) StopAtZero(TETREC_T(AdamState) next, Real before) {

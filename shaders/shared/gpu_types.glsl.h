@@ -132,6 +132,7 @@ struct AdamPush {
   float least_density, largest_density;  // bounds of density's parameter
   float density_scale;                   // of Activation::kSigned; not read otherwise
   float density_decay;                   // of the density parameter of a seen row, per step
+  float harmonics_decay;                 // share by which coefficients of a seen row decay
   uint first_cell;                       // as in RayPush
   uint stride, moment_stride;            // of rows of attributes behind colour and density
 };
@@ -159,6 +160,7 @@ struct ViewColorStepPush {
   uint moment_stride;
   float rate, beta2, epsilon;
   float quantum;  // of fixed-point gradients
+  float decay;    // share by which the coefficients of a seen row decay in a step
 };
 
 // Lengths of the runs of values that one thread counts, adds or moves in prefix sums and sorts.

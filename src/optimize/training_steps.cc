@@ -51,7 +51,8 @@ AdamUpdate TrainingSteps::UpdateOf(uint64_t step, double progress) const {
           .density_rate = options_.density_rate * share,
           .harmonics_rate = options_.harmonics_rate * share,
           .max_density = options_.max_density,
-          .density_decay = density_decay_};
+          .density_decay = density_decay_,
+          .harmonics_decay = options_.harmonics_decay};
 }
 
 }  // namespace tetrec

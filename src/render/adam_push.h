@@ -23,6 +23,11 @@ inline AdamUpdate WithoutMomentum(AdamUpdate update) {
   return update;
 }
 
+// The share by which coefficients of view-dependent colour decay in one step.
+inline float HarmonicsDecayOfStep(const AdamUpdate& update) {
+  return float(update.harmonics_decay) * float(update.harmonics_rate);
+}
+
 // Quanta of fixed-point gradients are 1.
 inline gpu_types::AdamPush MakeAdamPush(const AdamUpdate& update, const Attribute& density,
                                         uint32_t row_count) {
@@ -46,7 +51,8 @@ inline gpu_types::AdamPush MakeAdamPush(const AdamUpdate& update, const Attribut
           .least_density = bounds.least,
           .largest_density = bounds.largest,
           .density_scale = density.scale,
-          .density_decay = float(update.density_decay) * float(update.density_rate)};
+          .density_decay = float(update.density_decay) * float(update.density_rate),
+          .harmonics_decay = HarmonicsDecayOfStep(update)};
 }
 
 }  // namespace tetrec

@@ -89,6 +89,8 @@ struct AdamUpdate {
   double max_density = 1e5;  // bound of density, and of attributes of kExp [1 / world unit]
   // Pull of seen rows towards empty, as a share of Adam's largest step.
   double density_decay = 0.0;
+  // Share by which the coefficients of seen rows decay in a step, per unit of their learning rate.
+  double harmonics_decay = 0.0;
 };
 
 struct StepResult {

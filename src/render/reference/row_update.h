@@ -74,12 +74,14 @@ class RowUpdate {
         SharedMoment(Real(second), squares / Real(attribute.components), Real(others_.beta2));
     const Real rate =
         SharedRate(share * Real(others_.rates[int(attribute.rate)]), moment, Real(others_.epsilon));
+    const Real decay =
+        attribute.rate == RateClass::kHarmonics ? share * Real(others_.harmonics_decay) : Real(0);
     second = float(moment);
     for (size_t c = begin; c < end; ++c) {
       float& parameter = state.parameters[row * attributes_.size() + c];
-      parameter =
-          float(ClampParameter(int(attribute.activation), Real(parameter) - rate * gradient[c],
-                               Real(others_.least_log), Real(others_.largest_log)));
+      parameter = float(ClampParameter(int(attribute.activation),
+                                       SharedStep(Real(parameter), decay, rate, gradient[c]),
+                                       Real(others_.least_log), Real(others_.largest_log)));
     }
   }
 

@@ -2,6 +2,7 @@
 #include "render/vulkan/view_colors.h"
 
 #include "embedded_shaders.h"
+#include "render/adam_push.h"
 
 namespace tetrec {
 namespace {
@@ -123,7 +124,8 @@ void ViewColors::RecordStep(CommandRecorder& recorder, const RayPass& pass,
                                           .rate = float(update.harmonics_rate),
                                           .beta2 = update.beta2,
                                           .epsilon = update.epsilon,
-                                          .quantum = 1.0f / fixed.color_quanta};
+                                          .quantum = 1.0f / fixed.color_quanta,
+                                          .decay = HarmonicsDecayOfStep(update)};
   BoundBuffers buffers = SumBuffers(pass);
   buffers.emplace_back(kBindHarmonics, others.parameters);
   buffers.emplace_back(kBindParameters, others.parameters);

@@ -208,7 +208,11 @@ TEST_P(HarmonicsTest, CoefficientsMoveByTheirFormula) {
       // A moment from before, so that it fades.
       for (size_t row = 0; row < want.rows(); row += 2) want.second_moment[row * 5 + 4] = 1e-8f;
       renderer.SetState(field.mesh, want);
-      const AdamUpdate update{.step = 7, .beta2 = 0.9f, .epsilon = 1e-6f, .harmonics_rate = 0.1};
+      const AdamUpdate update{.step = 7,
+                              .beta2 = 0.9f,
+                              .epsilon = 1e-6f,
+                              .harmonics_rate = 0.1,
+                              .harmonics_decay = 0.5};
       for (size_t row = 0; row < want.rows(); ++row) {
         const double* gradient = &gradients[row * components + kStandardComponents];
         double mean = 0;
@@ -217,8 +221,9 @@ TEST_P(HarmonicsTest, CoefficientsMoveByTheirFormula) {
         float& moment = want.second_moment[row * 5 + 4];
         moment = float(moment > 0 ? 0.9 * moment + 0.1 * mean : mean);
         for (size_t i = 0; i < count; ++i) {
-          want.parameters[row * components + kStandardComponents + i] -=
-              float(0.1 / (std::sqrt(double(moment)) + 1e-6) * gradient[i]);
+          float& parameter = want.parameters[row * components + kStandardComponents + i];
+          parameter -=
+              float(0.5 * 0.1 * parameter + 0.1 / (std::sqrt(double(moment)) + 1e-6) * gradient[i]);
         }
       }
       const std::vector<RayBlock> blocks = Blocks(renderer);
@@ -243,11 +248,11 @@ TEST_P(HarmonicsTest, PartsOfAStepMakeItsBits) {
     ProbedRenderer& parts = MakeLearner(field, {.deterministic = true});
     const std::vector<RayBlock> blocks = Blocks(whole);
     for (uint32_t step = 1; step <= 3; ++step) {
-      whole.Step({.blocks = blocks}, {.step = step});
+      whole.Step({.blocks = blocks}, {.step = step, .harmonics_decay = 0.5});
       parts.Forward({.blocks = blocks});
       parts.Backward(GradientParts::kColorDensity);
       if (step == 2) parts.AddGradients(parts.TakeGradients());
-      parts.Update({.step = step});
+      parts.Update({.step = step, .harmonics_decay = 0.5});
     }
     const FieldState a = whole.ReadState(), b = parts.ReadState();
     EXPECT_EQ(a.parameters, b.parameters);
