@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 namespace tetrec {
@@ -193,6 +194,26 @@ TEST_F(RefinementRoundsTest, TakeNothingBackWhereNothingJudges) {
   rounds_.Advance(0.0);
   EXPECT_EQ(rounds_.state().rounds, 2u);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "best.bin"));
+}
+
+// Vertices that have moved are no longer those of a Delaunay mesh, which only a round that splits
+// leaves as it is.
+TEST(RefinementRounds, LateOnesLeaveThePictureAsItIs) {
+  for (const bool is_late : {false, true}) {
+    const ScratchFolder folder;
+    SmallRun run;
+    RefinementRounds rounds(
+        run.options, {{0.1, 2000, is_late}},
+        {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
+        {folder / "best.bin", folder / "unrefined.bin"});
+    run.PutField(0.2);
+    const size_t before = run.field.mesh().positions.size();
+    rounds.Advance(0.0);
+    EXPECT_GT(run.field.mesh().positions.size(), 1.1 * double(before));
+    const double change = std::abs(run.pictures.JudgeField().psnr - rounds.state().best_psnr);
+    EXPECT_EQ(change < 1e-3, is_late) << change;
+    CheckTetMesh(run.field.mesh());
+  }
 }
 
 // The picture of the judging views does not change by a split, so it does not change by a round.
