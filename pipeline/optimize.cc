@@ -33,8 +33,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       ->check(tetrec::AboveZero());
   app.add_option(
          "--sh-decay", options.harmonics_decay,
-         "Share by which the coefficients of harmonics at visible vertices decay in a step, "
-         "per unit of their learning rate")
+         "Decay of the coefficients of harmonics at visible vertices: the share that each step "
+         "removes, per unit of their learning rate")
       ->check(CLI::Range(0.0, 10.0));
   app.add_option(
          "--density-rate", options.density_rate,

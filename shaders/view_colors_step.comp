@@ -43,7 +43,10 @@ float Squares() {
 
 void MoveTexel(uint texel, float decay, float rate, vec4 gradient) {
   vec4 before = texelFetch(harmonics, int(texel));
-  precise vec4 next = before - (decay * before + rate * gradient);  // SharedStep
+  precise vec4 next = vec4(SharedStep(before.x, decay, rate, gradient.x),
+                           SharedStep(before.y, decay, rate, gradient.y),
+                           SharedStep(before.z, decay, rate, gradient.z),
+                           SharedStep(before.w, decay, rate, gradient.w));
   uint at = 4u * texel;
   parameters[at] = next.x;
   parameters[at + 1u] = next.y;

@@ -49,9 +49,8 @@ TETREC_FN Real SharedRate(Real rate, Real moment, Real epsilon) {
   return rate / (sqrt(moment) + epsilon);
 }
 
-// Such a parameter after its step. A row with gradients also decays by a share of itself
-// (Loshchilov and Hutter 2019, "Decoupled weight decay regularization"), which does not depend on
-// them.
+// Such a parameter after its step, with a share `decay` removed besides what the gradient asks for
+// (Loshchilov and Hutter 2019, "Decoupled weight decay regularization").
 TETREC_FN Real SharedStep(Real parameter, Real decay, Real rate, Real gradient) {
   return parameter - (decay * parameter + rate * gradient);
 }

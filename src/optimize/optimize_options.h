@@ -117,8 +117,8 @@ struct OptimizeOptions {
   std::optional<double> position_rate;
   // Added to the loss while vertices move; none by default, because moves are safe without it.
   QualityRegulariser quality{.strength = 0, .sharpness = 100};
-  // Pull of coefficients towards 0: what depends on the view is a guess wherever no photo looks,
-  // and the smaller one is the better one.
+  // Pull of coefficients towards 0 (AdamUpdate). What they add for views from where no photo was
+  // taken is a guess, and a small one errs less.
   double harmonics_decay = 0.3;
   double max_density = AdamUpdate().max_density;  // [1 / world unit]
   // Pull of seen vertices towards empty, as a share of Adam's largest step. By default

@@ -23,9 +23,9 @@ namespace {
 // What the judging pictures may gain by a few steps at low rates [dB].
 constexpr double kMostNoise = 5;
 
-// Late rounds leave the field as it is. To triangulate vertices anew that have moved for long
-// changes tets everywhere, and a minute is needed to learn again what that loses: 4.3 dB of the
-// demo's training pictures. By then, earlier rounds have dropped what the pictures do not need.
+// Late rounds leave the field as it is. By then, vertices have moved far from a Delaunay mesh, so
+// that a new triangulation changes tets everywhere: the demo's training pictures lost 4.3 dB and
+// needed a minute of five to regain them. The price is that late rounds drop no empty vertices.
 RefineScheme SchemeOf(const PlannedRound& round, RefineScheme chosen) {
   return round.is_late && chosen == RefineScheme::kInsert ? RefineScheme::kBisect : chosen;
 }
