@@ -2,8 +2,10 @@
 #include "mesh/seen_triangles.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace tetrec {
 namespace {
@@ -15,43 +17,67 @@ struct HomogeneousTriangle {
   glm::dvec3 edges[3];
   double volume;
 
-  HomogeneousTriangle(const TriangleMesh& mesh, uint32_t triangle, const Rigid3& cam_from_mesh) {
-    for (int i = 0; i < 3; ++i) {
-      corners[i] = cam_from_mesh * glm::dvec3(mesh.positions[mesh.triangles[triangle][i]]);
-    }
+  HomogeneousTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c)
+      : corners{a, b, c} {
     // Neighbours compute the same vector with the opposite sign, so no pixel falls between them.
     for (int i = 0; i < 3; ++i) edges[i] = glm::cross(corners[(i + 1) % 3], corners[(i + 2) % 3]);
     volume = glm::dot(corners[0], edges[0]);
   }
 };
 
-struct PixelBox {
-  int x_begin, x_end, y_begin, y_end;
+// A vertex in a camera's frame, and where the image shows it if it is in front of the camera.
+struct SeenVertex {
+  glm::dvec3 in_cam;
+  glm::dvec2 pixel;
+
+  bool is_behind() const { return !(in_cam.z > 0); }
 };
 
-// The pixels whose centres may be inside the triangle; all of them if it crosses the camera's
-// plane.
-PixelBox BoxOf(const HomogeneousTriangle& t, const Camera& camera) {
-  const auto behind = [](const glm::dvec3& p) { return !(p.z > 0); };
-  const auto count = std::count_if(std::begin(t.corners), std::end(t.corners), behind);
+std::vector<SeenVertex> VerticesIn(const TriangleMesh& mesh, const Camera& camera,
+                                   const Rigid3& cam_from_mesh) {
+  std::vector<SeenVertex> vertices;
+  vertices.reserve(mesh.positions.size());
+  for (const glm::vec3& position : mesh.positions) {
+    const glm::dvec3 in_cam = cam_from_mesh * glm::dvec3(position);
+    vertices.push_back({in_cam, camera.ImageFromCam(in_cam)});
+  }
+  return vertices;
+}
+
+struct PixelBox {
+  int x_begin, x_end, y_begin, y_end;
+
+  bool IsEmpty() const { return x_begin >= x_end || y_begin >= y_end; }
+};
+
+// The pixels whose centres may be inside the triangle, up to rounding; all of them if it crosses
+// the camera's plane. Small triangles often have none.
+PixelBox BoxOf(const std::array<SeenVertex, 3>& corners, const Camera& camera) {
+  constexpr double kRounding = 1e-3;  // [px]
+  const auto count = std::ranges::count_if(corners, &SeenVertex::is_behind);
   if (count == 3) return {0, 0, 0, 0};
   if (count > 0) return {0, camera.width, 0, camera.height};
   glm::dvec2 low(std::numeric_limits<double>::infinity()), high = -low;
-  for (const glm::dvec3& corner : t.corners) {
-    const glm::dvec2 pixel = camera.ImageFromCam(corner);
-    low = glm::min(low, pixel);
-    high = glm::max(high, pixel);
+  for (const SeenVertex& corner : corners) {
+    low = glm::min(low, corner.pixel);
+    high = glm::max(high, corner.pixel);
   }
   const auto clamped = [](double value, int size) {
     return int(std::clamp(value, 0.0, double(size)));
   };
-  return {clamped(std::floor(low.x), camera.width), clamped(std::ceil(high.x), camera.width),
-          clamped(std::floor(low.y), camera.height), clamped(std::ceil(high.y), camera.height)};
+  const auto begin = [&](double least, int size) {
+    return clamped(std::ceil(least - 0.5 - kRounding), size);
+  };
+  const auto end = [&](double most, int size) {
+    return clamped(std::floor(most - 0.5 + kRounding) + 1, size);
+  };
+  return {begin(low.x, camera.width), end(high.x, camera.width), begin(low.y, camera.height),
+          end(high.y, camera.height)};
 }
 
-void Draw(const HomogeneousTriangle& t, uint32_t id, const Camera& camera, SeenTriangles& seen) {
+void Draw(const HomogeneousTriangle& t, uint32_t id, const PixelBox& box, const Camera& camera,
+          SeenTriangles& seen) {
   const double sign = t.volume > 0 ? 1 : -1;
-  const PixelBox box = BoxOf(t, camera);
   for (int y = box.y_begin; y < box.y_end; ++y) {
     for (int x = box.x_begin; x < box.x_end; ++x) {
       const glm::dvec3 ray = camera.CamFromImage({x + 0.5, y + 0.5});
@@ -81,16 +107,24 @@ SeenTriangles FindSeenTriangles(const TriangleMesh& mesh, const Camera& camera,
   const size_t pixels = size_t(camera.width) * size_t(camera.height);
   seen.triangle.assign(pixels, kNoTriangle);
   seen.depth.assign(pixels, std::numeric_limits<float>::infinity());
+  const std::vector<SeenVertex> vertices = VerticesIn(mesh, camera, cam_from_mesh);
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const HomogeneousTriangle triangle(mesh, uint32_t(i), cam_from_mesh);
-    if (triangle.volume != 0) Draw(triangle, uint32_t(i), camera, seen);
+    const glm::uvec3& ids = mesh.triangles[i];
+    const std::array<SeenVertex, 3> corners{vertices[ids.x], vertices[ids.y], vertices[ids.z]};
+    const PixelBox box = BoxOf(corners, camera);
+    if (box.IsEmpty()) continue;
+    const HomogeneousTriangle triangle(corners[0].in_cam, corners[1].in_cam, corners[2].in_cam);
+    if (triangle.volume != 0) Draw(triangle, uint32_t(i), box, camera, seen);
   }
   return seen;
 }
 
 glm::dvec3 CornerWeights(const TriangleMesh& mesh, uint32_t triangle, const Camera& camera,
                          const Rigid3& cam_from_mesh, const glm::dvec2& pixel) {
-  const HomogeneousTriangle t(mesh, triangle, cam_from_mesh);
+  const auto corner = [&](int i) {
+    return cam_from_mesh * glm::dvec3(mesh.positions[mesh.triangles[triangle][i]]);
+  };
+  const HomogeneousTriangle t(corner(0), corner(1), corner(2));
   const glm::dvec3 ray = camera.CamFromImage(pixel);
   const glm::dvec3 weights(glm::dot(t.edges[0], ray), glm::dot(t.edges[1], ray),
                            glm::dot(t.edges[2], ray));

@@ -36,6 +36,7 @@ constexpr double kStiffness = 5, kRest = 0.002;
 constexpr double kHold = 1;
 constexpr int kMostHolds = 5;  // times that folds are looked for in a round
 constexpr int kRelaxations = 100;
+constexpr double kSettled = 0.002;  // a change of displacements that ends relaxation [footprints]
 constexpr int kRelaxationsAfterHold = 30;  // few vertices have to change
 
 // The photos that see a vertex best, at most kMostPhotos.
@@ -145,14 +146,18 @@ double MeanAround(size_t v, const TriangleMesh& mesh, const VertexFans& fans,
 void Relax(const TriangleMesh& mesh, const VertexFans& fans, std::span<const Peak> peaks,
            const std::vector<double>& rest, double scale, int rounds,
            std::vector<double>& displacement) {
-  for (int round = 0; round < rounds; ++round) {
+  double largest = kSettled;
+  for (int round = 0; round < rounds && largest >= kSettled; ++round) {
+    largest = 0;
     for (size_t v = 0; v < peaks.size(); ++v) {
       if (fans.At(v).empty()) continue;
       const double mean = MeanAround(v, mesh, fans, displacement);
       const double off = (peaks[v].place - mean) / scale;
       const double weight = peaks[v].weight / ((1 + off * off) * (1 + off * off));
+      const double before = displacement[v];
       displacement[v] =
           (weight * peaks[v].place + kStiffness * mean) / (weight + kStiffness + rest[v]);
+      largest = std::max(largest, std::abs(displacement[v] - before));
     }
   }
 }

@@ -25,7 +25,10 @@ constexpr double kFullWeight = 0.3;
 // Depths of neighbouring pixels that differ by more footprints belong to different surfaces.
 constexpr double kJump_px = 8;
 
-constexpr int kBisections = 8;  // to a 256th of an edge
+// A cut is found when it is known to a share of its edge, or the solidity there is as small as a
+// hundredth of a band.
+constexpr double kFinest = 1.0 / 256, kExact = 0.01;
+constexpr int kMostSteps = 8;
 constexpr double kKeep = 1e-3;  // of an edge, between a cut and the edge's ends
 constexpr size_t kGrain = 256;
 
@@ -59,15 +62,30 @@ std::optional<double> BandsBehind(const glm::dvec3& point_in_world, const SeenDe
   return (in_cam.z - depth) / (kBand_px * footprint);
 }
 
-// Bisects between a solid and a free end.
-double CutBetween(const glm::dvec3& solid, const glm::dvec3& free,
-                  std::span<const SeenDepth> views) {
-  double low = 0, high = 1;
-  for (int i = 0; i < kBisections; ++i) {
-    const double middle = 0.5 * (low + high);
-    (SolidityAt(glm::mix(solid, free, middle), views) > 0 ? low : high) = middle;
+// A place on an edge, as the share of the way from its solid end to its free one.
+struct PlaceOnEdge {
+  double share, solidity;
+};
+
+// Searches between a solid and a free end by false position. An end that stays twice in a row
+// counts half (the Illinois method), so that both close in on the cut.
+double CutBetween(const glm::dvec3& solid, double solidity_of_solid, const glm::dvec3& free,
+                  double solidity_of_free, std::span<const SeenDepth> views) {
+  PlaceOnEdge low{0, solidity_of_solid}, high{1, solidity_of_free};
+  const auto share_at_zero = [&] {
+    return glm::mix(low.share, high.share, low.solidity / (low.solidity - high.solidity));
+  };
+  int last_sign = 0;
+  for (int i = 0; i < kMostSteps && high.share - low.share > kFinest; ++i) {
+    const double share = share_at_zero();
+    const double solidity = SolidityAt(glm::mix(solid, free, share), views);
+    const int sign = solidity > 0 ? 1 : -1;
+    (sign > 0 ? low : high) = {share, solidity};
+    if (std::abs(solidity) < kExact) break;
+    if (sign == last_sign) (sign > 0 ? high : low).solidity *= 0.5;
+    last_sign = sign;
   }
-  return std::clamp(0.5 * (low + high), kKeep, 1 - kKeep);
+  return std::clamp(share_at_zero(), kKeep, 1 - kKeep);
 }
 
 // The smallest id of the set of vertices that `v` belongs to, if sets are joined by JoinSets.
@@ -131,7 +149,8 @@ LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views) {
     for (size_t c = begin; c < end; ++c) {
       EdgeCut& cut = set.cuts[c];
       const glm::dvec3 solid(mesh.positions[cut.inside]), free(mesh.positions[cut.outside]);
-      const double t = CutBetween(solid, free, views);
+      const double t = CutBetween(solid, double(solidity[cut.inside]), free,
+                                  double(solidity[cut.outside]), views);
       cut.t = float(t);
       set.positions[c] = glm::vec3(glm::mix(solid, free, t));
     }
