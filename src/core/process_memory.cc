@@ -27,4 +27,10 @@ void ReturnLargeBlocksWhenFreed() {
 #endif
 }
 
+void ReturnFreedMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 }  // namespace tetrec

@@ -13,4 +13,8 @@ uint64_t PeakRssBytes();
 // of tetrec-optimize.
 void ReturnLargeBlocksWhenFreed();
 
+// Gives back to the system what has been freed in small blocks, where whole pages are free.
+// Compilers of kernels leave many.
+void ReturnFreedMemory();
+
 }  // namespace tetrec

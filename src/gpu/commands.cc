@@ -2,6 +2,7 @@
 #include "gpu/commands.h"
 
 #include "core/error.h"
+#include "core/process_memory.h"
 
 #include <fmt/format.h>
 
@@ -168,6 +169,7 @@ void CommandRecorder::Bind(const Program& program, const BoundBuffers& buffers, 
     return written_.contains(buffer) || (Writes(use.binding->access) && read_.contains(buffer));
   });
   if (races) WorkBarrier();
+  has_new_kernels_ = has_new_kernels_ || !program.is_compiled();
 
   std::vector<VkDescriptorBufferInfo> infos(uses.size());
   std::vector<VkBufferView> views(uses.size());
@@ -272,6 +274,10 @@ void CommandRecorder::Wait() {
   TETREC_VK(vkResetFences(device_.handle, 1, &fence_));
   submitted_ = false;
   if (device_.kernel_times) CollectTimes();
+  // A driver that compiles on the CPU, some of it when a kernel first runs, leaves tens of
+  // megabytes of freed blocks.
+  if (has_new_kernels_) ReturnFreedMemory();
+  has_new_kernels_ = false;
 }
 
 }  // namespace tetrec

@@ -36,6 +36,7 @@ class Program {
 
   // Throws EnvironmentError if the driver cannot compile the kernel.
   VkPipeline pipeline() const;
+  bool is_compiled() const { return pipeline_ != VK_NULL_HANDLE; }
   VkPipelineLayout layout() const { return layout_; }
   VkShaderStageFlags stages() const { return stages_; }
   const std::vector<KernelBinding>& bindings() const { return reflection_.bindings; }

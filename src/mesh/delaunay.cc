@@ -2,11 +2,11 @@
 #include "mesh/delaunay.h"
 
 #include "core/error.h"
+#include "core/process_memory.h"
 
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Spatial_sort_traits_adapter_3.h>
-#include <CGAL/Triangulation_cell_base_with_info_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 #include <CGAL/property_map.h>
 #include <CGAL/spatial_sort.h>
@@ -21,10 +21,8 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<uint32_t, Kernel>;
-using CellBase = CGAL::Triangulation_cell_base_with_info_3<uint32_t, Kernel>;
 using Triangulation =
-    CGAL::Delaunay_triangulation_3<Kernel,
-                                   CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
+    CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase>>;
 
 // Rejects NaN and infinity, which a release build of CGAL accepts silently.
 std::vector<Kernel::Point_3> CheckedPoints(std::span<const glm::vec3> points) {
@@ -70,6 +68,7 @@ Triangulation Insert(const std::vector<Kernel::Point_3>& points) {
   return triangulation;
 }
 
+// Without neighbours.
 DelaunayResult Extract(Triangulation& triangulation, std::span<const glm::vec3> points) {
   DelaunayResult result;
   TetMesh& mesh = result.mesh;
@@ -80,27 +79,17 @@ DelaunayResult Extract(Triangulation& triangulation, std::span<const glm::vec3> 
     mesh.positions.push_back(points[vertex->info()]);
     vertex->info() = uint32_t(mesh.positions.size() - 1);
   }
-  uint32_t tet_count = 0;
-  for (const auto cell : triangulation.all_cell_handles()) {
-    cell->info() = triangulation.is_infinite(cell) ? kNoTet : tet_count++;
-  }
-  mesh.tets.reserve(tet_count);
-  mesh.neighbors.reserve(tet_count);
-  for (const auto cell : triangulation.all_cell_handles()) {
-    if (cell->info() == kNoTet) continue;
-    glm::uvec4 tet, neighbors;
-    for (int i = 0; i < 4; ++i) {
-      tet[i] = cell->vertex(i)->info();
-      neighbors[i] = cell->neighbor(i)->info();
-    }
+  mesh.tets.reserve(triangulation.number_of_finite_cells());
+  for (const auto cell : triangulation.finite_cell_handles()) {
+    glm::uvec4 tet;
+    for (int i = 0; i < 4; ++i) tet[i] = cell->vertex(i)->info();
     mesh.tets.push_back(tet);
-    mesh.neighbors.push_back(neighbors);
   }
   return result;
 }
 
 // Frees the triangulation, which takes more memory than anything else here, before the mesh is
-// sorted.
+// sorted and its tets find their neighbours.
 DelaunayResult Triangulate(std::span<const glm::vec3> points) {
   Triangulation triangulation = Insert(CheckedPoints(points));
   if (triangulation.dimension() < 3) {
@@ -116,7 +105,9 @@ DelaunayResult Triangulate(std::span<const glm::vec3> points) {
 
 DelaunayResult BuildDelaunay(std::span<const glm::vec3> points) {
   DelaunayResult result = Triangulate(points);
+  ReturnFreedMemory();
   const std::vector<uint32_t> old_of_new = SortAlongMortonCurve(result.mesh).vertices;
+  result.mesh.neighbors = ComputeNeighbors(result.mesh.tets, result.mesh.positions.size());
   std::vector<uint32_t> point_of_vertex(old_of_new.size());
   for (size_t v = 0; v < old_of_new.size(); ++v) {
     point_of_vertex[v] = result.point_of_vertex[old_of_new[v]];

@@ -164,27 +164,29 @@ void SortByCode(std::vector<MortonKey>& keys) {
   }
 }
 
-// Indices of `points` along a Morton curve through their bounding cube. Points of equal code keep
-// their order.
-std::vector<uint32_t> MortonOrder(const std::vector<glm::vec3>& points) {
+// Indices of `count` points, given by point(index), along a Morton curve through their bounding
+// cube. Points of equal code keep their order.
+template <class PointOf>
+std::vector<uint32_t> MortonOrder(size_t count, const PointOf& point) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
-  for (const glm::vec3& p : points) {
-    low = glm::min(low, glm::dvec3(p));
-    high = glm::max(high, glm::dvec3(p));
+  for (size_t i = 0; i < count; ++i) {
+    const glm::dvec3 p(point(i));
+    low = glm::min(low, p);
+    high = glm::max(high, p);
   }
   const glm::dvec3 size = high - low;
   const double longest = std::max({size.x, size.y, size.z});
   const double scale = longest > 0 ? double((1 << 21) - 1) / longest : 0.0;
-  std::vector<MortonKey> keys(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
-    const glm::dvec3 cell = (glm::dvec3(points[i]) - low) * scale;
+  std::vector<MortonKey> keys(count);
+  for (size_t i = 0; i < count; ++i) {
+    const glm::dvec3 cell = (glm::dvec3(point(i)) - low) * scale;
     keys[i] = {SpreadBits(uint64_t(cell.x)) | SpreadBits(uint64_t(cell.y)) << 1 |
                    SpreadBits(uint64_t(cell.z)) << 2,
                uint32_t(i)};
   }
   SortByCode(keys);
-  std::vector<uint32_t> order(points.size());
-  for (size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].index;
+  std::vector<uint32_t> order(count);
+  for (size_t i = 0; i < count; ++i) order[i] = keys[i].index;
   return order;
 }
 
@@ -192,6 +194,75 @@ std::vector<uint32_t> Inverse(const std::vector<uint32_t>& order) {
   std::vector<uint32_t> inverse(order.size());
   for (size_t i = 0; i < order.size(); ++i) inverse[order[i]] = uint32_t(i);
   return inverse;
+}
+
+// Faces are grouped by their smallest vertex: groups are short, so matching within them is cheap.
+// (V + 1) The number of faces of vertices before each vertex.
+std::vector<uint32_t> FirstFaces(std::span<const glm::uvec4> tets, size_t vertex_count) {
+  std::vector<uint32_t> begin(vertex_count + 1, 0);
+  for (size_t t = 0; t < tets.size(); ++t) {
+    for (int i = 0; i < 4; ++i) {
+      const glm::uvec3 face = SortedFace(tets[t], i);
+      if (face.z >= vertex_count) {
+        throw DataError(fmt::format("tet {} names vertex {} of {}", t, face.z, vertex_count));
+      }
+      if (face.x == face.y || face.y == face.z) {
+        throw DataError(fmt::format("tet {} names vertex {} twice", t, face.y));
+      }
+      ++begin[face.x + 1];
+    }
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  return begin;
+}
+
+struct FaceEntry {
+  uint32_t middle, largest, tet_face;  // tet * 4 + face
+  bool operator<(const FaceEntry& b) const {
+    return std::tie(middle, largest, tet_face) < std::tie(b.middle, b.largest, b.tet_face);
+  }
+  bool SameFace(const FaceEntry& b) const { return middle == b.middle && largest == b.largest; }
+};
+
+// Links the tets that share a face of a vertex. `faces`: of the vertex.
+void LinkSharedFaces(std::span<FaceEntry> faces, size_t vertex,
+                     std::vector<glm::uvec4>& neighbors) {
+  std::sort(faces.begin(), faces.end());
+  for (size_t e = 0; e + 1 < faces.size(); ++e) {
+    const FaceEntry &a = faces[e], &b = faces[e + 1];
+    if (!a.SameFace(b)) continue;
+    if (e + 2 < faces.size() && b.SameFace(faces[e + 2])) {
+      throw DataError(fmt::format("face {}-{}-{} is shared by tets {}, {} and {}", vertex, a.middle,
+                                  a.largest, a.tet_face / 4, b.tet_face / 4,
+                                  faces[e + 2].tet_face / 4));
+    }
+    neighbors[a.tet_face / 4][a.tet_face % 4] = b.tet_face / 4;
+    neighbors[b.tet_face / 4][b.tet_face % 4] = a.tet_face / 4;
+    ++e;
+  }
+}
+
+// Links across the faces whose smallest vertex is `first_vertex` or one of the next; `begin`: of
+// these, and the end.
+void MatchFaces(std::span<const glm::uvec4> tets, std::span<const uint32_t> begin,
+                uint32_t first_vertex, std::vector<glm::uvec4>& neighbors) {
+  const size_t vertices = begin.size() - 1;
+  std::vector<FaceEntry> entries(begin[vertices] - begin[0]);
+  std::vector<uint32_t> next(begin.begin(), begin.end() - 1);
+  for (size_t t = 0; t < tets.size(); ++t) {
+    for (int i = 0; i < 4; ++i) {
+      const glm::uvec3 face = SortedFace(tets[t], i);
+      if (face.x - first_vertex >= vertices) continue;  // those before it wrap around
+      const uint32_t place = next[face.x - first_vertex]++ - begin[0];
+      entries[place] = {face.y, face.z, uint32_t(t * 4 + i)};
+    }
+  }
+  ParallelFor(vertices, kVerticesPerTask, [&](size_t first, size_t last) {
+    for (size_t v = first; v < last; ++v) {
+      LinkSharedFaces(std::span(entries).subspan(begin[v] - begin[0], begin[v + 1] - begin[v]),
+                      first_vertex + v, neighbors);
+    }
+  });
 }
 
 }  // namespace
@@ -218,58 +289,18 @@ double RadiusRatio(const TetMesh& mesh, const glm::uvec4& tet) {
 }
 
 std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count) {
-  // Faces are grouped by their smallest vertex: groups are short, so matching within them is cheap.
-  std::vector<uint32_t> begin(vertex_count + 1, 0);
   TETREC_CHECK(tets.size() < (size_t{1} << 30), "4 faces per tet must fit into 32 bits");
-  for (size_t t = 0; t < tets.size(); ++t) {
-    for (int i = 0; i < 4; ++i) {
-      const glm::uvec3 face = SortedFace(tets[t], i);
-      if (face.z >= vertex_count) {
-        throw DataError(fmt::format("tet {} names vertex {} of {}", t, face.z, vertex_count));
-      }
-      if (face.x == face.y || face.y == face.z) {
-        throw DataError(fmt::format("tet {} names vertex {} twice", t, face.y));
-      }
-      ++begin[face.x + 1];
-    }
-  }
-  for (size_t v = 0; v < vertex_count; ++v) begin[v + 1] += begin[v];
-
-  struct Entry {
-    uint32_t middle, largest, tet_face;  // tet * 4 + face
-    bool operator<(const Entry& b) const {
-      return std::tie(middle, largest, tet_face) < std::tie(b.middle, b.largest, b.tet_face);
-    }
-    bool SameFace(const Entry& b) const { return middle == b.middle && largest == b.largest; }
-  };
-  std::vector<Entry> entries(tets.size() * 4);
-  std::vector<uint32_t> next(begin.begin(), begin.end() - 1);
-  for (size_t t = 0; t < tets.size(); ++t) {
-    for (int i = 0; i < 4; ++i) {
-      const glm::uvec3 face = SortedFace(tets[t], i);
-      entries[next[face.x]++] = {face.y, face.z, uint32_t(t * 4 + i)};
-    }
-  }
-
+  const std::vector<uint32_t> begin = FirstFaces(tets, vertex_count);
+  // Some vertices at a time: entries of all faces would take three times as much memory as the
+  // tets.
+  const uint32_t faces_of_pass = std::max(uint32_t{1} << 21, begin[vertex_count] / 4);
   std::vector<glm::uvec4> neighbors(tets.size(), glm::uvec4(kNoTet));
-  const auto match = [&](size_t v) {
-    std::sort(entries.begin() + begin[v], entries.begin() + begin[v + 1]);
-    for (uint32_t e = begin[v]; e + 1 < begin[v + 1]; ++e) {
-      const Entry &a = entries[e], &b = entries[e + 1];
-      if (!a.SameFace(b)) continue;
-      if (e + 2 < begin[v + 1] && b.SameFace(entries[e + 2])) {
-        throw DataError(fmt::format("face {}-{}-{} is shared by tets {}, {} and {}", v, a.middle,
-                                    a.largest, a.tet_face / 4, b.tet_face / 4,
-                                    entries[e + 2].tet_face / 4));
-      }
-      neighbors[a.tet_face / 4][a.tet_face % 4] = b.tet_face / 4;
-      neighbors[b.tet_face / 4][b.tet_face % 4] = a.tet_face / 4;
-      ++e;
-    }
-  };
-  ParallelFor(vertex_count, kVerticesPerTask, [&](size_t first, size_t last) {
-    for (size_t v = first; v < last; ++v) match(v);
-  });
+  for (size_t first = 0, last = 0; first < vertex_count; first = last) {
+    do {
+      ++last;
+    } while (last < vertex_count && begin[last + 1] - begin[first] <= faces_of_pass);
+    MatchFaces(tets, std::span(begin).subspan(first, last - first + 1), uint32_t(first), neighbors);
+  }
   return neighbors;
 }
 
@@ -320,15 +351,15 @@ TetMeshQuality MeasureQuality(const TetMesh& mesh) {
 }
 
 MeshOrder SortAlongMortonCurve(TetMesh& mesh) {
-  std::vector<uint32_t> old_vertex = MortonOrder(mesh.positions);
+  std::vector<uint32_t> old_vertex =
+      MortonOrder(mesh.positions.size(), [&](size_t v) { return mesh.positions[v]; });
   const std::vector<uint32_t> new_vertex = Inverse(old_vertex);
-  std::vector<glm::vec3> centers(mesh.tets.size());
-  for (size_t t = 0; t < mesh.tets.size(); ++t) {
-    const glm::uvec4 tet = mesh.tets[t];
+  std::vector<uint32_t> old_tet = MortonOrder(mesh.tets.size(), [&](size_t t) {
     // Adds quarters instead of dividing the sum, which overflows for huge coordinates.
-    for (int i = 0; i < 4; ++i) centers[t] += 0.25f * mesh.positions[tet[i]];
-  }
-  std::vector<uint32_t> old_tet = MortonOrder(centers);
+    glm::vec3 center(0.0f);
+    for (int i = 0; i < 4; ++i) center += 0.25f * mesh.positions[mesh.tets[t][i]];
+    return center;
+  });
   const std::vector<uint32_t> new_tet = Inverse(old_tet);
 
   TetMesh sorted;
