@@ -133,8 +133,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   tetrec::AddWordOption(
       app, "--refine", options.refine,
       "Refinement of the mesh: insert (new vertices on the longest edges of the worst tets; "
-      "vertices that the pictures do not need are dropped; triangulated anew), bisect (the worst "
-      "tets halved at their longest edges) or "
+      "vertices that the pictures do not need are dropped; triangulated anew, except in the late "
+      "rounds of a long run, which work as halve does), halve (in place: the worst edges are "
+      "halved, and vertices that the pictures do not need are moved onto neighbours), bisect (the "
+      "worst tets halved at their longest edges) or "
       "prism (the DiffTetVR article's: all edges at the worst vertices halved)");
   tetrec::AddWordOption(
       app, "--score", options.score,
@@ -190,7 +192,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   tetrec::StageCommand command(
-      "optimize", 12,
+      "optimize", 13,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

@@ -122,7 +122,7 @@ RefineScores ScoresOfKind(TrainingRenderer& renderer, const TrainingSet& set, Ba
 
 RefineScores LookAtScores(TrainingRenderer& renderer, const TrainingSet& set, BatchDrawer& batches,
                           const OptimizeOptions& options, uint64_t iteration) {
-  if (options.refine != RefineScheme::kInsert) {
+  if (!DropsVertices(options.refine)) {
     return ScoresOfKind(renderer, set, batches, options, iteration);
   }
   TetScores of_tets = LookAtTets(renderer, set, batches, options, iteration);

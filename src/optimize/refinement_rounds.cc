@@ -23,11 +23,11 @@ namespace {
 // What the judging pictures may gain by a few steps at low rates [dB].
 constexpr double kMostNoise = 5;
 
-// Late rounds leave the field as it is. By then, vertices have moved far from a Delaunay mesh, so
+// Late rounds refine the mesh in place. By then, vertices have moved far from a Delaunay mesh, so
 // that a new triangulation changes tets everywhere: the demo's training pictures lost 4.3 dB and
-// needed a minute of five to regain them. The price is that late rounds drop no empty vertices.
+// needed a minute of five to regain them.
 RefineScheme SchemeOf(const PlannedRound& round, RefineScheme chosen) {
-  return round.is_late && chosen == RefineScheme::kInsert ? RefineScheme::kBisect : chosen;
+  return round.is_late && chosen == RefineScheme::kInsert ? RefineScheme::kHalve : chosen;
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ struct PlannedRound {
   // True for the further rounds of a long run. Time enough has passed before them for the judging
   // pictures to show whether the round before gained anything; early rounds follow each other so
   // quickly that the noise of high learning rates may hide it (0.2 dB on fox from sparse points).
-  // Late rounds halve edges where early ones would triangulate anew.
+  // Late rounds refine in place where early ones would triangulate anew.
   bool is_late = false;
 };
 

@@ -3,7 +3,7 @@
 
 #include "geometry/orientation.h"
 #include "mesh/boundary.h"
-#include "refine/split_mesh.h"
+#include "refine/edited_mesh.h"
 
 #include <array>
 #include <map>
@@ -21,10 +21,6 @@ struct Edge {
     return std::tie(squared_length, a, b) < std::tie(other.squared_length, other.a, other.b);
   }
 };
-
-bool Contains(const glm::uvec4& tet, uint32_t v) {
-  return tet[0] == v || tet[1] == v || tet[2] == v || tet[3] == v;
-}
 
 class Bisection {
  public:
@@ -85,11 +81,7 @@ class Bisection {
   }
 
   std::vector<uint32_t> TetsAround(const Edge& edge) const {
-    std::vector<uint32_t> tets;
-    for (const uint32_t t : mesh_.TetsAt(edge.a)) {
-      if (Contains(mesh_.tet(t), edge.b)) tets.push_back(t);
-    }
-    return tets;
+    return mesh_.TetsAround(edge.a, edge.b);
   }
 
   // The third vertices of the boundary's faces at an edge: two, or none if it is inside.
@@ -121,41 +113,13 @@ class Bisection {
   }
 
   bool Halve(const Edge& edge, const std::vector<uint32_t>& around) {
-    if (edge.squared_length < min_edge_ * min_edge_ || !HalvesArePositive(edge, around)) {
-      return false;
-    }
-    is_on_boundary_.push_back(uint8_t(!BoundaryAt(edge).empty()));
-    const uint32_t middle = mesh_.AddMiddle(edge.a, edge.b);
+    if (edge.squared_length < min_edge_ * min_edge_) return false;
+    const bool is_on_boundary = !BoundaryAt(edge).empty();
+    if (!mesh_.Halve(edge.a, edge.b, around)) return false;
+    is_on_boundary_.push_back(uint8_t(is_on_boundary));
     for (const uint32_t t : around) {
-      mesh_.Cut(t, HalvesOf(mesh_.tet(t), edge, middle));
       is_whole_[t] = 0;
       is_whole_.push_back(0);
-    }
-    return true;
-  }
-
-  static std::array<glm::uvec4, 2> HalvesOf(const glm::uvec4& tet, const Edge& edge,
-                                            uint32_t middle) {
-    std::array<glm::uvec4, 2> halves{tet, tet};
-    for (int i = 0; i < 4; ++i) {
-      if (tet[i] == edge.b) halves[0][i] = middle;
-      if (tet[i] == edge.a) halves[1][i] = middle;
-    }
-    return halves;
-  }
-
-  bool HalvesArePositive(const Edge& edge, const std::vector<uint32_t>& around) const {
-    const uint32_t middle = uint32_t(mesh_.vertices());
-    const auto position = [&](uint32_t v) {
-      return v == middle ? mesh_.Middle(edge.a, edge.b) : mesh_.position(v);
-    };
-    for (const uint32_t t : around) {
-      for (const glm::uvec4& half : HalvesOf(mesh_.tet(t), edge, middle)) {
-        if (!IsPositive(position(half[0]), position(half[1]), position(half[2]),
-                        position(half[3]))) {
-          return false;
-        }
-      }
     }
     return true;
   }
@@ -164,7 +128,7 @@ class Bisection {
   std::vector<uint8_t> is_whole_;        // of each tet: it was there from the start
   uint64_t budget_;
   double min_edge_;
-  SplitMesh mesh_;
+  EditedMesh mesh_;
 };
 
 }  // namespace

@@ -4,11 +4,10 @@
 #include "core/parallel.h"
 #include "mesh/locate.h"
 #include "mesh/mesh_edges.h"
+#include "refine/vertex_values.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <iterator>
 #include <mutex>
 #include <utility>
 
@@ -17,10 +16,6 @@ namespace {
 
 // A place is darkened if the opacity over its length rises by this.
 constexpr double kDarker = 0.3;
-
-double Opacity(double density, double length) {
-  return -std::expm1(-std::max(0.0, density) * length);
-}
 
 // Values at the vertices of a mesh, linear in its tets.
 struct DensityOnMesh {
@@ -37,12 +32,10 @@ struct DensityOnMesh {
   }
 };
 
-double MeanEdge(const TetMesh& mesh, const glm::uvec4& tet) {
-  double sum = 0;
-  for (const auto& [a, b] : kTetEdges) {
-    sum += double(glm::distance(mesh.positions[tet[a]], mesh.positions[tet[b]]));
-  }
-  return sum / std::size(kTetEdges);
+double MeanEdgeOf(const TetMesh& mesh, const glm::uvec4& tet) {
+  TetCorners corners;
+  for (int i = 0; i < 4; ++i) corners[size_t(i)] = glm::dvec3(mesh.positions[tet[i]]);
+  return MeanEdge(corners);
 }
 
 // (V) A tet at each vertex.
@@ -90,7 +83,7 @@ std::vector<RankedPlace> DarkenedTets(const DensityOnMesh& old_field,
     uint32_t old_tet = 0;
     for (size_t t = begin; t < end; ++t) {
       const glm::uvec4& tet = new_field.mesh.tets[t];
-      const double length = MeanEdge(new_field.mesh, tet);
+      const double length = MeanEdgeOf(new_field.mesh, tet);
       const double opacity = Opacity(new_field.At(tet, glm::dvec4(0.25)), length);
       if (opacity <= kDarker) continue;
       const glm::dvec3 point = Centroid(new_field.mesh, tet);

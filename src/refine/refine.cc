@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "refine/bisect.h"
+#include "refine/halve_edges.h"
 #include "refine/insert_vertices.h"
 #include "refine/split_prisms.h"
 
@@ -17,6 +18,8 @@ Refinement RefineMesh(TetMesh mesh, const FieldState& state, const RefineScores&
   switch (options.scheme) {
     case RefineScheme::kInsert:
       return InsertVertices(std::move(mesh), state, scores, options);
+    case RefineScheme::kHalve:
+      return HalveEdges(std::move(mesh), state, scores, options);
     case RefineScheme::kPrism:
       return SplitPrisms(std::move(mesh), scores, options);
     case RefineScheme::kBisect:

@@ -16,14 +16,22 @@ namespace tetrec {
 
 enum class RefineScheme {
   kInsert,  // inserts vertices and triangulates again (insert_vertices.h)
+  kHalve,   // halves the edges with the largest scores, in place (halve_edges.h)
   kPrism,   // halves all edges at a vertex (split_prisms.h)
   kBisect,  // halves the longest edge of a tet (bisect.h)
 };
 template <>
 inline constexpr auto kWords<RefineScheme> =
     std::to_array<Word<RefineScheme>>({{RefineScheme::kInsert, "insert"},
+                                       {RefineScheme::kHalve, "halve"},
                                        {RefineScheme::kPrism, "prism"},
                                        {RefineScheme::kBisect, "bisect"}});
+
+// Whether a scheme drops vertices that the images do not need. The others leave every picture as it
+// is.
+inline bool DropsVertices(RefineScheme scheme) {
+  return scheme == RefineScheme::kInsert || scheme == RefineScheme::kHalve;
+}
 
 // How the diagonals of prisms are chosen (prism.h).
 enum class PrismDiagonals {
@@ -38,11 +46,13 @@ struct RefineOptions {
   RefineScheme scheme = RefineScheme::kInsert;
   double growth = 2.0;  // largest ratio of vertices after and before
   uint64_t max_vertices = 1000000;
-  double min_edge = 1e-3;        // shorter edges are not split [world units]
-  int max_splits_at_vertex = 3;  // insert: new points per round on edges that end at one vertex
-  double empty_depth = 0.02;     // insert: optical depth over an edge below which a vertex is empty
-  double drop_share = 1.0;       // insert: of the empty vertices, per round
-  double flat_error = 0.01;      // insert: share of the squared error that flat vertices may cost
+  double min_edge = 1e-3;  // shorter edges are not split [world units]
+  // insert, halve: new points per round on edges that end at one vertex
+  int max_splits_at_vertex = 3;
+  double empty_depth = 0.02;  // insert: optical depth over an edge below which a vertex is empty
+  double drop_share = 1.0;    // insert: of the empty vertices, per round
+  // insert, halve: share of the squared error that flat vertices may cost
+  double flat_error = 0.01;
   // insert: of the vertices, in a mesh that is coarsened; below 1, the least needed go until so
   // many are left, whatever that costs, instead of flat ones. With a growth of 0 none are inserted.
   double kept_share = 1.0;

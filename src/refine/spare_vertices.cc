@@ -2,8 +2,8 @@
 #include "refine/spare_vertices.h"
 
 #include "core/random.h"
-#include "mesh/boundary.h"
 #include "mesh/mesh_edges.h"
+#include "refine/vertex_values.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,18 +68,6 @@ void VisitNeighbors(const TetMesh& mesh, const std::vector<double>& mean_edges,
   }
 }
 
-// Colour and density (values, not parameters) of each vertex.
-std::vector<glm::dvec4> ValuesAtVertices(const FieldState& state) {
-  std::vector<glm::dvec4> values(state.rows());
-  const size_t components = size_t(state.layout.Components());
-  for (size_t v = 0; v < values.size(); ++v) {
-    const float* row = state.parameters.data() + v * components;
-    for (int c = 0; c < 3; ++c) values[v][c] = double(row[kColorOffset + c]);
-    values[v].a = double(ValueOf(state.layout.density(), row[kDensityOffset]));
-  }
-  return values;
-}
-
 // What the neighbours of each vertex predict at its place: the weighted least-squares affine fit.
 // With the weights w, the rows x = (1, offset) and M = sum of w x x^T, that is the sum of
 // w (M^-1 x)_0 times the neighbours' values.
@@ -99,14 +87,7 @@ std::vector<glm::dvec4> PredictedValues(const TetMesh& mesh, const std::vector<g
   return predicted;
 }
 
-// The opacity of a density over a length; with the density's sign, because how far below 0 a value
-// is decides where the surface between it and a positive one lies.
-double SignedOpacity(double density, double length) {
-  return std::copysign(-std::expm1(-std::abs(density) * length), density);
-}
-
-// The squared error that the pictures gain without each vertex, an upper estimate. Its values enter
-// a tet around it with a mean weight of 1/4.
+// The squared error that the pictures gain without each vertex, an upper estimate.
 std::vector<double> ErrorsWithout(const TetMesh& mesh, const FieldState& state,
                                   const std::vector<double>& light) {
   const std::vector<double> mean_edges = MeanEdgesOfVertices(mesh);
@@ -114,10 +95,7 @@ std::vector<double> ErrorsWithout(const TetMesh& mesh, const FieldState& state,
   const std::vector<glm::dvec4> predicted = PredictedValues(mesh, values, mean_edges);
   std::vector<double> errors(values.size());
   for (size_t v = 0; v < values.size(); ++v) {
-    const glm::dvec3 color(predicted[v] - values[v]);
-    const double opacity =
-        SignedOpacity(predicted[v].a, mean_edges[v]) - SignedOpacity(values[v].a, mean_edges[v]);
-    errors[v] = 0.25 * light[v] * (glm::dot(color, color) + opacity * opacity);
+    errors[v] = kShareOfVertex * light[v] * SquaredChange(predicted[v], values[v], mean_edges[v]);
     if (!std::isfinite(errors[v])) errors[v] = std::numeric_limits<double>::infinity();
   }
   return errors;
@@ -213,8 +191,7 @@ void TakeLeastNeeded(const TetMesh& mesh, std::vector<double> errors, uint64_t c
 SpareVertices FindSpareVertices(const TetMesh& mesh, const FieldState& state,
                                 const RefineScores& scores, const RefineOptions& options) {
   const size_t count = mesh.positions.size();
-  std::vector<uint8_t> stays = BoundaryVertices(mesh);
-  for (size_t v = 0; v < scores.is_kept.size(); ++v) stays[v] |= scores.is_kept[v];
+  const std::vector<uint8_t> stays = FixedVertices(mesh, scores);
   const bool knows_light = !scores.visible_of_tets.empty();
   SpareVertices spare{std::vector<uint8_t>(count, 0)};
   std::vector<double> light;

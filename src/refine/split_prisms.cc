@@ -2,8 +2,8 @@
 #include "refine/split_prisms.h"
 
 #include "geometry/orientation.h"
+#include "refine/edited_mesh.h"
 #include "refine/prism.h"
-#include "refine/split_mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -31,7 +31,7 @@ glm::uvec4 StartingWith(const glm::uvec4& tet, uint32_t vertex) {
   return {tet[3], tet[2], tet[1], tet[0]};
 }
 
-Star StarOf(const SplitMesh& mesh, uint32_t vertex) {
+Star StarOf(const EditedMesh& mesh, uint32_t vertex) {
   Star star{.vertex = vertex};
   const std::span<const uint32_t> tets = mesh.TetsAt(vertex);
   star.tets.assign(tets.begin(), tets.end());
@@ -49,14 +49,14 @@ Star StarOf(const SplitMesh& mesh, uint32_t vertex) {
   return star;
 }
 
-double SquaredLength(const SplitMesh& mesh, uint32_t a, uint32_t b) {
+double SquaredLength(const EditedMesh& mesh, uint32_t a, uint32_t b) {
   const glm::dvec3 edge = glm::dvec3(mesh.position(b)) - glm::dvec3(mesh.position(a));
   return glm::dot(edge, edge);
 }
 
 // The rank of each vertex of the link by its distance: the diagonal from the nearer one is the
 // shorter of a quad's two.
-std::vector<uint32_t> RanksByDistance(const SplitMesh& mesh, const Star& star) {
+std::vector<uint32_t> RanksByDistance(const EditedMesh& mesh, const Star& star) {
   std::vector<double> squared(star.link.size());
   for (size_t i = 0; i < squared.size(); ++i) {
     squared[i] = SquaredLength(mesh, star.vertex, star.link[i]);
@@ -71,7 +71,7 @@ std::vector<uint32_t> RanksByDistance(const SplitMesh& mesh, const Star& star) {
   return ranks;
 }
 
-std::vector<PrismPattern> ChooseDiagonals(const SplitMesh& mesh, const Star& star,
+std::vector<PrismPattern> ChooseDiagonals(const EditedMesh& mesh, const Star& star,
                                           PrismDiagonals diagonals) {
   if (diagonals == PrismDiagonals::kFlips) {
     if (auto patterns = DiagonalsByFlips(star.bottoms)) return std::move(*patterns);
@@ -79,14 +79,14 @@ std::vector<PrismPattern> ChooseDiagonals(const SplitMesh& mesh, const Star& sta
   return DiagonalsByRank(star.bottoms, RanksByDistance(mesh, star));
 }
 
-bool HasShortEdge(const SplitMesh& mesh, const Star& star, double min_edge) {
+bool HasShortEdge(const EditedMesh& mesh, const Star& star, double min_edge) {
   return std::ranges::any_of(star.link, [&](uint32_t other) {
     return SquaredLength(mesh, star.vertex, other) < min_edge * min_edge;
   });
 }
 
 // The middles of the edges of the boundary at the vertex are exactly in its faces.
-bool KeepsBoundary(const SplitMesh& mesh, const Star& star) {
+bool KeepsBoundary(const EditedMesh& mesh, const Star& star) {
   const std::vector<std::array<PrismQuad, 3>> opposite = OppositeQuads(star.bottoms);
   for (size_t p = 0; p < star.bottoms.size(); ++p) {
     for (int k = 0; k < 3; ++k) {
@@ -122,7 +122,7 @@ std::vector<Parts> PartsOf(const Star& star, const std::vector<PrismPattern>& pa
   return parts;
 }
 
-bool AllPositive(const SplitMesh& mesh, const Star& star, const std::vector<Parts>& parts) {
+bool AllPositive(const EditedMesh& mesh, const Star& star, const std::vector<Parts>& parts) {
   const auto position = [&](uint32_t v) {
     const bool is_old = v < mesh.vertices();
     return is_old ? mesh.position(v) : mesh.Middle(star.vertex, star.link[v - mesh.vertices()]);
@@ -134,7 +134,7 @@ bool AllPositive(const SplitMesh& mesh, const Star& star, const std::vector<Part
   });
 }
 
-bool Split(SplitMesh& mesh, const Star& star, const RefineOptions& options) {
+bool Split(EditedMesh& mesh, const Star& star, const RefineOptions& options) {
   if (HasShortEdge(mesh, star, options.min_edge) || !KeepsBoundary(mesh, star)) return false;
   const std::vector<Parts> parts =
       PartsOf(star, ChooseDiagonals(mesh, star, options.diagonals), uint32_t(mesh.vertices()));
@@ -151,7 +151,7 @@ Refinement SplitPrisms(TetMesh mesh, const RefineScores& scores, const RefineOpt
   const uint64_t most_split =
       uint64_t(std::ceil(options.split_share * double(mesh.positions.size())));
   uint64_t split = 0, refused = 0;
-  SplitMesh growing(std::move(mesh));
+  EditedMesh growing(std::move(mesh));
   for (const uint32_t vertex : WorstFirst(scores.of_vertices)) {
     if (split == most_split || !(scores.of_vertices[vertex] > 0.0f)) break;
     const Star star = StarOf(growing, vertex);

@@ -1,0 +1,285 @@
+// A mesh loses the vertices that it can do without, by collapse of edges.
+#include "refine/collapse.h"
+
+#include "core/parallel.h"
+#include "mesh/tet_quality.h"
+#include "refine/vertex_values.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <queue>
+#include <utility>
+
+namespace tetrec {
+namespace {
+
+// A tet may become as bad as the worst one around the vertex, or this bad (ParthasarathyQuality).
+constexpr double kLeastQuality = 0.02;
+// A place is darkened if the opacity over the mean edge of its tet rises by this.
+constexpr double kDarker = 0.05;
+// Of collapses that change the pictures alike, the one that leaves better tets is preferred.
+constexpr double kWeightOfQuality = 1e-6;
+
+constexpr size_t kComparedNeighbors = 3;
+
+constexpr uint32_t kNoVertex = 0xFFFFFFFFu;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double SixVolumes(const TetCorners& p) {
+  return glm::dot(p[1] - p[0], glm::cross(p[2] - p[0], p[3] - p[0]));
+}
+
+// The tets around a vertex as they are, or as they would be after a collapse.
+using Star = std::vector<glm::uvec4>;
+
+class Collapsing {
+ public:
+  Collapsing(EditedMesh& mesh, std::vector<uint8_t> stays, std::vector<glm::dvec4> values,
+             std::vector<float> light)
+      : mesh_(mesh),
+        stays_(std::move(stays)),
+        values_(std::move(values)),
+        light_(light.begin(), light.end()),
+        choices_(mesh.vertices()),
+        inherited_(mesh.vertices(), 0.0),
+        is_stale_(mesh.vertices(), 0),
+        is_queued_(mesh.vertices(), 0) {}
+
+  Collapsed Run(double most_error) {
+    ParallelFor(mesh_.vertices(), 1024, [&](size_t begin, size_t end) {
+      for (uint32_t v = uint32_t(begin); v < end; ++v) {
+        if (!stays_[v]) choices_[v] = BestChoice(v);
+      }
+    });
+    for (uint32_t v = 0; v < mesh_.vertices(); ++v) Enqueue(v);
+    Collapsed collapsed;
+    double error = 0;
+    while (!queue_.empty()) {
+      const auto [cost, v] = queue_.top();
+      queue_.pop();
+      is_queued_[v] = 0;
+      if (is_stale_[v]) {
+        is_stale_[v] = 0;
+        choices_[v] = BestChoice(v);
+        Enqueue(v);
+        continue;
+      }
+      if (error + cost > most_error) break;
+      if (Darkens(v, choices_[v].onto)) continue;  // until its surroundings change
+      error += cost;
+      ++(LightAround(v) > 0 ? collapsed.flat : collapsed.empty);
+      Collapse(v, cost);
+    }
+    return collapsed;
+  }
+
+ private:
+  struct Choice {
+    uint32_t onto = kNoVertex;
+    double error = kInfinity;  // that the pictures gain
+  };
+
+  TetCorners CornersOf(const glm::uvec4& tet) const {
+    TetCorners corners;
+    for (int i = 0; i < 4; ++i) corners[size_t(i)] = glm::dvec3(mesh_.position(tet[i]));
+    return corners;
+  }
+
+  double LightAround(uint32_t v) const {
+    double sum = 0;
+    for (const uint32_t t : mesh_.TetsAt(v)) sum += light_[t];
+    return sum;
+  }
+
+  std::vector<uint32_t> NeighborsOf(uint32_t v) const {
+    std::vector<uint32_t> neighbors;
+    for (const uint32_t t : mesh_.TetsAt(v)) {
+      for (int i = 0; i < 4; ++i) {
+        if (mesh_.tet(t)[i] != v) neighbors.push_back(mesh_.tet(t)[i]);
+      }
+    }
+    std::ranges::sort(neighbors);
+    neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
+    return neighbors;
+  }
+
+  Star StarAfter(uint32_t v, uint32_t onto) const {
+    Star star;
+    for (const uint32_t t : mesh_.TetsAt(v)) {
+      if (!Contains(mesh_.tet(t), onto)) {
+        star.push_back(WithVertexReplaced(mesh_.tet(t), v, onto));
+      }
+    }
+    return star;
+  }
+
+  double WorstQuality(uint32_t v) const {
+    double worst = 1;
+    for (const uint32_t t : mesh_.TetsAt(v)) {
+      worst = std::min(worst, ParthasarathyQuality(CornersOf(mesh_.tet(t))));
+    }
+    return worst;
+  }
+
+  // The worst quality of a star, or none if that is below `least` or a tet is inside out.
+  std::optional<double> QualityOf(const Star& star, double least) const {
+    double worst = 1;
+    for (const glm::uvec4& tet : star) {
+      worst = std::min(worst, ParthasarathyQuality(CornersOf(tet)));
+      if (worst < least) return {};
+    }
+    for (const glm::uvec4& tet : star) {
+      if (!IsPositive(mesh_.position(tet[0]), mesh_.position(tet[1]), mesh_.position(tet[2]),
+                      mesh_.position(tet[3]))) {
+        return {};
+      }
+    }
+    return worst;
+  }
+
+  // The values that a star shows at a point, in the tet that contains it.
+  glm::dvec4 ValueAt(const Star& star, const glm::dvec3& point) const {
+    double best = -kInfinity;
+    glm::dvec4 value(0.0);
+    for (const glm::uvec4& tet : star) {
+      const TetCorners corners = CornersOf(tet);
+      glm::dvec4 weights;
+      for (size_t i = 0; i < 4; ++i) {
+        TetCorners moved = corners;
+        moved[i] = point;
+        weights[int(i)] = SixVolumes(moved);
+      }
+      weights /= SixVolumes(corners);
+      const double least = std::min({weights[0], weights[1], weights[2], weights[3]});
+      if (!(least > best)) continue;
+      best = least;
+      weights = glm::max(weights, 0.0);  // by rounding, the point may be just outside of all
+      weights /= weights[0] + weights[1] + weights[2] + weights[3];
+      value = glm::dvec4(0.0);
+      for (int i = 0; i < 4; ++i) value += weights[i] * values_[tet[i]];
+      if (least >= 0) break;
+    }
+    return value;
+  }
+
+  double MeanDistance(uint32_t v, const std::vector<uint32_t>& others) const {
+    double sum = 0;
+    for (const uint32_t other : others) {
+      sum += double(glm::distance(mesh_.position(v), mesh_.position(other)));
+    }
+    return sum / double(others.size());
+  }
+
+  // Of the neighbours that leave sound tets, a few that change the values at the vertex least are
+  // compared by the errors that they cause.
+  Choice BestChoice(uint32_t v) const {
+    const std::vector<uint32_t> neighbors = NeighborsOf(v);
+    const double length = MeanDistance(v, neighbors);
+    const double least_quality = std::min(kLeastQuality, WorstQuality(v));
+    std::vector<std::pair<double, uint32_t>> ranked;
+    for (const uint32_t onto : neighbors) {
+      const Star star = StarAfter(v, onto);
+      const std::optional<double> quality = QualityOf(star, least_quality);
+      if (!quality) continue;
+      const glm::dvec4 value = ValueAt(star, glm::dvec3(mesh_.position(v)));
+      const double change = SquaredChange(value, values_[v], length);
+      ranked.emplace_back(change + kWeightOfQuality * (1 - *quality), onto);
+    }
+    std::ranges::sort(ranked);
+    Choice best;
+    for (size_t i = 0; i < std::min(ranked.size(), kComparedNeighbors); ++i) {
+      const double error = ErrorOf(v, StarAfter(v, ranked[i].second));
+      if (error < best.error) best = {ranked[i].second, error};
+    }
+    return best;
+  }
+
+  // The squared error that the pictures gain, from the light that rays lose in each tet around a
+  // vertex and from what the tet's centroid shows then.
+  double ErrorOf(uint32_t v, const Star& after) const {
+    double error = 0;
+    for (const uint32_t t : mesh_.TetsAt(v)) {
+      if (!(light_[t] > 0)) continue;
+      const glm::uvec4& tet = mesh_.tet(t);
+      const TetCorners p = CornersOf(tet);
+      const glm::dvec4 before =
+          0.25 * (values_[tet[0]] + values_[tet[1]] + values_[tet[2]] + values_[tet[3]]);
+      const glm::dvec4 now = ValueAt(after, 0.25 * (p[0] + p[1] + p[2] + p[3]));
+      error += light_[t] * SquaredChange(now, before, MeanEdge(p));
+    }
+    return error;
+  }
+
+  bool IsDarkerAt(const glm::dvec3& point, double length, double density,
+                  const Star& before) const {
+    const double opacity = Opacity(density, length);
+    return opacity > kDarker && opacity - Opacity(ValueAt(before, point).a, length) > kDarker;
+  }
+
+  bool Darkens(uint32_t v, uint32_t onto) const {
+    Star before;
+    for (const uint32_t t : mesh_.TetsAt(v)) before.push_back(mesh_.tet(t));
+    for (const glm::uvec4& tet : StarAfter(v, onto)) {
+      const TetCorners p = CornersOf(tet);
+      double density = 0;
+      for (int i = 0; i < 4; ++i) density += 0.25 * values_[tet[i]].a;
+      if (IsDarkerAt(0.25 * (p[0] + p[1] + p[2] + p[3]), MeanEdge(p), density, before)) return true;
+    }
+    return false;
+  }
+
+  void Enqueue(uint32_t v) {
+    if (choices_[v].onto == kNoVertex) return;
+    queue_.emplace(choices_[v].error + inherited_[v], v);
+    is_queued_[v] = 1;
+  }
+
+  // The light of tets that vanish goes to those that take their place.
+  void Collapse(uint32_t v, double cost) {
+    const uint32_t onto = choices_[v].onto;
+    const std::vector<uint32_t> neighbors = NeighborsOf(v);
+    double vanished = 0;
+    std::vector<uint32_t> left;
+    for (const uint32_t t : mesh_.TetsAt(v)) {
+      if (Contains(mesh_.tet(t), onto)) {
+        vanished += light_[t];
+      } else {
+        left.push_back(t);
+      }
+    }
+    mesh_.Collapse(v, onto);
+    for (const uint32_t t : left) light_[t] += vanished / double(left.size());
+    for (const uint32_t neighbor : neighbors) {
+      if (stays_[neighbor]) continue;
+      inherited_[neighbor] += cost;
+      is_stale_[neighbor] = 1;
+      if (is_queued_[neighbor]) continue;
+      queue_.emplace(inherited_[neighbor], neighbor);
+      is_queued_[neighbor] = 1;
+    }
+  }
+
+  using Candidate = std::pair<double, uint32_t>;  // estimated error, vertex
+
+  EditedMesh& mesh_;
+  std::vector<uint8_t> stays_;
+  std::vector<glm::dvec4> values_;
+  std::vector<double> light_;      // (T)
+  std::vector<Choice> choices_;    // (V)
+  std::vector<double> inherited_;  // (V) the errors of those that went around a vertex
+  std::vector<uint8_t> is_stale_;  // (V) the tets around it have changed since it was looked at
+  std::vector<uint8_t> is_queued_;
+  std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
+};
+
+}  // namespace
+
+Collapsed CollapseSpare(EditedMesh& mesh, std::vector<uint8_t> stays, const FieldState& state,
+                        const RefineScores& scores, const RefineOptions& options) {
+  Collapsing collapsing(mesh, std::move(stays), ValuesAtVertices(state), scores.visible_of_tets);
+  return collapsing.Run(options.flat_error * scores.squared_error);
+}
+
+}  // namespace tetrec
