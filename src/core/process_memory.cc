@@ -1,4 +1,4 @@
-// Peak memory, as the kernel accounts for it.
+// The peak of memory, and memory given back to the system.
 #include "core/process_memory.h"
 
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-// The memory that this process and its children have used.
+// The peak of memory, and memory given back to the system.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@ uint64_t PeakRssBytes();
 // of tetrec-optimize.
 void ReturnLargeBlocksWhenFreed();
 
-// Gives back to the system what has been freed in small blocks, where whole pages are free.
+// Gives back to the system what has been freed in small blocks, where whole pages are free. The
+// driver's compiler of kernels and CGAL leave many such blocks.
 // Compilers of kernels leave many.
 void ReturnFreedMemory();
 

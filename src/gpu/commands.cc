@@ -274,8 +274,8 @@ void CommandRecorder::Wait() {
   TETREC_VK(vkResetFences(device_.handle, 1, &fence_));
   submitted_ = false;
   if (device_.kernel_times) CollectTimes();
-  // A driver that compiles on the CPU, some of it when a kernel first runs, leaves tens of
-  // megabytes of freed blocks.
+  // A driver that runs kernels on the CPU compiles some of them only when they first run, and
+  // leaves tens of megabytes of freed blocks.
   if (has_new_kernels_) ReturnFreedMemory();
   has_new_kernels_ = false;
 }

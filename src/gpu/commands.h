@@ -98,7 +98,7 @@ class CommandRecorder {
   VkCommandBuffer handle_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
   bool submitted_ = false;
-  bool has_new_kernels_ = false;  // that had not been used before
+  bool has_new_kernels_ = false;  // since the last Wait
   uint32_t barriers_ = 0;
   std::set<VkBuffer> read_, written_;
   // For Device::kernel_times: one timestamp before the first command and one after each.

@@ -196,8 +196,8 @@ std::vector<uint32_t> Inverse(const std::vector<uint32_t>& order) {
   return inverse;
 }
 
-// Faces are grouped by their smallest vertex: groups are short, so matching within them is cheap.
-// (V + 1) The number of faces of vertices before each vertex.
+// (V + 1) Where the faces of each vertex begin. A face belongs to its smallest vertex; such groups
+// are short, so matching within them is cheap.
 std::vector<uint32_t> FirstFaces(std::span<const glm::uvec4> tets, size_t vertex_count) {
   std::vector<uint32_t> begin(vertex_count + 1, 0);
   for (size_t t = 0; t < tets.size(); ++t) {
@@ -242,8 +242,8 @@ void LinkSharedFaces(std::span<FaceEntry> faces, size_t vertex,
   }
 }
 
-// Links across the faces whose smallest vertex is `first_vertex` or one of the next; `begin`: of
-// these, and the end.
+// Links the tets across the faces that belong to the vertices from `first_vertex` on. `begin`:
+// where the faces of these vertices begin, and where the last ones end.
 void MatchFaces(std::span<const glm::uvec4> tets, std::span<const uint32_t> begin,
                 uint32_t first_vertex, std::vector<glm::uvec4>& neighbors) {
   const size_t vertices = begin.size() - 1;
@@ -288,12 +288,13 @@ double RadiusRatio(const TetMesh& mesh, const glm::uvec4& tet) {
   return circum > 0 ? 108 * volume * volume / (area * circum) : 0;
 }
 
-std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count) {
+std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count,
+                                         uint32_t faces_at_once) {
   TETREC_CHECK(tets.size() < (size_t{1} << 30), "4 faces per tet must fit into 32 bits");
   const std::vector<uint32_t> begin = FirstFaces(tets, vertex_count);
   // Some vertices at a time: entries of all faces would take three times as much memory as the
   // tets.
-  const uint32_t faces_of_pass = std::max(uint32_t{1} << 21, begin[vertex_count] / 4);
+  const uint32_t faces_of_pass = std::max(faces_at_once, begin[vertex_count] / 4);
   std::vector<glm::uvec4> neighbors(tets.size(), glm::uvec4(kNoTet));
   for (size_t first = 0, last = 0; first < vertex_count; first = last) {
     do {

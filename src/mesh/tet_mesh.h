@@ -38,8 +38,11 @@ double TetVolume(const TetMesh& mesh, const glm::uvec4& tet);
 // 3 r_in / r_circ: 1 for a regular tet, 0 for a flat one.
 double RadiusRatio(const TetMesh& mesh, const glm::uvec4& tet);
 
-// Finds neighbours by vertex ids. Throws DataError if more than two tets share a face.
-std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count);
+// Finds neighbours by vertex ids. Throws DataError if more than two tets share a face. Takes 12
+// bytes for each of `faces_at_once` faces, or of a quarter of all if that is more, beside the
+// result.
+std::vector<glm::uvec4> ComputeNeighbors(std::span<const glm::uvec4> tets, size_t vertex_count,
+                                         uint32_t faces_at_once = uint32_t{1} << 21);
 
 // What a check expects of tets. Only moves by the method of the DiffTetVR article
 // (optimize/article_motion.h) turn tets inside out, and only what reads a fitted field accepts

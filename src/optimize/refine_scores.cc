@@ -57,7 +57,8 @@ GradientsOfRows SumGradients(TrainingRenderer& renderer, BatchDrawer& batches,
   return result;
 }
 
-// A tet's score is the gain of its longest edge, which insertion and bisection split; a vertex's
+// A tet's score is the gain of its longest edge, which insertion and bisection split (halving ranks
+// all edges by their length and the scores of the tets around them); a vertex's
 // score is the sum of the gains of all edges at it, which the prism scheme splits.
 RefineScores ScoresByGain(const TetMesh& mesh, const MeshEdges& edges,
                           const std::vector<double>& gains) {

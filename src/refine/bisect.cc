@@ -5,7 +5,6 @@
 #include "mesh/boundary.h"
 #include "refine/edited_mesh.h"
 
-#include <array>
 #include <map>
 #include <optional>
 #include <tuple>

@@ -6,6 +6,7 @@
 #include "refine/vertex_values.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -15,45 +16,57 @@
 namespace tetrec {
 namespace {
 
-// A tet may become as bad as the worst one around the vertex, or this bad (ParthasarathyQuality).
+// A tet may become as bad as the worst one around the vertex, or as bad as this
+// (ParthasarathyQuality).
 constexpr double kLeastQuality = 0.02;
-// A place is darkened if the opacity over the mean edge of its tet rises by this.
+// A place is darkened if the opacity over the mean edge of its tet rises by this. It is stricter
+// than after a new triangulation (darkened.cc), because it costs nothing to leave a vertex.
 constexpr double kDarker = 0.05;
 // Of collapses that change the pictures alike, the one that leaves better tets is preferred.
 constexpr double kWeightOfQuality = 1e-6;
-
+// Estimates of errors are needed for those neighbours only that promise the least.
 constexpr size_t kComparedNeighbors = 3;
 
 constexpr uint32_t kNoVertex = 0xFFFFFFFFu;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-double SixVolumes(const TetCorners& p) {
-  return glm::dot(p[1] - p[0], glm::cross(p[2] - p[0], p[3] - p[0]));
-}
-
 // The tets around a vertex as they are, or as they would be after a collapse.
 using Star = std::vector<glm::uvec4>;
+
+// Barycentric weights of a point; NaN in a tet whose volume is 0 in double.
+glm::dvec4 WeightsOf(const TetCorners& corners, const glm::dvec3& point) {
+  glm::dvec4 weights;
+  for (size_t i = 0; i < 4; ++i) {
+    TetCorners moved = corners;
+    moved[i] = point;
+    weights[int(i)] = SignedVolume(moved);
+  }
+  return weights / SignedVolume(corners);
+}
 
 class Collapsing {
  public:
   Collapsing(EditedMesh& mesh, std::vector<uint8_t> stays, std::vector<glm::dvec4> values,
-             std::vector<float> light)
+             const std::vector<float>& light)
       : mesh_(mesh),
         stays_(std::move(stays)),
         values_(std::move(values)),
         light_(light.begin(), light.end()),
         choices_(mesh.vertices()),
         inherited_(mesh.vertices(), 0.0),
-        is_stale_(mesh.vertices(), 0),
+        darkening_(mesh.vertices(), 0.0),
+        is_stale_(mesh.vertices(), 1),
         is_queued_(mesh.vertices(), 0) {}
 
   Collapsed Run(double most_error) {
     ParallelFor(mesh_.vertices(), 1024, [&](size_t begin, size_t end) {
       for (uint32_t v = uint32_t(begin); v < end; ++v) {
-        if (!stays_[v]) choices_[v] = BestChoice(v);
+        if (!stays_[v]) choices_[v] = BestChoice(v, false);
       }
     });
-    for (uint32_t v = 0; v < mesh_.vertices(); ++v) Enqueue(v);
+    for (uint32_t v = 0; v < mesh_.vertices(); ++v) {
+      if (choices_[v].onto != kNoVertex) Enqueue(v, choices_[v].error);
+    }
     Collapsed collapsed;
     double error = 0;
     while (!queue_.empty()) {
@@ -62,12 +75,11 @@ class Collapsing {
       is_queued_[v] = 0;
       if (is_stale_[v]) {
         is_stale_[v] = 0;
-        choices_[v] = BestChoice(v);
-        Enqueue(v);
+        choices_[v] = BestChoice(v, true);
+        if (choices_[v].onto != kNoVertex) Enqueue(v, choices_[v].error + inherited_[v]);
         continue;
       }
       if (error + cost > most_error) break;
-      if (Darkens(v, choices_[v].onto)) continue;  // until its surroundings change
       error += cost;
       ++(LightAround(v) > 0 ? collapsed.flat : collapsed.empty);
       Collapse(v, cost);
@@ -79,13 +91,8 @@ class Collapsing {
   struct Choice {
     uint32_t onto = kNoVertex;
     double error = kInfinity;  // that the pictures gain
+    double darkening = 0;      // largest rise of the opacity of a place
   };
-
-  TetCorners CornersOf(const glm::uvec4& tet) const {
-    TetCorners corners;
-    for (int i = 0; i < 4; ++i) corners[size_t(i)] = glm::dvec3(mesh_.position(tet[i]));
-    return corners;
-  }
 
   double LightAround(uint32_t v) const {
     double sum = 0;
@@ -118,16 +125,17 @@ class Collapsing {
   double WorstQuality(uint32_t v) const {
     double worst = 1;
     for (const uint32_t t : mesh_.TetsAt(v)) {
-      worst = std::min(worst, ParthasarathyQuality(CornersOf(mesh_.tet(t))));
+      worst = std::min(worst, ParthasarathyQuality(CornersOf(mesh_.positions(), mesh_.tet(t))));
     }
     return worst;
   }
 
-  // The worst quality of a star, or none if that is below `least` or a tet is inside out.
+  // The worst quality of a star, or none if that is below `least` or a tet is not positively
+  // oriented.
   std::optional<double> QualityOf(const Star& star, double least) const {
     double worst = 1;
     for (const glm::uvec4& tet : star) {
-      worst = std::min(worst, ParthasarathyQuality(CornersOf(tet)));
+      worst = std::min(worst, ParthasarathyQuality(CornersOf(mesh_.positions(), tet)));
       if (worst < least) return {};
     }
     for (const glm::uvec4& tet : star) {
@@ -144,16 +152,9 @@ class Collapsing {
     double best = -kInfinity;
     glm::dvec4 value(0.0);
     for (const glm::uvec4& tet : star) {
-      const TetCorners corners = CornersOf(tet);
-      glm::dvec4 weights;
-      for (size_t i = 0; i < 4; ++i) {
-        TetCorners moved = corners;
-        moved[i] = point;
-        weights[int(i)] = SixVolumes(moved);
-      }
-      weights /= SixVolumes(corners);
+      glm::dvec4 weights = WeightsOf(CornersOf(mesh_.positions(), tet), point);
       const double least = std::min({weights[0], weights[1], weights[2], weights[3]});
-      if (!(least > best)) continue;
+      if (!std::isfinite(least) || !(least > best)) continue;
       best = least;
       weights = glm::max(weights, 0.0);  // by rounding, the point may be just outside of all
       weights /= weights[0] + weights[1] + weights[2] + weights[3];
@@ -172,9 +173,8 @@ class Collapsing {
     return sum / double(others.size());
   }
 
-  // Of the neighbours that leave sound tets, a few that change the values at the vertex least are
-  // compared by the errors that they cause.
-  Choice BestChoice(uint32_t v) const {
+  // The neighbours that leave sound tets, those first that change the values at the vertex least.
+  std::vector<uint32_t> RankedNeighbors(uint32_t v) const {
     const std::vector<uint32_t> neighbors = NeighborsOf(v);
     const double length = MeanDistance(v, neighbors);
     const double least_quality = std::min(kLeastQuality, WorstQuality(v));
@@ -185,13 +185,26 @@ class Collapsing {
       if (!quality) continue;
       const glm::dvec4 value = ValueAt(star, glm::dvec3(mesh_.position(v)));
       const double change = SquaredChange(value, values_[v], length);
+      if (!std::isfinite(change)) continue;
       ranked.emplace_back(change + kWeightOfQuality * (1 - *quality), onto);
     }
     std::ranges::sort(ranked);
+    std::vector<uint32_t> result;
+    for (const auto& [rank, onto] : ranked) result.push_back(onto);
+    return result;
+  }
+
+  // `stays_clear`: without those that darken a place, which takes longer.
+  Choice BestChoice(uint32_t v, bool stays_clear) const {
     Choice best;
-    for (size_t i = 0; i < std::min(ranked.size(), kComparedNeighbors); ++i) {
-      const double error = ErrorOf(v, StarAfter(v, ranked[i].second));
-      if (error < best.error) best = {ranked[i].second, error};
+    size_t compared = 0;
+    for (const uint32_t onto : RankedNeighbors(v)) {
+      const Star after = StarAfter(v, onto);
+      const double darkening = stays_clear ? DarkeningBy(v, after) : 0.0;
+      if (darkening_[v] + darkening > kDarker) continue;
+      const double error = ErrorOf(v, after);
+      if (error < best.error) best = {onto, error, darkening};
+      if (++compared == kComparedNeighbors) break;
     }
     return best;
   }
@@ -202,43 +215,51 @@ class Collapsing {
     double error = 0;
     for (const uint32_t t : mesh_.TetsAt(v)) {
       if (!(light_[t] > 0)) continue;
-      const glm::uvec4& tet = mesh_.tet(t);
-      const TetCorners p = CornersOf(tet);
-      const glm::dvec4 before =
-          0.25 * (values_[tet[0]] + values_[tet[1]] + values_[tet[2]] + values_[tet[3]]);
-      const glm::dvec4 now = ValueAt(after, 0.25 * (p[0] + p[1] + p[2] + p[3]));
-      error += light_[t] * SquaredChange(now, before, MeanEdge(p));
+      const TetCorners p = CornersOf(mesh_.positions(), mesh_.tet(t));
+      const glm::dvec4 now = ValueAt(after, MiddleOf(p));
+      error += light_[t] * SquaredChange(now, MeanValue(mesh_.tet(t)), MeanEdge(p));
     }
     return error;
   }
 
-  bool IsDarkerAt(const glm::dvec3& point, double length, double density,
-                  const Star& before) const {
-    const double opacity = Opacity(density, length);
-    return opacity > kDarker && opacity - Opacity(ValueAt(before, point).a, length) > kDarker;
-  }
-
-  bool Darkens(uint32_t v, uint32_t onto) const {
+  // The largest rise of the opacity at the vertex and at the centroids of the tets around it, those
+  // that go and those that replace them: each may miss what the others show.
+  double DarkeningBy(uint32_t v, const Star& after) const {
     Star before;
     for (const uint32_t t : mesh_.TetsAt(v)) before.push_back(mesh_.tet(t));
-    for (const glm::uvec4& tet : StarAfter(v, onto)) {
-      const TetCorners p = CornersOf(tet);
-      double density = 0;
-      for (int i = 0; i < 4; ++i) density += 0.25 * values_[tet[i]].a;
-      if (IsDarkerAt(0.25 * (p[0] + p[1] + p[2] + p[3]), MeanEdge(p), density, before)) return true;
+    double most = 0;
+    const auto compare = [&](double length, double was, double is) {
+      most = std::max(most, Opacity(is, length) - Opacity(was, length));
+    };
+    double longest = 0;
+    for (const glm::uvec4& tet : before) {
+      const TetCorners p = CornersOf(mesh_.positions(), tet);
+      longest = std::max(longest, MeanEdge(p));
+      compare(MeanEdge(p), MeanValue(tet).a, ValueAt(after, MiddleOf(p)).a);
     }
-    return false;
+    for (const glm::uvec4& tet : after) {
+      const TetCorners p = CornersOf(mesh_.positions(), tet);
+      compare(MeanEdge(p), ValueAt(before, MiddleOf(p)).a, MeanValue(tet).a);
+    }
+    const glm::dvec3 place(mesh_.position(v));
+    compare(longest, values_[v].a, ValueAt(after, place).a);
+    return most;
   }
 
-  void Enqueue(uint32_t v) {
-    if (choices_[v].onto == kNoVertex) return;
-    queue_.emplace(choices_[v].error + inherited_[v], v);
+  static glm::dvec3 MiddleOf(const TetCorners& p) { return 0.25 * (p[0] + p[1] + p[2] + p[3]); }
+  glm::dvec4 MeanValue(const glm::uvec4& tet) const {
+    return 0.25 * (values_[tet[0]] + values_[tet[1]] + values_[tet[2]] + values_[tet[3]]);
+  }
+
+  void Enqueue(uint32_t v, double cost) {
+    queue_.emplace(cost, v);
     is_queued_[v] = 1;
   }
 
   // The light of tets that vanish goes to those that take their place.
   void Collapse(uint32_t v, double cost) {
     const uint32_t onto = choices_[v].onto;
+    const double darkening = darkening_[v] + choices_[v].darkening;
     const std::vector<uint32_t> neighbors = NeighborsOf(v);
     double vanished = 0;
     std::vector<uint32_t> left;
@@ -254,10 +275,9 @@ class Collapsing {
     for (const uint32_t neighbor : neighbors) {
       if (stays_[neighbor]) continue;
       inherited_[neighbor] += cost;
+      darkening_[neighbor] = std::max(darkening_[neighbor], darkening);
       is_stale_[neighbor] = 1;
-      if (is_queued_[neighbor]) continue;
-      queue_.emplace(inherited_[neighbor], neighbor);
-      is_queued_[neighbor] = 1;
+      if (!is_queued_[neighbor]) Enqueue(neighbor, inherited_[neighbor]);
     }
   }
 
@@ -266,11 +286,12 @@ class Collapsing {
   EditedMesh& mesh_;
   std::vector<uint8_t> stays_;
   std::vector<glm::dvec4> values_;
-  std::vector<double> light_;      // (T)
-  std::vector<Choice> choices_;    // (V)
-  std::vector<double> inherited_;  // (V) the errors of those that went around a vertex
-  std::vector<uint8_t> is_stale_;  // (V) the tets around it have changed since it was looked at
-  std::vector<uint8_t> is_queued_;
+  std::vector<double> light_;       // (T)
+  std::vector<Choice> choices_;     // (V)
+  std::vector<double> inherited_;   // (V) estimates taken over from removed neighbours
+  std::vector<double> darkening_;   // (V) by collapses around it
+  std::vector<uint8_t> is_stale_;   // (V) not looked at closely since the tets around it changed
+  std::vector<uint8_t> is_queued_;  // (V)
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> queue_;
 };
 

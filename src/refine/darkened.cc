@@ -4,6 +4,7 @@
 #include "core/parallel.h"
 #include "mesh/locate.h"
 #include "mesh/mesh_edges.h"
+#include "mesh/tet_quality.h"
 #include "refine/vertex_values.h"
 
 #include <algorithm>
@@ -31,12 +32,6 @@ struct DensityOnMesh {
     return At(mesh.tets[tet], WeightsInTet(mesh, tet, point));
   }
 };
-
-double MeanEdgeOf(const TetMesh& mesh, const glm::uvec4& tet) {
-  TetCorners corners;
-  for (int i = 0; i < 4; ++i) corners[size_t(i)] = glm::dvec3(mesh.positions[tet[i]]);
-  return MeanEdge(corners);
-}
 
 // (V) A tet at each vertex.
 std::vector<uint32_t> TetsAtVertices(const TetMesh& mesh) {
@@ -83,7 +78,7 @@ std::vector<RankedPlace> DarkenedTets(const DensityOnMesh& old_field,
     uint32_t old_tet = 0;
     for (size_t t = begin; t < end; ++t) {
       const glm::uvec4& tet = new_field.mesh.tets[t];
-      const double length = MeanEdgeOf(new_field.mesh, tet);
+      const double length = MeanEdge(CornersOf(new_field.mesh.positions, tet));
       const double opacity = Opacity(new_field.At(tet, glm::dvec4(0.25)), length);
       if (opacity <= kDarker) continue;
       const glm::dvec3 point = Centroid(new_field.mesh, tet);

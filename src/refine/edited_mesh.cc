@@ -3,7 +3,6 @@
 
 #include "geometry/orientation.h"
 
-#include <algorithm>
 #include <array>
 #include <numeric>
 

@@ -17,16 +17,16 @@ class EditedMesh {
  public:
   explicit EditedMesh(TetMesh mesh);
 
-  // Numbers of all ids, those of what is gone included.
+  // How many ids there are, including those of removed vertices and tets.
   size_t vertices() const { return mesh_.positions.size(); }
   size_t tets() const { return mesh_.tets.size(); }
   size_t vertices_left() const { return vertices() - gone_vertices_; }
-  bool HasTet(uint32_t tet) const { return mesh_.tets[tet][0] != kNoTet; }
 
+  std::span<const glm::vec3> positions() const { return mesh_.positions; }
   const glm::vec3& position(uint32_t vertex) const { return mesh_.positions[vertex]; }
   const glm::uvec4& tet(uint32_t tet) const { return mesh_.tets[tet]; }
   std::span<const uint32_t> TetsAt(uint32_t vertex) const { return tets_at_[vertex]; }
-  std::vector<uint32_t> TetsAround(uint32_t a, uint32_t b) const;  // at the edge between two
+  std::vector<uint32_t> TetsAround(uint32_t a, uint32_t b) const;  // around an edge
 
   // Where the middle of an edge is in float. Coordinates that both ends share stay exactly.
   glm::vec3 Middle(uint32_t a, uint32_t b) const;
@@ -39,16 +39,18 @@ class EditedMesh {
   // a part would not be positively oriented (exact predicate): then nothing is changed, and it
   // returns false.
   bool Halve(uint32_t a, uint32_t b, std::span<const uint32_t> around);
-  // Moves the first end of an edge onto the second one: the tets around the edge go, and the others
-  // at `gone` get `onto` instead. The caller makes sure that they stay positively oriented, and
-  // that `gone` is inside the mesh. The mesh then fills the same solid: the cones from `onto` over
-  // the faces around `gone` have the volume of the star that they replace, and do not overlap.
+  // Moves the first end of an edge onto the second: the tets around the edge vanish, and in the
+  // other tets at `gone`, `onto` takes its place. The caller makes sure that all tets of the mesh
+  // are positively oriented before and after, and that `gone` is not on the boundary. The mesh then
+  // fills the same solid: the cones from `onto` over the faces around `gone` have the volume of the
+  // star that they replace, and do not overlap.
   void Collapse(uint32_t gone, uint32_t onto);
 
   // Ends the changes.
   Refinement Take();
 
  private:
+  bool HasTet(uint32_t tet) const { return mesh_.tets[tet][0] != kNoTet; }
   void AddToVertices(uint32_t tet);
   MeshOrder Compact();
 

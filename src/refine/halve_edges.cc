@@ -4,7 +4,6 @@
 #include "mesh/boundary.h"
 #include "refine/collapse.h"
 #include "refine/edited_mesh.h"
-#include "refine/vertex_values.h"
 
 #include <algorithm>
 #include <utility>
@@ -97,13 +96,14 @@ class Halving {
 Refinement HalveEdges(TetMesh mesh, const FieldState& state, const RefineScores& scores,
                       const RefineOptions& options) {
   const uint64_t budget = VertexBudget(mesh.positions.size(), options);
+  const bool collapses = !scores.visible_of_tets.empty() &&
+                         state.layout.storage == FieldStorage::kVertex &&
+                         CountDegenerateTets(mesh) == 0;
   std::vector<uint8_t> on_boundary = BoundaryVertices(mesh);
   std::vector<uint8_t> stays = FixedVertices(mesh, scores);
   EditedMesh edited(std::move(mesh));
   Collapsed collapsed;
-  if (!scores.visible_of_tets.empty() && state.layout.storage == FieldStorage::kVertex) {
-    collapsed = CollapseSpare(edited, std::move(stays), state, scores, options);
-  }
+  if (collapses) collapsed = CollapseSpare(edited, std::move(stays), state, scores, options);
   const std::vector<RankedEdge> edges = RankEdges(edited, scores.of_tets);
   Halving halving(std::move(edited), std::move(on_boundary), options);
   halving.Halve(edges, budget);

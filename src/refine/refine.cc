@@ -2,6 +2,7 @@
 #include "refine/refine.h"
 
 #include "core/error.h"
+#include "mesh/boundary.h"
 #include "refine/bisect.h"
 #include "refine/halve_edges.h"
 #include "refine/insert_vertices.h"
@@ -51,6 +52,12 @@ void CompleteScores(const TetMesh& mesh, RefineScores& scores) {
       scores.of_tets.push_back(sum);
     }
   }
+}
+
+std::vector<uint8_t> FixedVertices(const TetMesh& mesh, const RefineScores& scores) {
+  std::vector<uint8_t> stays = BoundaryVertices(mesh);
+  for (size_t v = 0; v < scores.is_kept.size(); ++v) stays[v] |= scores.is_kept[v];
+  return stays;
 }
 
 uint64_t VertexBudget(size_t vertices, const RefineOptions& options) {

@@ -16,7 +16,7 @@ namespace tetrec {
 
 enum class RefineScheme {
   kInsert,  // inserts vertices and triangulates again (insert_vertices.h)
-  kHalve,   // halves the edges with the largest scores, in place (halve_edges.h)
+  kHalve,   // collapses spare vertices, halves the edges with the largest scores (halve_edges.h)
   kPrism,   // halves all edges at a vertex (split_prisms.h)
   kBisect,  // halves the longest edge of a tet (bisect.h)
 };
@@ -67,8 +67,8 @@ struct RefineScores {
   std::vector<float> of_tets;      // (T)
   std::vector<float> of_vertices;  // (V)
   // (T) The light that rays lose in each tet (TetScores::light), by which vertices are found
-  // that the mesh can do without (spare_vertices.h); their squared error may grow by a share of
-  // squared_error. Empty if that is not known.
+  // that the mesh can do without (spare_vertices.h, collapse.h); their squared error may grow by a
+  // share of squared_error. Empty if that is not known.
   std::vector<float> visible_of_tets;
   // (V) Not 0 for vertices that must stay, whatever the images show: those that keep the space of
   // the cameras empty. Empty if there are none.
@@ -91,6 +91,9 @@ struct Refinement {
   uint64_t put_back = 0, patches = 0;
   uint64_t refused = 0;  // splits that would have harmed the mesh
 };
+
+// (V) 1 for vertices that must stay: those of the hull, and those of scores.is_kept.
+std::vector<uint8_t> FixedVertices(const TetMesh& mesh, const RefineScores& scores);
 
 // The number of vertices that the mesh may get.
 uint64_t VertexBudget(size_t vertices, const RefineOptions& options);

@@ -1,11 +1,8 @@
-// What vertices and tets show, for the choice of vertices that a mesh can do without.
+// What the values at vertices show.
 #include "refine/vertex_values.h"
-
-#include "mesh/boundary.h"
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 namespace tetrec {
 namespace {
@@ -35,18 +32,6 @@ double SquaredChange(const glm::dvec4& a, const glm::dvec4& b, double length) {
   const glm::dvec3 color(a - b);
   const double opacity = SignedOpacity(a.a, length) - SignedOpacity(b.a, length);
   return glm::dot(color, color) + opacity * opacity;
-}
-
-std::vector<uint8_t> FixedVertices(const TetMesh& mesh, const RefineScores& scores) {
-  std::vector<uint8_t> stays = BoundaryVertices(mesh);
-  for (size_t v = 0; v < scores.is_kept.size(); ++v) stays[v] |= scores.is_kept[v];
-  return stays;
-}
-
-double MeanEdge(const TetCorners& corners) {
-  double sum = 0;
-  for (const auto& [a, b] : kTetEdges) sum += glm::distance(corners[size_t(a)], corners[size_t(b)]);
-  return sum / double(std::size(kTetEdges));
 }
 
 }  // namespace tetrec

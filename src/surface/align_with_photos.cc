@@ -36,8 +36,9 @@ constexpr double kStiffness = 5, kRest = 0.002;
 constexpr double kHold = 1;
 constexpr int kMostHolds = 5;  // times that folds are looked for in a round
 constexpr int kRelaxations = 100;
-constexpr double kSettled = 0.002;  // a change of displacements that ends relaxation [footprints]
 constexpr int kRelaxationsAfterHold = 30;  // few vertices have to change
+// Relaxation also ends once no displacement changes by more than this [footprints].
+constexpr double kSettled = 0.002;
 
 // The photos that see a vertex best, at most kMostPhotos.
 struct Onlookers {

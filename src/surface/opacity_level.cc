@@ -25,8 +25,8 @@ constexpr double kFullWeight = 0.3;
 // Depths of neighbouring pixels that differ by more footprints belong to different surfaces.
 constexpr double kJump_px = 8;
 
-// A cut is found when it is known to a share of its edge, or the solidity there is as small as a
-// hundredth of a band.
+// A cut is found when it is known to a share of its edge, or when the solidity there is below a
+// hundredth of a band, or after some steps, which a jump of the solidity may need.
 constexpr double kFinest = 1.0 / 256, kExact = 0.01;
 constexpr int kMostSteps = 8;
 constexpr double kKeep = 1e-3;  // of an edge, between a cut and the edge's ends
@@ -81,7 +81,7 @@ double CutBetween(const glm::dvec3& solid, double solidity_of_solid, const glm::
     const double solidity = SolidityAt(glm::mix(solid, free, share), views);
     const int sign = solidity > 0 ? 1 : -1;
     (sign > 0 ? low : high) = {share, solidity};
-    if (std::abs(solidity) < kExact) break;
+    if (std::abs(solidity) < kExact) return std::clamp(share, kKeep, 1 - kKeep);
     if (sign == last_sign) (sign > 0 ? high : low).solidity *= 0.5;
     last_sign = sign;
   }

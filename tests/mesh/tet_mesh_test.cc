@@ -61,9 +61,24 @@ void ExpectRefused(F&& call, const std::string& reason) {
   EXPECT_THAT(call, Throws<DataError>(Property(&DataError::what, HasSubstr(reason))));
 }
 
-TEST(ComputeNeighbors, AgreesWithTheTriangulation) {
-  const TetMesh mesh = RandomMesh(2000, 1);
-  EXPECT_EQ(ComputeNeighbors(mesh.tets, mesh.positions.size()), mesh.neighbors);
+int SharedVertices(const glm::uvec4& a, const glm::uvec4& b) {
+  int shared = 0;
+  for (int i = 0; i < 4; ++i) shared += glm::any(glm::equal(b, glm::uvec4(a[i])));
+  return shared;
+}
+
+// All faces at once, and a quarter of them at a time.
+TEST(ComputeNeighbors, LinksTheTetsThatShareThreeVertices) {
+  const TetMesh mesh = RandomMesh(200, 1);
+  for (const uint32_t faces_at_once : {1u << 21, 1u}) {
+    const auto neighbors = ComputeNeighbors(mesh.tets, mesh.positions.size(), faces_at_once);
+    for (uint32_t a = 0; a < mesh.tets.size(); ++a) {
+      for (uint32_t b = 0; b < mesh.tets.size(); ++b) {
+        const bool is_linked = glm::any(glm::equal(neighbors[a], glm::uvec4(b)));
+        ASSERT_EQ(is_linked, SharedVertices(mesh.tets[a], mesh.tets[b]) == 3) << a << ", " << b;
+      }
+    }
+  }
 }
 
 TEST(ComputeNeighbors, LinksFacesOppositeTheSameVertices) {

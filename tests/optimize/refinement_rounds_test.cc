@@ -137,7 +137,7 @@ TEST_F(RefinementRoundsTest, AreAllDoneWhereTheOptionsAskForThem) {
 // Bounds between the first mesh and what the plan asks for, and just above the first mesh.
 TEST_F(RefinementRoundsTest, NeverExceedTheBudget) {
   for (const RefineScheme scheme :
-       {RefineScheme::kInsert, RefineScheme::kPrism, RefineScheme::kBisect}) {
+       {RefineScheme::kInsert, RefineScheme::kHalve, RefineScheme::kPrism, RefineScheme::kBisect}) {
     for (const double share : {1.0, 1.001, 1.3}) {
       OptimizeOptions options = SmallRunOptions();
       options.refine = scheme;
@@ -206,7 +206,9 @@ struct RefinedRun {
                {folder / "best.bin", folder / "unrefined.bin"}) {
     run.PutField(0.2);
     if (has_moved) MoveVertices();
+    const std::vector<glm::vec3> before = run.field.mesh().positions;
     rounds.Advance(0.0);
+    EXPECT_FALSE(run.field.mesh().positions == before);
     CheckTetMesh(run.field.mesh());
   }
 
@@ -245,6 +247,7 @@ TEST(RefinementRounds, OfSchemesThatSplitLeaveThePictureAsItIs) {
     options.refine = scheme;
     RefinedRun refined(options);
     EXPECT_LT(refined.Change(), 1e-3);
+    EXPECT_GT(refined.run.field.mesh().positions.size(), 1000u);  // from 729
     CheckConvexDomain(refined.run.field.mesh());
   }
 }

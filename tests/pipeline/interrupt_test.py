@@ -203,7 +203,7 @@ class InterruptTest(StageCase):
 
     def test_a_resumed_optimize_gives_the_same_bytes_with_each_refinement(self):
         tetrahedra = self.tiny_tetrahedra()
-        for refine, score in (("prism", "color"), ("prism", "position"), ("bisect", "variance")):
+        for refine, score in (("prism", "color"), ("prism", "position"), ("bisect", "variance"), ("halve", "residual")):
             with self.subTest(refine=refine, score=score):
                 command = ("optimize", tetrahedra, "--deterministic", "--time-limit", 0, "--iterations", 200, "--rays", 512,
                            "--refine", refine, "--score", score, "--move", "safe", "--last-round", 0.8)

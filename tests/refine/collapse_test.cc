@@ -137,7 +137,7 @@ TEST(CollapseSpare, LeavesVerticesThatMustStay) {
   EXPECT_EQ(kept, uint64_t(std::ranges::count(scores.is_kept, 1)));
 }
 
-// Between a wall and clear space, vertices of the clear side hold the wall in its place.
+// Between a wall and clear space, vertices of the clear side keep the wall in its place.
 TEST(CollapseSpare, KeepsClearSpaceClear) {
   const TetMesh mesh = JitteredBox(9);
   const FieldState state = StateOfValues(
@@ -187,7 +187,7 @@ TEST(CollapseSpare, TakesFirstWhatIsNeededLeast) {
   for (const glm::vec3& p : result.mesh.positions) noisy_left += p.x > 0;
   for (const glm::vec3& p : mesh.positions) noisy += p.x > 0;
   EXPECT_GT(result.dropped_flat, mesh.positions.size() / 6);
-  EXPECT_LT(double(noisy - noisy_left), 0.1 * double(result.dropped_flat));
+  EXPECT_LT(double(noisy - noisy_left), 0.15 * double(result.dropped_flat));
 }
 
 }  // namespace

@@ -37,7 +37,6 @@ TEST(HalveEdges, KeepsMeshAndFieldSoundInManyRandomCases) {
   }
 }
 
-// No other scheme cuts so few tets that have no score.
 TEST(HalveEdges, CutsOnlyTetsAroundAnEdgeOfATetWithAScore) {
   const TetMesh mesh = JitteredBox(5);
   const FieldState state = RandomState(mesh, FieldStorage::kVertex);
