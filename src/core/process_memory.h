@@ -15,7 +15,6 @@ void ReturnLargeBlocksWhenFreed();
 
 // Gives back to the system what has been freed in small blocks, where whole pages are free. The
 // driver's compiler of kernels and CGAL leave many such blocks.
-// Compilers of kernels leave many.
 void ReturnFreedMemory();
 
 }  // namespace tetrec

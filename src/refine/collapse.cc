@@ -22,7 +22,7 @@ constexpr double kLeastQuality = 0.02;
 // A place is darkened if the opacity over the mean edge of its tet rises by this. It is stricter
 // than after a new triangulation (darkened.cc), because it costs nothing to leave a vertex.
 constexpr double kDarker = 0.05;
-// Of collapses that change the pictures alike, the one that leaves better tets is preferred.
+// Among collapses that change the pictures equally little, the one with better tets wins.
 constexpr double kWeightOfQuality = 1e-6;
 // Estimates of errors are needed for those neighbours only that promise the least.
 constexpr size_t kComparedNeighbors = 3;

@@ -27,8 +27,8 @@ inline constexpr auto kWords<RefineScheme> =
                                        {RefineScheme::kPrism, "prism"},
                                        {RefineScheme::kBisect, "bisect"}});
 
-// Whether a scheme drops vertices that the images do not need. The others leave every picture as it
-// is.
+// Returns true for schemes that drop vertices which the images do not need. The other schemes leave
+// every picture as it is.
 inline bool DropsVertices(RefineScheme scheme) {
   return scheme == RefineScheme::kInsert || scheme == RefineScheme::kHalve;
 }
