@@ -69,7 +69,8 @@ int main(int argc, char** argv) {
                  "SIFT features per photo, those of the largest scales");
   app.add_option("--retries", options.retries,
                  "Further tries where photos stay unregistered, each with 8/3 of the features for "
-                 "these photos and those that overlap them; 0: none");
+                 "these photos and those that overlap them, and one with milder demands if too few "
+                 "are registered still; 0: none");
   tetrec::AddWordOption(
       app, "--camera-sharing", options.camera_sharing,
       "Photos that share lens parameters: auto (those of the same size), single (all), "

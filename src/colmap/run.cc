@@ -330,13 +330,15 @@ MatchCounts MatchFeatures(const ColmapProgram& colmap, const fs::path& database_
 
 std::vector<fs::path> MapScene(const ColmapProgram& colmap, const fs::path& photos,
                                const fs::path& database, size_t photo_count, int seed,
-                               const fs::path& models) {
+                               const MapperDemands& demands, const fs::path& models) {
   Progress progress("mapping: photo", double(photo_count));
   const std::regex registering("^Registering image #[0-9]+ \\(([0-9]+)\\)");
   RunStep(
       colmap, "mapper",
       {"--database_path", database, "--image_path", photos, "--output_path", models,
-       "--random_seed", std::to_string(seed),
+       "--random_seed", std::to_string(seed), "--Mapper.init_min_num_inliers",
+       std::to_string(demands.pair_inliers), "--Mapper.abs_pose_min_num_inliers",
+       std::to_string(demands.image_inliers),
        // More threads are hardly faster and sum in a different order each time.
        "--Mapper.num_threads", "1",
        // All cameras are adjusted each time the model has grown by 40 % (COLMAP: 10 %), in fewer

@@ -54,12 +54,24 @@ MatchCounts MatchFeatures(const ColmapProgram& colmap, const std::filesystem::pa
                           const std::vector<ImagePair>& pairs,
                           const std::filesystem::path& scratch);
 
+// The least number of inliers with which the mapper starts from a pair of images, and with which it
+// registers another image.
+struct MapperDemands {
+  int pair_inliers, image_inliers;
+};
+// COLMAP's own.
+inline constexpr MapperDemands kUsualDemands{100, 30};
+// For few images, taken far from each other: where neighbours are 25 degrees apart, hardly a point
+// is seen by three of them.
+inline constexpr MapperDemands kMildDemands{50, 12};
+
 // Runs the mapper into the empty folder `models` and returns the folders of its models (0, 1, ...);
 // none if the images do not overlap enough.
 std::vector<std::filesystem::path> MapScene(const ColmapProgram& colmap,
                                             const std::filesystem::path& photos,
                                             const std::filesystem::path& database,
                                             size_t photo_count, int seed,
+                                            const MapperDemands& demands,
                                             const std::filesystem::path& models);
 
 // Triangulates the database's matches with the cameras and poses of the model in `known`, which do

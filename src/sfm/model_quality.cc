@@ -32,11 +32,15 @@ std::vector<std::string> UnregisteredPhotos(const ColmapModel& model,
   return missing;
 }
 
+bool HasEnoughPhotos(const ColmapModel& model, size_t photos) {
+  return double(model.images.size()) >= kMinRegisteredShare * double(photos);
+}
+
 ModelQuality JudgeModel(const ColmapModel& model, const std::vector<std::string>& photo_names) {
   ModelQuality quality{model.images.size(), photo_names.size(), model.points.size(),
                        MeanReprojectionError_px(model), MeanTrackLength(model)};
   const std::vector<std::string> missing = UnregisteredPhotos(model, photo_names);
-  if (double(quality.registered) < kMinRegisteredShare * double(quality.photos)) {
+  if (!HasEnoughPhotos(model, photo_names.size())) {
     throw DataError(fmt::format(
         "only {} of {} photos could be registered ({:.0f} % are needed); not registered: {}; add "
         "photos between these and the others, or remove them",

@@ -13,6 +13,9 @@ struct ModelQuality {
   double mean_error_px = 0, mean_track_length = 0;
 };
 
+// False if too few of the photos are registered for a model that can be built on.
+bool HasEnoughPhotos(const ColmapModel& model, size_t photos);
+
 // Throws DataError, which names what is wrong and the unregistered photos, if the model cannot be
 // built on. Errors are judged in pixels of a photo of 1,600 px.
 ModelQuality JudgeModel(const ColmapModel& model, const std::vector<std::string>& photo_names);

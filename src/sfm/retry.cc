@@ -1,4 +1,4 @@
-// A second try for photos that stayed out of the model.
+// Further tries for photos that stayed out of the model.
 #include "sfm/retry.h"
 
 #include <algorithm>

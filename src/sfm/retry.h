@@ -1,5 +1,5 @@
-// A second try for photos that stayed out of the model: which photos it concerns, and whether its
-// model is better.
+// Further tries for photos that stayed out of the model: which photos they concern, and whether
+// their model is better.
 #pragma once
 
 #include "colmap/database.h"

@@ -169,14 +169,15 @@ struct Mapping {
 };
 
 Mapping Map(const ColmapProgram& colmap, const fs::path& photos, const fs::path& database,
-            size_t photo_count, int seed, const fs::path& scratch, const fs::path& finished) {
+            size_t photo_count, int seed, const MapperDemands& demands, const fs::path& scratch,
+            const fs::path& finished) {
   Mapping mapping;
   if (!fs::exists(finished)) {
     const fs::path models = scratch / "models";
     fs::remove_all(models);
     fs::create_directories(models);
     const std::vector<fs::path> folders =
-        MapScene(colmap, photos, database, photo_count, seed, models);
+        MapScene(colmap, photos, database, photo_count, seed, demands, models);
     if (folders.empty()) return mapping;
     mapping.models = folders.size();
     fs::rename(ModelWithMostImages(folders, mapping.model), finished);
@@ -251,35 +252,56 @@ void WriteRicherDatabase(const SfmWork& work, const ColmapModel& model, int max_
   MatchFeatures(work.colmap, richer, pairs, work.scratch);
 }
 
-// Tries again where photos stayed out, and keeps the better model. Each try is noted.
+// Maps once more, and keeps the better model. `how`: notes what differs in this try.
+void MapAgain(const SfmWork& work, const fs::path& database, const MapperDemands& demands,
+              const fs::path& finished, nlohmann::json how, ColmapModel& model,
+              nlohmann::json& notes) {
+  const Timer timer;
+  const Mapping mapping = Map(work.colmap, work.linked.folder, database, work.linked.names.size(),
+                              work.options.seed, demands, work.scratch, finished);
+  const bool better = IsBetterModel(model, mapping.model);
+  LogInfo(
+      "{} photos registered instead of {}, mean reprojection error {:.3f} px instead of "
+      "{:.3f}: {}",
+      mapping.model.images.size(), model.images.size(), MeanReprojectionError_px(mapping.model),
+      MeanReprojectionError_px(model), better ? "kept" : "not kept");
+  how.update({{"registered_before", model.images.size()},
+              {"registered", mapping.model.images.size()},
+              {"mean_reprojection_error_px", MeanReprojectionError_px(mapping.model)},
+              {"kept", better},
+              {"mapping_seconds", timer.seconds()}});
+  notes.push_back(std::move(how));
+  if (better) model = mapping.model;
+}
+
+// Tries again where photos stayed out: with more features of them; and at last, if the model would
+// be refused, with milder demands of the mapper. Where only some photos stay out, those may well
+// show something else. Each try is noted.
 void Retry(const SfmWork& work, const fs::path& database, const std::string& model_name,
            ColmapModel& model, Stage& stage) {
   nlohmann::json notes = nlohmann::json::array();
   int max_features = work.options.max_features;
-  fs::path before = database;
+  fs::path richest = database;
   const size_t photos = work.linked.names.size();
   for (int i = 1; i <= work.options.retries && model.images.size() < photos; ++i) {
-    const Timer timer;
     max_features = std::min(max_features * 8 / 3, kMostFeatures);
     const std::string suffix = fmt::format("-retry-{}", i);
     const fs::path richer = database.string() + suffix;
-    WriteRicherDatabase(work, model, max_features, before, richer);
-    const Mapping mapping = Map(work.colmap, work.linked.folder, richer, photos, work.options.seed,
-                                work.scratch, work.cache / (model_name + suffix));
-    const bool better = IsBetterModel(model, mapping.model);
+    WriteRicherDatabase(work, model, max_features, richest, richer);
+    MapAgain(work, richer, kUsualDemands, work.cache / (model_name + suffix),
+             {{"max_features", max_features}}, model, notes);
+    richest = richer;
+  }
+  if (!HasEnoughPhotos(model, photos)) {
     LogInfo(
-        "{} photos registered instead of {}, mean reprojection error {:.3f} px instead of "
-        "{:.3f}: {}",
-        mapping.model.images.size(), model.images.size(), MeanReprojectionError_px(mapping.model),
-        MeanReprojectionError_px(model), better ? "kept" : "not kept");
-    notes.push_back({{"max_features", max_features},
-                     {"registered_before", model.images.size()},
-                     {"registered", mapping.model.images.size()},
-                     {"mean_reprojection_error_px", MeanReprojectionError_px(mapping.model)},
-                     {"kept", better},
-                     {"seconds", timer.seconds()}});
-    if (better) model = mapping.model;
-    before = richer;
+        "{} of {} photos are registered; trying again with pairs of {} instead of {} inliers to "
+        "begin with, and {} instead of {} for each further photo",
+        model.images.size(), photos, kMildDemands.pair_inliers, kUsualDemands.pair_inliers,
+        kMildDemands.image_inliers, kUsualDemands.image_inliers);
+    MapAgain(work, richest, kMildDemands, work.cache / (model_name + "-mild"),
+             {{"pair_inliers", kMildDemands.pair_inliers},
+              {"image_inliers", kMildDemands.image_inliers}},
+             model, notes);
   }
   stage.Count("retries", notes.size());
   stage.Note("retries", notes);
@@ -319,8 +341,8 @@ ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photo
 
   timer = {};
   const std::string model_name = fmt::format("mapped-{}-{}", Name(options.matcher), options.seed);
-  Mapping mapping = Map(colmap, linked.folder, database, photos.size(), options.seed, scratch,
-                        cache / model_name);
+  Mapping mapping = Map(colmap, linked.folder, database, photos.size(), options.seed, kUsualDemands,
+                        scratch, cache / model_name);
   if (mapping.models > 0) stage.Count("models", mapping.models);
   stage.Seconds("mapping", timer.seconds());
   ColmapModel& model = mapping.model;

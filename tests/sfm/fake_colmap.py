@@ -7,6 +7,7 @@ newer: good, like COLMAP 3.11, whose tables lack poses. rigs: like COLMAP 3.12, 
 renamed COMMAND: like COLMAP 4.0, with other options. unknown COMMAND: like COLMAP 4.0, without the command.
 idle COMMAND: like COLMAP 4.0, and does nothing without a message.
 late: the last two images are registered only when the mapper runs for the second time. never: not even then.
+wide: half of the images are registered, and all if the mapper demands few inliers of each.
 folded: like good, but the lens model folds over inside the images.
 """
 import math
@@ -123,7 +124,7 @@ def map_scene(options):
         write_model(folder, names[:2], 61)
     elif MODE == "never" or (MODE == "late" and open(os.environ["FAKE_COLMAP_CALLS"]).read().count("mapper") < 2):
         write_model(folder, names[:-2], 300)
-    elif MODE == "half":
+    elif MODE == "half" or (MODE == "wide" and int(options["Mapper.abs_pose_min_num_inliers"]) >= 30):
         write_model(folder, names[::2], 300)
     else:
         write_model(os.path.join(options["output_path"], "0"), names[:2], 61)  # the first is not the largest

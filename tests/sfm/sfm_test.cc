@@ -2,6 +2,7 @@
 // stand-in runs that writes the same files.
 #include "sfm/sfm.h"
 
+#include "colmap/run.h"
 #include "command/stage_command.h"
 #include "core/error.h"
 #include "core/file.h"
@@ -185,6 +186,24 @@ TEST_F(SfmTest, ATryThatRegistersNoMorePhotosChangesNothing) {
       nlohmann::json::parse(ReadText(fs::path(scene_) / "manifest.json"));
   EXPECT_EQ(manifest["notes"]["retries"][0]["kept"], false);
   EXPECT_EQ(manifest["notes"]["unregistered"].size(), 2u);
+}
+
+TEST_F(SfmTest, WhereManyPhotosStayOutTheMapperDemandsFewerInliers) {
+  WritePhotos(12);
+  const Outcome outcome = Run("wide");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(ReadScene(scene_).views.size(), 12u);
+  EXPECT_EQ(Calls("mapper"), 3u);
+  const nlohmann::json manifest =
+      nlohmann::json::parse(ReadText(fs::path(scene_) / "manifest.json"));
+  EXPECT_EQ(manifest["counts"]["retries"], 2);
+  const nlohmann::json& retry = manifest["notes"]["retries"][1];
+  EXPECT_EQ(retry["image_inliers"], kMildDemands.image_inliers);
+  EXPECT_EQ(retry["registered_before"], 6);
+  EXPECT_EQ(retry["registered"], 12);
+  // Another size takes everything from the cache.
+  ASSERT_EQ(Run("wide", {}, {"--max-size", "16"}).exit_code, 0);
+  EXPECT_EQ(Calls("mapper"), 3u);
 }
 
 TEST_F(SfmTest, NothingIsTriedAgainIfAllAreRegisteredOrItIsSwitchedOff) {
