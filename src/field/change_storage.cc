@@ -4,6 +4,7 @@
 #include "core/error.h"
 
 #include <cmath>
+#include <utility>
 
 namespace tetrec {
 namespace {
@@ -54,7 +55,7 @@ class RowMeans {
 
 }  // namespace
 
-RadianceField WithStorage(const RadianceField& field, FieldStorage storage) {
+RadianceField WithStorage(RadianceField field, FieldStorage storage) {
   if (field.storage == storage) return field;
   FieldLayout layout = LayoutOf(field);
   layout.storage = storage;
@@ -72,7 +73,7 @@ RadianceField WithStorage(const RadianceField& field, FieldStorage storage) {
       }
     }
   }
-  return MakeField(field.mesh, layout, means.Values());
+  return MakeField(std::move(field.mesh), layout, means.Values());
 }
 
 }  // namespace tetrec

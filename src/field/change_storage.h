@@ -11,6 +11,6 @@ namespace tetrec {
 // weighted by volume; its other attributes are weighted by volume and density. Where all that
 // density is 0, the weight leaves it out. Attributes of an exponential activation are treated as
 // density is.
-RadianceField WithStorage(const RadianceField& field, FieldStorage storage);
+RadianceField WithStorage(RadianceField field, FieldStorage storage);
 
 }  // namespace tetrec

@@ -31,7 +31,7 @@ size_t CountOfFewViews(std::span<const RayBlock> blocks, size_t first) {
 // As many of all blocks as `tets` tets need to be judged, drawn at random, view by view.
 std::vector<RayBlock> DrawJudgingBlocks(const TrainingSet& set, const OptimizeOptions& options,
                                         uint64_t tets, uint64_t iteration) {
-  std::vector<RayBlock> blocks = set.blocks;
+  std::vector<RayBlock> blocks = set.blocks.List();
   Random random(options.seed ^ 0x5C0ull, iteration);
   size_t wanted =
       std::min(blocks.size(), size_t(options.score_rays_per_tet * double(tets)) / kRaysPerBlock);

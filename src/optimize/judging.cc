@@ -93,7 +93,7 @@ JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed) {
       judging.is_whole[view] = 1;
     }
   }
-  for (const RayBlock& block : set.blocks) {
+  for (const RayBlock& block : set.blocks.List()) {
     if (judging.is_whole[block.view] ? IsJudgingSquare(block.x, block.y)
                                      : IsJudgingTile(seed, block.view, block.x, block.y)) {
       judging.blocks.push_back(block);

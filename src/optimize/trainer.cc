@@ -124,9 +124,10 @@ class Trainer {
                     stage.Scratch("finer.bin"), stage.Scratch("coarser.bin")),
         checkpoint_path_(stage.Scratch(kCheckpointFile)) {}
 
-  RadianceField Run(const RadianceField& start) {
-    Introduce(start);
-    Begin(start);
+  // Nothing of the start is left once the run has begun: it would be in memory to the end.
+  RadianceField Run(RadianceField start) {
+    Introduce(start.mesh);
+    Begin(std::move(start));
     TrainingHistory history(stage_.Output(kTrainingLogFile), metrics_bytes_, watched_,
                             options_.HasLimit(), DegenerateCounter());
     Train(history);
@@ -153,7 +154,7 @@ class Trainer {
   }
 
  private:
-  void Introduce(const RadianceField& start) {
+  void Introduce(const TetMesh& start) {
     stage_.Device(renderer_->DescribeDevice());
     LogInfo("{} training views, {} pixels; device {}; up to {} vertices",
             pictures_.set().views.size(), WithThousands(pictures_.set().pixels),
@@ -163,15 +164,15 @@ class Trainer {
               WithThousands(max_tets_),
               PredictedPeakBytes(double(max_tets_), pictures_.set().pixels) / 1e6);
     }
-    if (options_.max_vertices > 0 && options_.max_vertices < start.mesh.positions.size()) {
+    if (options_.max_vertices > 0 && options_.max_vertices < start.positions.size()) {
       LogWarning(
           "at most {} vertices are allowed, but the mesh starts with {}: it is not refined; allow "
           "more, or start coarser (see tetrec-tetrahedralize)",
-          options_.max_vertices, start.mesh.positions.size());
+          options_.max_vertices, start.positions.size());
     }
   }
 
-  void Begin(const RadianceField& start) {
+  void Begin(RadianceField start) {
     if (!options_.HasLimit() && !pictures_.can_judge()) {
       throw DataError(fmt::format(
           "{}: its pictures are too small for parts that judge, so nothing would end the run: set "
@@ -184,9 +185,10 @@ class Trainer {
       if (stage_.resume()) LogInfo("no checkpoint was saved: starts at the first iteration");
       if (EstimatesExposure()) exposure_ = ExposureEstimate(pictures_.set().views.size());
       poses_.Start(CamerasWereEstimated(scene_folder_), Done());
-      const RadianceField stored = WithStorage(start, options_.storage);
+      RadianceField stored = WithStorage(std::move(start), options_.storage);
       const Attribute density = LearnedDensity(options_.density, scene_.has_alpha, stored);
-      field_.Put(start.mesh, WithHarmonics(StateOf(stored, density), 0));
+      FieldState state = WithHarmonics(StateOf(stored, density), 0);
+      field_.Put(std::move(stored.mesh), std::move(state));
     }
     if (exposure_.is_on()) renderer_->SetExposures(exposure_.State(*renderer_).exposures);
   }
@@ -464,7 +466,7 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   const fs::path scene_folder = PreviousStage(start_folder, {"sfm", "import"});
   const Scene scene = ReadScene(scene_folder);
   const fs::path start_file = start_folder / "field.tetf";
-  const RadianceField start = ReadField(start_file);
+  RadianceField start = ReadField(start_file);
   // Refinement fills it with new tets.
   NamingFile(start_file.string(), [&] { CheckConvexDomain(start.mesh); });
   TrainingSet set = LoadTrainingSet(scene_folder, scene, scene.ViewsOf(Split::kTrain));
@@ -472,7 +474,7 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   if (options.seen_space == SpaceContent::kEmpty) seen_space = SeenSpace::Read(scene, start_folder);
   Trainer trainer(options, scene_folder, scene, std::move(set), std::move(seen_space), start.mesh,
                   stage);
-  WriteField(stage.Output("field.tetf"), trainer.Run(start));
+  WriteField(stage.Output("field.tetf"), trainer.Run(std::move(start)));
   trainer.WriteEstimates();
   WriteWorld(scene, scene_folder, stage);
 }

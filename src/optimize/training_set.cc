@@ -33,30 +33,25 @@ int Shift(Random& random, int size) {
 
 // Blocks to draw from: some of TrainingSet::blocks, and those of its subject_blocks among them.
 struct BlockPool {
-  std::span<const RayBlock> all;
+  AlignedBlocks::Range all;
   std::span<const uint32_t> subject;
 };
 
-BlockPool AllBlocks(const TrainingSet& set) { return {set.blocks, set.subject_blocks}; }
-
-// Clang 14 cannot compile std::ranges::equal_range.
-template <class Values, class ViewOf>
-auto PartOfView(const Values& sorted, uint32_t view, ViewOf view_of) {
-  return std::span(std::ranges::lower_bound(sorted, view, {}, view_of),
-                   std::ranges::upper_bound(sorted, view, {}, view_of));
-}
+BlockPool AllBlocks(const TrainingSet& set) { return {{0, set.blocks.size()}, set.subject_blocks}; }
 
 BlockPool BlocksOfView(const TrainingSet& set, uint32_t view) {
-  const auto view_of = [&](uint32_t block) { return set.blocks[block].view; };
-  return {PartOfView(set.blocks, view, &RayBlock::view),
-          PartOfView(set.subject_blocks, view, view_of)};
+  const AlignedBlocks::Range all = set.blocks.OfView(view);
+  // Clang 14 cannot compile std::ranges::equal_range.
+  return {all, std::span(std::ranges::lower_bound(set.subject_blocks, all.begin),
+                         std::ranges::lower_bound(set.subject_blocks, all.end))};
 }
 
 RayBlock DrawBlock(const TrainingSet& set, const BlockPool& pool, double subject_share,
                    Random& random) {
   const bool subject = !pool.subject.empty() && random.Uniform() < subject_share;
-  RayBlock block = subject ? set.blocks[pool.subject[random.Below(uint32_t(pool.subject.size()))]]
-                           : pool.all[random.Below(uint32_t(pool.all.size()))];
+  RayBlock block =
+      set.blocks[subject ? pool.subject[random.Below(uint32_t(pool.subject.size()))]
+                         : pool.all.begin + random.Below(uint32_t(pool.all.end - pool.all.begin))];
   // Offsets need not be aligned, but blocks stay inside the image.
   const TargetImage& target = set.targets[block.view];
   const int x = int(block.x) + Shift(random, kRayBlockWidth);
@@ -108,20 +103,45 @@ TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Sce
   return set;
 }
 
+void AlignedBlocks::Add(uint32_t view, int width, int height) {
+  const size_t columns = size_t((width + kRayBlockWidth - 1) / kRayBlockWidth);
+  const size_t rows = size_t((height + kRayBlockHeight - 1) / kRayBlockHeight);
+  views_.push_back({size(), size() + columns * rows, view, uint32_t(columns)});
+}
+
+RayBlock AlignedBlocks::operator[](size_t index) const {
+  const BlocksOfView& own = *std::ranges::upper_bound(views_, index, {}, &BlocksOfView::end);
+  const uint32_t place = uint32_t(index - own.begin);
+  return {own.view, place % own.columns * uint32_t(kRayBlockWidth),
+          place / own.columns * uint32_t(kRayBlockHeight)};
+}
+
+AlignedBlocks::Range AlignedBlocks::OfView(uint32_t view) const {
+  const auto own = std::ranges::lower_bound(views_, view, {}, &BlocksOfView::view);
+  if (own == views_.end() || own->view != view) return {size(), size()};
+  return {own->begin, own->end};
+}
+
+std::vector<RayBlock> AlignedBlocks::List() const {
+  std::vector<RayBlock> blocks(size());
+  for (size_t i = 0; i < blocks.size(); ++i) blocks[i] = (*this)[i];
+  return blocks;
+}
+
 void ListBlocks(TrainingSet& set, std::span<const uint8_t> left_out) {
   // Includes a margin around the subject, where floaters would hide.
   constexpr int kMarginPx = 4;
-  set.blocks.clear();
+  set.blocks = {};
   set.subject_blocks.clear();
   for (uint32_t v = 0; v < set.views.size(); ++v) {
     if (!left_out.empty() && left_out[v]) continue;
     const TargetImage& target = set.targets[v];
-    for (int y = 0; y < target.height; y += kRayBlockHeight) {
-      for (int x = 0; x < target.width; x += kRayBlockWidth) {
-        if (ShowsSomething(target, x, y, kMarginPx)) {
-          set.subject_blocks.push_back(uint32_t(set.blocks.size()));
-        }
-        set.blocks.push_back({v, uint32_t(x), uint32_t(y)});
+    set.blocks.Add(v, target.width, target.height);
+    const AlignedBlocks::Range own = set.blocks.OfView(v);
+    for (size_t i = own.begin; i < own.end; ++i) {
+      const RayBlock block = set.blocks[i];
+      if (ShowsSomething(target, int(block.x), int(block.y), kMarginPx)) {
+        set.subject_blocks.push_back(uint32_t(i));
       }
     }
   }

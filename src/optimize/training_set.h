@@ -10,10 +10,33 @@
 
 namespace tetrec {
 
+// Every aligned 4 x 2 block of some views, view by view and row by row. Not stored, because a list
+// takes 1.5 bytes per pixel.
+class AlignedBlocks {
+ public:
+  // Views are added in ascending order. `width`, `height`: of the view's image [px].
+  void Add(uint32_t view, int width, int height);
+  size_t size() const { return views_.empty() ? 0 : views_.back().end; }
+  RayBlock operator[](size_t index) const;
+  struct Range {
+    size_t begin, end;
+  };
+  // The indices of a view's blocks.
+  Range OfView(uint32_t view) const;
+  std::vector<RayBlock> List() const;
+
+ private:
+  struct BlocksOfView {
+    size_t begin, end;  // indices of its blocks
+    uint32_t view, columns;
+  };
+  std::vector<BlocksOfView> views_;
+};
+
 struct TrainingSet {
   std::vector<RenderView> views;
   std::vector<TargetImage> targets;
-  std::vector<RayBlock> blocks;          // every aligned 4 x 2 block of every listed view
+  AlignedBlocks blocks;                  // of the listed views
   std::vector<uint32_t> subject_blocks;  // those that show something, or are next to one
   uint64_t pixels = 0;
 };

@@ -90,7 +90,8 @@ struct CoarseRun : SmallRun {
   double LossOf(const RadianceField& other) {
     renderer->SetState(other.mesh, StateOf(other));
     TrainingBatch batch;
-    batch.blocks = pictures.set().blocks;
+    const std::vector<RayBlock> blocks = pictures.set().blocks.List();
+    batch.blocks = blocks;
     batch.background_srgb = batches.Background(0);
     return 1.5 * double(batch.rays()) * renderer->Forward(batch).squared_error;
   }

@@ -87,7 +87,7 @@ TEST(JudgingSet, LeavesTheBlocksOfWholeViewsOutOfTheDraw) {
   const size_t all = set.blocks.size();
   ListBlocks(set, judging.is_whole);
   EXPECT_EQ(set.blocks.size(), all - all / 24);
-  for (const RayBlock& block : set.blocks) EXPECT_EQ(judging.is_whole[block.view], 0);
+  for (const RayBlock& block : set.blocks.List()) EXPECT_EQ(judging.is_whole[block.view], 0);
   ListBlocks(set, {});
   EXPECT_EQ(set.blocks.size(), all);
 }

@@ -21,7 +21,8 @@ size_t CountNotLearned(const TrainingPictures& pictures) {
 // The squared error of a black field, summed over the pixels that are learned.
 double LearnedSquares(SmallRun& run) {
   TrainingBatch batch;
-  batch.blocks = run.pictures.set().blocks;
+  const std::vector<RayBlock> blocks = run.pictures.set().blocks.List();
+  batch.blocks = blocks;
   return run.renderer->Forward(batch).squared_error * double(batch.rays());
 }
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <tuple>
 
@@ -59,13 +60,34 @@ TEST_F(TrainingSetTest, HoldsEveryBlockOfTheTrainingViewsOnce) {
   EXPECT_EQ(set.pixels, 4u * 33 * 31);
   EXPECT_EQ(set.blocks.size(), 4u * 9 * 16);
   std::set<std::tuple<uint32_t, uint32_t, uint32_t>> seen;
-  for (const RayBlock& block : set.blocks) {
+  for (const RayBlock& block : set.blocks.List()) {
     EXPECT_TRUE(seen.insert(Key(block)).second);
     EXPECT_EQ(block.x % kRayBlockWidth, 0u);
     EXPECT_EQ(block.y % kRayBlockHeight, 0u);
     EXPECT_LT(block.x, 33u);
     EXPECT_LT(block.y, 31u);
   }
+}
+
+TEST(AlignedBlocks, AreNumberedViewByView) {
+  AlignedBlocks blocks;
+  blocks.Add(1, 33, 3);   // 9 x 2 blocks
+  blocks.Add(4, 4, 5);    // 1 x 3
+  blocks.Add(7, 16, 16);  // 4 x 8
+  EXPECT_EQ(blocks.size(), 18u + 3 + 32);
+  EXPECT_EQ(Key(blocks[0]), std::tuple(1u, 0u, 0u));
+  EXPECT_EQ(Key(blocks[17]), std::tuple(1u, 32u, 2u));
+  EXPECT_EQ(Key(blocks[18]), std::tuple(4u, 0u, 0u));
+  EXPECT_EQ(Key(blocks[20]), std::tuple(4u, 0u, 4u));
+  EXPECT_EQ(Key(blocks[26]), std::tuple(7u, 4u, 2u));
+  EXPECT_EQ(blocks.OfView(4).begin, 18u);
+  EXPECT_EQ(blocks.OfView(4).end, 21u);
+  for (const uint32_t absent : {0u, 2u, 9u}) {
+    EXPECT_EQ(blocks.OfView(absent).begin, blocks.OfView(absent).end);
+  }
+  const std::vector<RayBlock> list = blocks.List();
+  ASSERT_EQ(list.size(), blocks.size());
+  for (size_t i = 0; i < list.size(); ++i) EXPECT_EQ(Key(list[i]), Key(blocks[i]));
 }
 
 TEST_F(TrainingSetTest, CallsTheBlocksOnAndBesideTheMaskTheSubject) {
@@ -184,12 +206,10 @@ TrainingSet TwoViews(int width, int height) {
   for (uint32_t v = 0; v < 2; ++v) {
     set.targets.push_back({width, height, {}});
     set.targets[v].rgba8.assign(size_t(width) * height, v == 0 ? 0 : ~0u);
-    for (int y = 0; y < height; y += kRayBlockHeight) {
-      for (int x = 0; x < width; x += kRayBlockWidth) {
-        if (v == 1) set.subject_blocks.push_back(uint32_t(set.blocks.size()));
-        set.blocks.push_back({v, uint32_t(x), uint32_t(y)});
-      }
-    }
+    set.blocks.Add(v, width, height);
+  }
+  for (size_t i = set.blocks.OfView(1).begin; i < set.blocks.size(); ++i) {
+    set.subject_blocks.push_back(uint32_t(i));
   }
   return set;
 }
@@ -289,14 +309,12 @@ TEST(DrawTiles, AreOfOneShapeInsideTheirPictures) {
   TrainingSet set = TwoViews(64, 32);
   const TrainingSet small = TwoViews(21, 19);
   set.targets[1] = small.targets[1];
-  std::erase_if(set.blocks, [](const RayBlock& block) { return block.view == 1; });
-  set.subject_blocks.clear();
-  for (uint32_t y = 0; y < 19; y += 2) {
-    for (uint32_t x = 0; x < 21; x += 4) {
-      set.subject_blocks.push_back(uint32_t(set.blocks.size()));
-      set.blocks.push_back({1, x, y});
-    }
-  }
+  set.blocks = {};
+  set.blocks.Add(0, 64, 32);
+  set.blocks.Add(1, 21, 19);
+  set.subject_blocks.resize(set.blocks.OfView(1).end - set.blocks.OfView(1).begin);
+  std::iota(set.subject_blocks.begin(), set.subject_blocks.end(),
+            uint32_t(set.blocks.OfView(1).begin));
   std::set<uint32_t> views;
   for (uint64_t iteration = 0; iteration < 50; ++iteration) {
     const auto [blocks, shape] = DrawTiles(set, 3, 128, 0.5, 1, iteration);
@@ -319,10 +337,9 @@ TEST(DrawTiles, AreOfOneShapeInsideTheirPictures) {
 
 TEST(DrawBlocks, MovesABlockByLessThanItsSize) {
   TrainingSet set = TwoViews(32, 32);
-  const auto there = std::find_if(set.blocks.begin(), set.blocks.end(), [](const RayBlock& b) {
-    return Key(b) == std::tuple(1u, 16u, 10u);
-  });
-  set.subject_blocks = {uint32_t(there - set.blocks.begin())};
+  const std::vector<RayBlock> blocks = set.blocks.List();
+  const auto there = std::ranges::find(blocks, std::tuple(1u, 16u, 10u), Key);
+  set.subject_blocks = {uint32_t(there - blocks.begin())};
   std::set<std::pair<uint32_t, uint32_t>> offsets;
   for (const RayBlock& block : DrawBlocks(set, 1000, 1.0, 5, 0)) {
     ASSERT_EQ(block.view, 1u);
