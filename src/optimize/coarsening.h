@@ -41,6 +41,8 @@ class Coarsening {
              const std::filesystem::path& finer_file, const std::filesystem::path& coarser_file);
 
   void Resume(CoarseningState state) { state_ = std::move(state); }
+  // Fields are judged in another way from now on: the mesh as it is must be judged again.
+  void JudgeAnew() { state_.reference.clear(); }
   const CoarseningState& state() const { return state_; }
 
   // True if the mesh is coarsened no more. A mesh whose rounds are given is never coarsened, nor is

@@ -1,4 +1,4 @@
-// The choice between one ray and 2 x 2 rays per pixel in the last part of a run.
+// The choice between one ray and 2 x 2 rays per pixel once a run has grown.
 #include "optimize/fine_rays.h"
 
 #include "core/log.h"
@@ -7,8 +7,8 @@ namespace tetrec {
 namespace {
 
 // Shortly before the judging pictures are learned.
-constexpr double kTrialProgress = 0.66;
-static_assert(kTrialProgress < ScheduleOptions().last_judging);
+constexpr double kTrialGrowth = 0.66;
+static_assert(kTrialGrowth < ScheduleOptions().last_judging);
 // In shorter runs the trial would take a large share of the steps.
 constexpr uint64_t kFewestStepsBefore = 8 * kFewestTrialSteps;
 
@@ -27,10 +27,12 @@ void FineRays::Resume(TrialState state) {
 void FineRays::Decide(bool uses_fine_rays) {
   state_ = uses_fine_rays ? TrialState::kUsed : TrialState::kNotUsed;
   steps_.UseFineRays(uses_fine_rays);
+  // A field that is learned by means of four rays is not the better, seen by one.
+  pictures_.JudgeBy(uses_fine_rays ? 2 : 1);
 }
 
-bool FineRays::Advance(double progress) {
-  if (state_ != TrialState::kNotTried || progress < kTrialProgress) return false;
+bool FineRays::Advance(double growth) {
+  if (state_ != TrialState::kNotTried || growth < kTrialGrowth) return false;
   if (pictures_.learns_all() || !steps_.CanTakeFineRays() ||
       steps_.iteration() < kFewestStepsBefore) {
     Decide(false);
@@ -51,7 +53,7 @@ bool FineRays::Advance(double progress) {
   Decide(trial.PrefersFour());
   LogInfo(
       "judging pictures after {} steps: {:.2f} dB by 2 x 2 rays per pixel, {:.2f} dB by one: the "
-      "last part of the run takes {}",
+      "rest of the run takes {}",
       steps, trial.four_psnr, trial.one_psnr, trial.PrefersFour() ? "2 x 2" : "one");
   return true;
 }

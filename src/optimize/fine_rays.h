@@ -1,4 +1,4 @@
-// The choice between one ray and 2 x 2 rays per pixel in the last part of a run.
+// The choice between one ray and 2 x 2 rays per pixel once a run has grown.
 //
 // A pixel shows the mean of what lies in it. Learned by one ray each, a field becomes as blurred as
 // the pixels are; learned by means of four rays, it need not. But then a step informs about a
@@ -34,8 +34,8 @@ class FineRays {
   // The trial of this process, if there was one.
   const std::optional<FineRaysTrial>& trial() const { return trial_; }
 
-  // Holds the trial if it is due at this progress of the run; returns whether it was.
-  bool Advance(double progress);
+  // Holds the trial if it is due at this growth of the run; returns whether it was.
+  bool Advance(double growth);
 
  private:
   void Decide(bool uses_fine_rays);

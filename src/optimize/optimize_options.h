@@ -36,7 +36,7 @@ template <>
 inline constexpr auto kWords<JudgingPictures> = std::to_array<Word<JudgingPictures>>(
     {{JudgingPictures::kKept, "kept"}, {JudgingPictures::kLearned, "learned"}});
 
-// Rays per pixel in the last part of a run (fine_rays.h).
+// Rays per pixel once a run has grown (fine_rays.h).
 enum class FineRaysChoice {
   kAuto,  // 2 x 2 if the judging pictures gain by them
   kOn,    // 2 x 2

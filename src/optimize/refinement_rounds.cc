@@ -134,6 +134,12 @@ bool RefinementRounds::LastRoundGained() const {
   return state_.steps.back().gain > state_.steps.back().gain_standard_error;
 }
 
+void RefinementRounds::JudgeAnew(const Judgement& now) {
+  if (IsOver() || state_.rounds == 0) return;
+  SaveBest(now.psnr);
+  state_.last_views = now.views;
+}
+
 void RefinementRounds::SaveBest(double psnr) {
   state_.best_psnr = psnr;
   SaveField(files_.best, parts_.field);

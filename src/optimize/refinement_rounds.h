@@ -72,6 +72,8 @@ class RefinementRounds {
   void Record(const GrowthStep& step) { state_.steps.push_back(step); }
   // The judging pictures gained by something else than the field [dB].
   void RaiseBest(double gain) { state_.best_psnr += gain; }
+  // Fields are judged in another way from now on, by which this is the judgement of the field.
+  void JudgeAnew(const Judgement& now);
 
  private:
   bool IsTaught() const;

@@ -8,17 +8,26 @@ namespace tetrec {
 
 namespace {
 
-constexpr double kFastFall = 0.75;    // the progress at which rates begin to fall fast
-constexpr double kFinalOfSlow = 0.1;  // what the fast fall leaves of them
+constexpr double kFastFall = 0.75;    // progress or growth at which rates begin to fall fast
+constexpr double kFinalOfSlow = 0.1;  // what is left of them at the end of the run
+constexpr double kGrownOfSlow = 0.5;  // what is left of them at the end of growth, in a long run
 
 // The share of the rates after some steps without the fast fall.
 double SlowFall(uint64_t steps) { return std::pow(1.0 + double(steps) / 800.0, -0.95); }
+
+// From 1 to `last` in the last quarter.
+double FastFall(double at, double last) {
+  const double fallen = std::clamp((at - kFastFall) / (1.0 - kFastFall), 0.0, 1.0);
+  return 1.0 - fallen * (1.0 - last);
+}
 
 // Vertices that kGrowthSeconds afford, and how they become more with time.
 constexpr double kVerticesOfGrowth = 110e3, kExponentOfVertices = 0.3;
 
 constexpr double kUsualGrowth = 4.0 / 3.0;
 constexpr int kFewestRounds = 3, kMostRounds = 9;
+// Late growth by less is not worth a round.
+constexpr double kLeastLateGrowth = 1.1;
 
 int UsualRounds(double factor) {
   return int(std::ceil(std::log(std::max(factor, 1.0)) / std::log(kUsualGrowth)));
@@ -26,11 +35,12 @@ int UsualRounds(double factor) {
 
 }  // namespace
 
-double RateShare(const ScheduleOptions& options, double progress, uint64_t steps) {
-  const double at = std::clamp(progress, 0.0, 1.0);
-  if (options.final_rate_share) return std::pow(*options.final_rate_share, at);
-  const double fast = std::max(0.0, at - kFastFall) / (1.0 - kFastFall);
-  return SlowFall(steps) * (1.0 - fast * (1.0 - kFinalOfSlow));
+double RateShare(const ScheduleOptions& options, const RunMoment& moment, uint64_t steps) {
+  if (options.final_rate_share) {
+    return std::pow(*options.final_rate_share, std::clamp(moment.progress, 0.0, 1.0));
+  }
+  return SlowFall(steps) *
+         std::min(FastFall(moment.progress, kFinalOfSlow), FastFall(moment.growth, kGrownOfSlow));
 }
 
 std::vector<PlannedRound> PlanGrowth(const ScheduleOptions& options, uint64_t vertices,
@@ -50,7 +60,7 @@ std::vector<PlannedRound> PlanGrowth(const ScheduleOptions& options, uint64_t ve
   }
   if (is_given || length <= 1.0) return plan;
   const double late_factor = double(max_vertices) / (start * factor);
-  const int late = UsualRounds(late_factor);
+  const int late = late_factor < kLeastLateGrowth ? 0 : UsualRounds(late_factor);
   for (int round = 1; round <= late; ++round) {
     const double share = double(round) / late;
     plan.push_back({last * std::pow(length, share),
@@ -66,7 +76,10 @@ double RoundGrowth(const PlannedRound& round, uint64_t vertices) {
 uint64_t AffordableVertices(double seconds, uint64_t pixels) {
   const double by_time =
       kVerticesOfGrowth * std::pow(seconds / kGrowthSeconds, kExponentOfVertices);
-  return uint64_t(std::min(by_time, double(pixels) / kPixelsPerVertex));
+  const double by_pixels = double(pixels) / kPixelsPerVertex;
+  if (seconds <= kGrowthSeconds) return uint64_t(std::min(by_time, by_pixels));
+  const double late = std::max(kVerticesOfGrowth, double(pixels) / kPixelsPerLateVertex);
+  return uint64_t(std::min({by_time, by_pixels, late}));
 }
 
 double SecondsForVertices(double vertices) {

@@ -247,14 +247,15 @@ class Trainer {
         if (coarsening_.Advance(seconds_, done)) motion_trial_.LetCoarserMeshMove();
         continue;
       }
-      if (motion_trial_.Advance(growth, done) || harmonics_.Advance(growth) ||
-          fine_rays_.Advance(done)) {
+      if (motion_trial_.Advance(growth, done) || harmonics_.Advance(growth)) continue;
+      if (fine_rays_.Advance(growth)) {
+        JudgeAnew();
         continue;
       }
       if (poses_.IsDue(done)) CorrectPoses(done);
       // After all trials that are due, which may be late because others took long.
       pictures_.EndJudgingIfDue(done);
-      history.Add(TakeStep(done));
+      history.Add(TakeStep({done, growth}));
       history.Record(Figures(done));
     }
   }
@@ -311,9 +312,18 @@ class Trainer {
     rounds_.RaiseBest(poses_.Sweep(exposure_.State(*renderer_).exposures, done));
   }
 
-  StepResult TakeStep(double done) {
-    const StepResult result = steps_.Take(done, exposure_.Gathers(done));
-    exposure_.AfterStep(*renderer_, steps_.iteration(), done);
+  // After the choice of rays, which judgements follow.
+  void JudgeAnew() {
+    if (fine_rays_.state() != TrialState::kUsed) return;
+    const Judgement now = pictures_.JudgeField();
+    rounds_.JudgeAnew(now);
+    coarsening_.JudgeAnew();
+    convergence_.JudgeAnew(now.psnr);
+  }
+
+  StepResult TakeStep(const RunMoment& moment) {
+    const StepResult result = steps_.Take(moment, exposure_.Gathers(moment.progress));
+    exposure_.AfterStep(*renderer_, steps_.iteration(), moment.progress);
     return result;
   }
 

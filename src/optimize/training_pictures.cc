@@ -22,9 +22,10 @@ void TrainingPictures::EndJudgingIfDue(double progress) {
   if (!learns_all_ && !KeepsJudging(progress)) ChooseLearned(true);
 }
 
-Judgement TrainingPictures::JudgeField(int samples) {
+Judgement TrainingPictures::JudgeField(std::optional<int> samples) {
   renderer_.SetTargets(set_.views, set_.targets);
-  const Judgement judgement = Judge(renderer_, judging_, background_srgb_, samples);
+  const Judgement judgement =
+      Judge(renderer_, judging_, background_srgb_, samples.value_or(samples_));
   ChooseLearned(learns_all_);
   return judgement;
 }

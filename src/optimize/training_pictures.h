@@ -9,6 +9,7 @@
 
 #include <glm/glm.hpp>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,8 +41,10 @@ class TrainingPictures {
   // Lets the judging pictures be learned if the time of judging is over.
   void EndJudgingIfDue(double progress);
   // What the judging pictures say of the renderer's field. They are kept from learning, or learned,
-  // as before, however late it is. `samples`: TrainingBatch::samples.
-  Judgement JudgeField(int samples = 1);
+  // as before, however late it is. `samples`: TrainingBatch::samples, by default those of JudgeBy.
+  Judgement JudgeField(std::optional<int> samples = {});
+  // From now on fields are judged by so many samples. Judgements by different ones do not compare.
+  void JudgeBy(int samples) { samples_ = samples; }
 
  private:
   bool KeepsJudging(double progress) const;
@@ -53,6 +56,7 @@ class TrainingPictures {
   std::vector<RenderView> given_views_;
   JudgingSet judging_;
   glm::vec3 background_srgb_;
+  int samples_ = 1;
   bool learns_all_ = true;
 };
 

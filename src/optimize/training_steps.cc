@@ -9,43 +9,47 @@ uint64_t TrialSteps(uint64_t iteration) {
   return std::clamp(iteration / 48, kFewestTrialSteps, kMostTrialSteps);
 }
 
-StepResult TrainingSteps::Take(double progress, bool sums_exposures) {
-  return TakeStep(iteration_++, progress, progress, sums_exposures);
+StepResult TrainingSteps::Take(const RunMoment& moment, bool sums_exposures) {
+  return TakeStep(iteration_++, moment, moment, sums_exposures);
 }
 
 void TrainingSteps::Try(uint64_t count, double as_at, std::optional<double> motion_as_at) {
+  std::optional<RunMoment> motion;
+  if (motion_as_at) motion = AtProgress(*motion_as_at);
   for (uint64_t iteration = iteration_; iteration < iteration_ + count; ++iteration) {
-    TakeStep(iteration, as_at, motion_as_at, false);
+    TakeStep(iteration, AtProgress(as_at), motion, false);
   }
 }
 
-StepResult TrainingSteps::TakeStep(uint64_t iteration, double progress,
-                                   std::optional<double> motion_as_at, bool sums_exposures) {
-  TrainingBatch batch = Draw(iteration, progress);
+StepResult TrainingSteps::TakeStep(uint64_t iteration, const RunMoment& moment,
+                                   std::optional<RunMoment> motion_as_at, bool sums_exposures) {
+  TrainingBatch batch = Draw(iteration, moment);
   batch.sums_exposures = sums_exposures;
   const uint64_t steps = iteration + 1;
-  batch.parts = motion_as_at ? motion_.PartsOf(steps, *motion_as_at) : GradientParts::kColorDensity;
-  const StepResult result = renderer_.Step(batch, UpdateOf(steps, progress));
+  batch.parts =
+      motion_as_at ? motion_.PartsOf(steps, motion_as_at->progress) : GradientParts::kColorDensity;
+  const StepResult result = renderer_.Step(batch, UpdateOf(steps, moment));
   if (motion_as_at) {
-    motion_.AfterStep(steps, *motion_as_at, RateShare(options_.schedule, *motion_as_at, steps));
+    motion_.AfterStep(steps, motion_as_at->progress,
+                      RateShare(options_.schedule, *motion_as_at, steps));
   }
   return result;
 }
 
-TrainingBatch TrainingSteps::Draw(uint64_t iteration, double progress) {
-  const bool fine = uses_fine_rays_ && progress >= options_.schedule.fine_rays;
+TrainingBatch TrainingSteps::Draw(uint64_t iteration, const RunMoment& moment) {
+  const bool fine = uses_fine_rays_ && moment.growth >= options_.schedule.fine_rays;
   TrainingBatch batch = batches_.Draw(iteration, fine ? 2 : 1);
   // What is empty is known by then. Photos have nothing that shows it.
   if (options_.background == BackgroundChoice::kAuto && has_alpha_ &&
-      progress >= options_.schedule.scene_background) {
+      moment.progress >= options_.schedule.scene_background) {
     batch.background_srgb = batches_.background_of_scene_srgb();
   }
   rays_ += batch.rays();
   return batch;
 }
 
-AdamUpdate TrainingSteps::UpdateOf(uint64_t step, double progress) const {
-  const double share = share_of_rates_ * RateShare(options_.schedule, progress, step);
+AdamUpdate TrainingSteps::UpdateOf(uint64_t step, const RunMoment& moment) const {
+  const double share = share_of_rates_ * RateShare(options_.schedule, moment, step);
   return {.step = uint32_t(std::min<uint64_t>(step, 1u << 30)),
           .color_rate = options_.color_rate * share,
           .density_rate = options_.density_rate * share,

@@ -19,7 +19,6 @@ uint64_t TrialSteps(uint64_t iteration);
 // The progress whose learning rates trials take: at those of their own time, noise would decide.
 inline constexpr double kRatesOfTrials = 0.95;
 
-// `progress` is that of the run, in [0, 1].
 class TrainingSteps {
  public:
   // `has_alpha`: the training pictures have.
@@ -42,7 +41,7 @@ class TrainingSteps {
 
   // `sums_exposures`: TrainingBatch::sums_exposures. The result is that of an earlier step
   // (TrainingRenderer::Step).
-  StepResult Take(double progress, bool sums_exposures);
+  StepResult Take(const RunMoment& moment, bool sums_exposures);
   // Takes the next `count` steps without counting them: the same steps can be taken again, from
   // another state of the field. Rates, rays per pixel and background are those of progress `as_at`;
   // vertices move, if they do, as at the progress `motion_as_at`, or stay, because another state of
@@ -56,11 +55,11 @@ class TrainingSteps {
 
  private:
   // Step `iteration`, from 0.
-  StepResult TakeStep(uint64_t iteration, double progress, std::optional<double> motion_as_at,
-                      bool sums_exposures);
-  TrainingBatch Draw(uint64_t iteration, double progress);
+  StepResult TakeStep(uint64_t iteration, const RunMoment& moment,
+                      std::optional<RunMoment> motion_as_at, bool sums_exposures);
+  TrainingBatch Draw(uint64_t iteration, const RunMoment& moment);
   // The update that ends step `step`, counted from 1.
-  AdamUpdate UpdateOf(uint64_t step, double progress) const;
+  AdamUpdate UpdateOf(uint64_t step, const RunMoment& moment) const;
 
   const OptimizeOptions& options_;
   bool has_alpha_;

@@ -77,9 +77,9 @@ TEST(ArticleMotion, NeedsNoTrialAndMovesInEverySecondEpochOnly) {
   ArticleRun run(1e-4);
   EXPECT_EQ(run.trial.state(), TrialState::kUsed);
   const std::vector<glm::vec3> before = run.field.mesh().positions;
-  for (int i = 0; i < 5; ++i) run.steps.Take(0.9, false);
+  for (int i = 0; i < 5; ++i) run.steps.Take(AtProgress(0.9), false);
   EXPECT_EQ(run.field.mesh().positions, before);
-  run.steps.Take(0.9, false);
+  run.steps.Take(AtProgress(0.9), false);
   EXPECT_NE(run.field.mesh().positions, before);
   EXPECT_TRUE(run.motion.CanResumeAfter(6, 0.9));
   EXPECT_EQ(run.motion.state().motions, 1u);
@@ -90,7 +90,7 @@ TEST(ArticleMotion, BreaksTheMeshByALargeRateAndLeavesTheBoundary) {
   ArticleRun run(0.05);
   const TetMesh before = run.field.mesh();
   EXPECT_EQ(CountDegenerateTets(before), 0u);
-  for (int i = 0; i < 30; ++i) run.steps.Take(0.5, false);
+  for (int i = 0; i < 30; ++i) run.steps.Take(AtProgress(0.5), false);
   const TetMesh& mesh = run.field.mesh();
   const std::vector<uint8_t> on_boundary = BoundaryVertices(mesh);
   for (size_t v = 0; v < on_boundary.size(); ++v) {
@@ -106,13 +106,13 @@ TEST(ArticleMotion, BreaksTheMeshByALargeRateAndLeavesTheBoundary) {
 // Even in the middle of an epoch, and with a broken mesh.
 TEST(ArticleMotion, ContinuesAsItWouldHave) {
   ArticleRun whole(0.05), first(0.05), second(0.05);
-  for (int i = 0; i < 17; ++i) whole.steps.Take(0.5, false);
-  for (int i = 0; i < 8; ++i) first.steps.Take(0.5, false);
+  for (int i = 0; i < 17; ++i) whole.steps.Take(AtProgress(0.5), false);
+  for (int i = 0; i < 8; ++i) first.steps.Take(AtProgress(0.5), false);
   EXPECT_GT(CountDegenerateTets(first.field.mesh()), 0u);
   second.steps.Resume(first.steps.iteration(), first.steps.rays());
   second.field.Put(first.field.mesh(), first.field.ReadState());
   second.motion.Resume(first.motion.state());
-  for (int i = 0; i < 9; ++i) second.steps.Take(0.5, false);
+  for (int i = 0; i < 9; ++i) second.steps.Take(AtProgress(0.5), false);
   EXPECT_EQ(second.field.mesh().positions, whole.field.mesh().positions);
   EXPECT_EQ(second.field.ReadState().parameters, whole.field.ReadState().parameters);
 }

@@ -18,13 +18,13 @@ struct FineRun : SmallRun {
   // Whether a late step does what one with fine rays does.
   bool TakesFineRays() {
     const FieldState before = field.ReadState();
-    steps.Take(0.9, false);
+    steps.Take(AtProgress(0.9), false);
     const FieldState taken = field.ReadState();
     const uint64_t rays = steps.rays() / 2;
     field.PutState(before);
     steps.Resume(steps.iteration() - 1, rays);
     steps.UseFineRays(true);
-    steps.Take(0.9, false);
+    steps.Take(AtProgress(0.9), false);
     const bool fine = taken.parameters == field.ReadState().parameters;
     fine_rays.Resume(fine_rays.state());
     return fine;
@@ -45,7 +45,7 @@ TEST(FineRays, AreTakenOrNotAsChosen) {
 }
 
 // The field stays as it was, or as one ray per pixel made it.
-TEST(FineRays, AreTriedOnceShortlyBeforeJudgingEnds) {
+TEST(FineRays, AreTriedOnceTheRunHasGrown) {
   FineRun run(FineRaysChoice::kAuto);
   run.PutField(0.2);
   run.steps.Resume(400, 0);
@@ -63,6 +63,17 @@ TEST(FineRays, AreTriedOnceShortlyBeforeJudgingEnds) {
   EXPECT_EQ(run.steps.iteration(), fine ? 400u : 400u + TrialSteps(400));
   EXPECT_EQ(run.TakesFineRays(), run.fine_rays.state() == TrialState::kUsed);
   EXPECT_FALSE(run.fine_rays.Advance(0.69));
+}
+
+TEST(FineRays, JudgeTheFieldsThatTheyMake) {
+  FineRun run(FineRaysChoice::kAuto);
+  run.PutField(0.2);
+  const double by_one = run.pictures.JudgeField(1).psnr, by_four = run.pictures.JudgeField(2).psnr;
+  ASSERT_NE(by_one, by_four);
+  run.fine_rays.Resume(TrialState::kUsed);
+  EXPECT_EQ(run.pictures.JudgeField().psnr, by_four);
+  run.fine_rays.Resume(TrialState::kNotUsed);
+  EXPECT_EQ(run.pictures.JudgeField().psnr, by_one);
 }
 
 TEST(FineRays, AreTakenOnlyIfTheyGain) {

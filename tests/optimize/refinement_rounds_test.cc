@@ -104,6 +104,24 @@ TEST_F(RefinementRoundsTest, JudgeSettledOnceAJudgementHasSettled) {
   EXPECT_GT(run_.steps.iteration(), before);
 }
 
+// A judgement by other rays would look like a gain or a loss of the round.
+TEST_F(RefinementRoundsTest, CompareWithTheFieldThatWasJudgedAnew) {
+  rounds_.Advance(0.0);
+  ASSERT_EQ(rounds_.state().rounds, 1u);
+  run_.PutField(0.5);
+  run_.pictures.JudgeBy(2);
+  const Judgement anew = run_.pictures.JudgeField();
+  rounds_.JudgeAnew(anew);
+  EXPECT_EQ(rounds_.state().best_psnr, anew.psnr);
+  const std::vector<float> best = run_.field.ReadState().parameters;
+  run_.PutField(0.2);
+  ASSERT_LT(run_.pictures.JudgeField().psnr, anew.psnr - 1);
+  rounds_.Advance(0.0);
+  EXPECT_EQ(rounds_.state().steps.back().decision, GrowthDecision::kReturn);
+  EXPECT_LT(rounds_.state().steps.back().gain, -1);
+  EXPECT_EQ(run_.field.ReadState().parameters, best);
+}
+
 TEST_F(RefinementRoundsTest, ContinueWhereThePicturesAreMatchedIfTheOptionsAskForAll) {
   run_.options.schedule.matched_psnr = 1;
   run_.options.budget = BudgetChoice::kFull;
@@ -160,7 +178,7 @@ TEST_F(RefinementRoundsTest, NeverExceedTheBudget) {
 }
 
 TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {
-  run_.steps.Take(0.0, false);  // so that there are moments
+  run_.steps.Take(AtProgress(0.0), false);  // so that there are moments
   const std::vector<glm::vec3> positions = run_.field.mesh().positions;
   const FieldState best = run_.field.ReadState();
   rounds_.Advance(0.0);

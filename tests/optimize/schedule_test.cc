@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace tetrec {
@@ -10,11 +11,11 @@ namespace {
 
 TEST(RateShare, FallsFromOne) {
   const ScheduleOptions options;
-  EXPECT_EQ(RateShare(options, 0.0, 0), 1.0);
+  EXPECT_EQ(RateShare(options, AtProgress(0.0), 0), 1.0);
   for (const uint64_t steps : {100u, 5000u, 1000000u}) {
     double before = 1.0;
     for (uint64_t i = 1; i <= 100; ++i) {
-      const double share = RateShare(options, double(i) / 100.0, steps * i / 100);
+      const double share = RateShare(options, AtProgress(double(i) / 100.0), steps * i / 100);
       EXPECT_LT(share, before);
       before = share;
     }
@@ -24,29 +25,41 @@ TEST(RateShare, FallsFromOne) {
 
 TEST(RateShare, IsTheSameInEveryRunThatLastsLonger) {
   const ScheduleOptions options;
-  EXPECT_EQ(RateShare(options, 0.7, 2000), RateShare(options, 0.1, 2000));
+  EXPECT_EQ(RateShare(options, {0.7, 0.7}, 2000), RateShare(options, {0.1, 0.7}, 2000));
 }
 
 TEST(RateShare, FallsFastAtTheEnd) {
   const ScheduleOptions options;
-  EXPECT_DOUBLE_EQ(RateShare(options, 0.75, 4000), 10 * RateShare(options, 1.0, 4000));
-  EXPECT_NEAR(RateShare(options, 0.875, 4000), 0.55 * RateShare(options, 0.75, 4000), 1e-12);
+  const double before = RateShare(options, AtProgress(0.75), 4000);
+  EXPECT_DOUBLE_EQ(before, 10 * RateShare(options, AtProgress(1.0), 4000));
+  EXPECT_NEAR(RateShare(options, AtProgress(0.875), 4000), 0.55 * before, 1e-12);
+}
+
+TEST(RateShare, OfALongRunFallsByHalfAtTheEndOfItsGrowth) {
+  const ScheduleOptions options;
+  const double before = RateShare(options, {0.15, 0.75}, 4000);
+  EXPECT_DOUBLE_EQ(before, RateShare(options, {0.05, 0.25}, 4000));
+  EXPECT_NEAR(RateShare(options, {0.175, 0.875}, 4000), 0.75 * before, 1e-12);
+  EXPECT_NEAR(RateShare(options, {0.2, 1.0}, 4000), 0.5 * before, 1e-12);
+  EXPECT_NEAR(RateShare(options, {0.7, 3.5}, 4000), 0.5 * before, 1e-12);
+  EXPECT_NEAR(RateShare(options, {1.0, 5.0}, 4000), 0.1 * before, 1e-12);
 }
 
 TEST(RateShare, FallsExponentiallyToAGivenShare) {
   for (const double last : {1.0, 0.3, 0.05, 0.001}) {
     ScheduleOptions options;
     options.final_rate_share = last;
-    EXPECT_EQ(RateShare(options, 0.0, 1000), 1.0);
-    EXPECT_DOUBLE_EQ(RateShare(options, 1.0, 1000), last);
-    EXPECT_DOUBLE_EQ(RateShare(options, 0.5, 1000), std::sqrt(last));  // the geometric mean
+    EXPECT_EQ(RateShare(options, AtProgress(0.0), 1000), 1.0);
+    EXPECT_DOUBLE_EQ(RateShare(options, AtProgress(1.0), 1000), last);
+    EXPECT_DOUBLE_EQ(RateShare(options, AtProgress(0.5), 1000),
+                     std::sqrt(last));  // the geometric mean
   }
 }
 
 TEST(RateShare, StaysAtItsEndsOutsideTheRun) {
   const ScheduleOptions options;
-  EXPECT_EQ(RateShare(options, -0.5, 1000), RateShare(options, 0.0, 1000));
-  EXPECT_EQ(RateShare(options, 1.5, 1000), RateShare(options, 1.0, 1000));
+  EXPECT_EQ(RateShare(options, AtProgress(-0.5), 1000), RateShare(options, AtProgress(0.0), 1000));
+  EXPECT_EQ(RateShare(options, AtProgress(1.5), 1000), RateShare(options, AtProgress(1.0), 1000));
 }
 
 TEST(PlanGrowth, HasMoreRoundsWhereThereIsMoreToGrow) {
@@ -55,6 +68,12 @@ TEST(PlanGrowth, HasMoreRoundsWhereThereIsMoreToGrow) {
   EXPECT_EQ(PlanGrowth(options, 1000, 500, 500, 1.0).size(), 3u);
   EXPECT_EQ(PlanGrowth(options, 1000, 4000, 4000, 1.0).size(), 5u);
   EXPECT_EQ(PlanGrowth(options, 10, 1000000000, 1000000000, 1.0).size(), 9u);
+}
+
+TEST(PlanGrowth, HasNoLateRoundForAFewVertices) {
+  const ScheduleOptions options;
+  EXPECT_FALSE(PlanGrowth(options, 70000, 110000, 111000, 5.0).back().is_late);
+  EXPECT_TRUE(PlanGrowth(options, 70000, 110000, 140000, 5.0).back().is_late);
 }
 
 TEST(PlanGrowth, LeadsToTheBudgetByEqualFactors) {
@@ -112,18 +131,21 @@ TEST(RoundGrowth, LeadsToThePlannedVerticesWithinBounds) {
   EXPECT_EQ(RoundGrowth({0.5, 10}, 1000), 1.0);
 }
 
-TEST(AffordableVertices, GrowsWithTimeUpToAVertexForSixteenPixels) {
-  for (const uint64_t pixels : {uint64_t{8000}, uint64_t{4000000}, uint64_t{100000000}}) {
+TEST(AffordableVertices, GrowsWithTimeUpToWhatThePixelsAskFor) {
+  // A vertex for 16 pixels; as many as are affordable in 120 s; a vertex for 50 pixels.
+  const std::vector<std::pair<uint64_t, uint64_t>> cases = {
+      {8000, 500}, {4000000, 110000}, {100000000, 2000000}};
+  for (const auto& [pixels, most] : cases) {
     uint64_t before = 0;
     for (double seconds = 1; seconds < 1e9; seconds *= 2) {
       const uint64_t vertices = AffordableVertices(seconds, pixels);
-      EXPECT_LE(vertices, pixels / 16);
-      if (before < pixels / 16) {
+      EXPECT_LE(vertices, most);
+      if (before < most) {
         EXPECT_GT(vertices, before);
       }
       before = vertices;
     }
-    EXPECT_EQ(before, pixels / 16);
+    EXPECT_EQ(before, most);
   }
 }
 

@@ -18,7 +18,7 @@ TEST(TrainingSteps, ThatWereTriedAreTakenAgainWithTheSameResult) {
   EXPECT_EQ(run.steps.rays(), 3u * 256u);
 
   run.field.PutState(before);
-  for (int i = 0; i < 3; ++i) run.steps.Take(0.1, false);
+  for (int i = 0; i < 3; ++i) run.steps.Take(AtProgress(0.1), false);
   EXPECT_TRUE(run.field.ReadState().parameters == tried.parameters);
   EXPECT_TRUE(run.field.ReadState().second_moment == tried.second_moment);
   EXPECT_EQ(run.steps.iteration(), 3u);
@@ -27,11 +27,11 @@ TEST(TrainingSteps, ThatWereTriedAreTakenAgainWithTheSameResult) {
 TEST(TrainingSteps, AfterAResumeAreThoseThatWouldHaveFollowed) {
   SmallRun whole, resumed;
   whole.PutField(0.2);
-  whole.steps.Take(0.1, false);
-  whole.steps.Take(0.1, false);
+  whole.steps.Take(AtProgress(0.1), false);
+  whole.steps.Take(AtProgress(0.1), false);
   resumed.field.PutState(whole.field.ReadState());
   resumed.steps.Resume(whole.steps.iteration(), whole.steps.rays());
-  for (SmallRun* run : {&whole, &resumed}) run->steps.Take(0.2, false);
+  for (SmallRun* run : {&whole, &resumed}) run->steps.Take(AtProgress(0.2), false);
   EXPECT_TRUE(resumed.field.ReadState().parameters == whole.field.ReadState().parameters);
   EXPECT_EQ(resumed.steps.rays(), 3u * 256u);
 }
@@ -43,7 +43,7 @@ TEST(TrainingSteps, LetDensityDecayForPhotosAndNotForPicturesWithAlpha) {
     options.density_decay = decay;
     SmallRun run(options);
     TrainingSteps steps(run.options, has_alpha, run.batches, *run.renderer, run.motion);
-    steps.Take(0.1, false);
+    steps.Take(AtProgress(0.1), false);
     return run.field.ReadState().parameters;
   };
   EXPECT_TRUE(densities(true, {}) == densities(false, 0.0));
@@ -60,7 +60,7 @@ TEST(TrainingSteps, TakeTheScenesBackgroundInTheSecondHalfForPicturesWithAlpha) 
     SmallRun run(options, 5, 0.5f);
     run.PutField(0.2);
     TrainingSteps steps(run.options, has_alpha, run.batches, *run.renderer, run.motion);
-    steps.Take(progress, false);
+    steps.Take(AtProgress(progress), false);
     return run.field.ReadState().parameters;
   };
   using enum BackgroundChoice;

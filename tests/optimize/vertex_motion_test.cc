@@ -55,7 +55,7 @@ struct MovingRun : SmallRun {
     field.Put(std::move(box.mesh), state);
   }
   void Take(int steps_to_take, double progress) {
-    for (int i = 0; i < steps_to_take; ++i) steps.Take(progress, false);
+    for (int i = 0; i < steps_to_take; ++i) steps.Take(AtProgress(progress), false);
   }
   double Psnr() { return pictures.JudgeField().psnr; }
 
