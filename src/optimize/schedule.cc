@@ -26,11 +26,15 @@ constexpr double kVerticesOfGrowth = 110e3, kExponentOfVertices = 0.3;
 
 constexpr double kUsualGrowth = 4.0 / 3.0;
 constexpr int kFewestRounds = 3, kMostRounds = 9;
-// Late growth by less is not worth a round.
-constexpr double kLeastLateGrowth = 1.1;
+constexpr double kLengthPerLateRound = 2.24;  // two late rounds in ten minutes
 
 int UsualRounds(double factor) {
   return int(std::ceil(std::log(std::max(factor, 1.0)) / std::log(kUsualGrowth)));
+}
+
+int LateRounds(double factor, double length) {
+  return std::max(UsualRounds(factor),
+                  int(std::lround(std::log(length) / std::log(kLengthPerLateRound))));
 }
 
 }  // namespace
@@ -60,7 +64,7 @@ std::vector<PlannedRound> PlanGrowth(const ScheduleOptions& options, uint64_t ve
   }
   if (is_given || length <= 1.0) return plan;
   const double late_factor = double(max_vertices) / (start * factor);
-  const int late = late_factor < kLeastLateGrowth ? 0 : UsualRounds(late_factor);
+  const int late = LateRounds(late_factor, length);
   for (int round = 1; round <= late; ++round) {
     const double share = double(round) / late;
     plan.push_back({last * std::pow(length, share),

@@ -57,16 +57,17 @@ struct PlannedRound {
   // True for the further rounds of a long run. Time enough has passed before them for the judging
   // pictures to show whether the round before gained anything; early rounds follow each other so
   // quickly that the noise of high learning rates may hide it (0.2 dB on fox from sparse points).
-  // Late rounds refine in place where early ones would triangulate anew.
+  // Late rounds refine in place where early ones would triangulate anew. Where no more vertices are
+  // affordable, they move some from where they are not needed to where errors are.
   bool is_late = false;
 };
 
 // Rounds by equal factors to `growth_vertices`, which follow each other quickly at first, because a
 // coarse mesh is fitted fast and cheaply; and in a long run, which lasts `length` times
 // kGrowthSeconds, further ones to `max_vertices`, each after the same multiple of the time before
-// it. Unless the options give their number, as many, 3 to 9 until then, as multiply the vertices by
-// 4/3 each: errors that are looked at more often place vertices better, but every look takes time.
-// A given number of rounds is spread over the whole run.
+// it, about 2.24 or less. Unless the options give their number, as many, 3 to 9 until then, as
+// multiply the vertices by 4/3 each: errors that are looked at more often place vertices better,
+// but every look takes time. A given number of rounds is spread over the whole run.
 std::vector<PlannedRound> PlanGrowth(const ScheduleOptions& options, uint64_t vertices,
                                      uint64_t growth_vertices, uint64_t max_vertices,
                                      double length);

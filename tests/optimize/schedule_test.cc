@@ -70,10 +70,16 @@ TEST(PlanGrowth, HasMoreRoundsWhereThereIsMoreToGrow) {
   EXPECT_EQ(PlanGrowth(options, 10, 1000000000, 1000000000, 1.0).size(), 9u);
 }
 
-TEST(PlanGrowth, HasNoLateRoundForAFewVertices) {
-  const ScheduleOptions options;
-  EXPECT_FALSE(PlanGrowth(options, 70000, 110000, 111000, 5.0).back().is_late);
-  EXPECT_TRUE(PlanGrowth(options, 70000, 110000, 140000, 5.0).back().is_late);
+TEST(PlanGrowth, HasLateRoundsWhereNoMoreVerticesAreAffordable) {
+  const size_t early = PlanGrowth({}, 70000, 110000, 110000, 1.0).size();
+  for (const auto& [length, late] : {std::pair(1.2, 0u), {2.5, 1u}, {5.0, 2u}, {30.0, 4u}}) {
+    const std::vector<PlannedRound> plan = PlanGrowth({}, 70000, 110000, 110000, length);
+    ASSERT_EQ(plan.size(), early + late) << length;
+    for (size_t i = early; i < plan.size(); ++i) {
+      EXPECT_TRUE(plan[i].is_late);
+      EXPECT_EQ(plan[i].vertices, 110000u);
+    }
+  }
 }
 
 TEST(PlanGrowth, LeadsToTheBudgetByEqualFactors) {
