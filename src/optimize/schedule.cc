@@ -80,10 +80,7 @@ double RoundGrowth(const PlannedRound& round, uint64_t vertices) {
 uint64_t AffordableVertices(double seconds, uint64_t pixels) {
   const double by_time =
       kVerticesOfGrowth * std::pow(seconds / kGrowthSeconds, kExponentOfVertices);
-  const double by_pixels = double(pixels) / kPixelsPerVertex;
-  if (seconds <= kGrowthSeconds) return uint64_t(std::min(by_time, by_pixels));
-  const double late = std::max(kVerticesOfGrowth, double(pixels) / kPixelsPerLateVertex);
-  return uint64_t(std::min({by_time, by_pixels, late}));
+  return uint64_t(std::min(by_time, double(pixels) / kPixelsPerVertex));
 }
 
 double SecondsForVertices(double vertices) {
