@@ -56,7 +56,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   app.add_option(
          "--final-rate-share", options.schedule.final_rate_share,
          "Share to which learning rates fall exponentially; by default they fall slowly at first, "
-         "fast in the last quarter, and further in longer runs")
+         "fast in the last quarter, and further in longer runs, by half around the 120th second")
       ->check(CLI::Range(1e-6, 1.0));
   tetrec::AddWordOption(
       app, "--density", options.density,
@@ -106,8 +106,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       "auto (0 to 2, as many as the judging pictures gain from)");
   tetrec::AddWordOption(
       app, "--fine-rays", options.fine_rays,
-      "2 x 2 rays per pixel in the last quarter of the run, whose mean is compared with the photo: "
-      "auto (if the judging pictures gain by them), on or off");
+      "2 x 2 rays per pixel, whose mean is compared with the photo, in the last quarter of a run "
+      "of "
+      "up to 120 s, or from the 90th second of a longer one: auto (if the judging pictures gain by "
+      "them), on or off");
   app.add_option("--rounds", options.schedule.rounds,
                  "Refinements of the mesh; by default 3 to 9, by how much it may grow")
       ->check(CLI::Range(0, 100));

@@ -16,9 +16,17 @@ namespace {
 
 // A trial that would keep more of the vertices is not worth its steps.
 constexpr double kMostKept = 0.75;
+// A trial that keeps less shows nothing if it fails: 1/256 of 2,000 vertices is no mesh.
+constexpr double kLeastKept = 1.0 / 16;
 // The longest trial. The coarsest meshes would gain by more steps, but steps are also needed after
 // it.
 constexpr double kMostSteps = 400;
+
+double PsnrOf(std::span<const ErrorSum> views) {
+  ErrorSum all;
+  for (const ErrorSum& view : views) all.Add(view);
+  return all.Psnr();
+}
 
 bool IsWanted(const OptimizeOptions& options) {
   const bool chooses_size = options.budget == BudgetChoice::kAuto && !options.schedule.rounds;
@@ -55,9 +63,9 @@ bool Coarsening::IsDue(double progress) const {
   return double(StepsOfTrial()) * progress < left * double(iteration);
 }
 
-bool Coarsening::Advance(double seconds, double progress) {
+bool Coarsening::Advance(double seconds, const RunMoment& moment) {
   if (state_.reference.empty()) {
-    LookAtFinest(progress);
+    LookAtFinest(moment);
     return false;
   }
   const uint64_t steps = StepsOfTrial();
@@ -67,25 +75,31 @@ bool Coarsening::Advance(double seconds, double progress) {
     PutBack(finer);
     return false;
   }
-  parts_.steps.Try(steps, kRatesOfTrials, progress);
+  parts_.steps.Try(steps, kRatesOfTrials, moment);
   const Judgement judgement = parts_.pictures.JudgeField();
   const GrowthStep coarser = StepOf(seconds, parts_.steps.iteration(), parts_.field.mesh());
   const bool is_matched = IsMatched(judgement, options_.schedule);
   const bool seems_as_good = is_matched || IsAsGood(judgement.views);
   if (!seems_as_good) PutBack(finer);
   const bool stays =
-      seems_as_good && (is_matched || !FinerLearnsMore(finer, judgement.views, steps, progress));
+      seems_as_good && (is_matched || !FinerLearnsMore(finer, judgement.views, steps, moment));
   Record(coarser, judgement, stays);
   if (stays) {
     parts_.steps.CountTried(steps);
     RaiseReference(judgement.views);
-    if (state_.has_failed == 0) state_.kept_share *= state_.kept_share;
+    if (state_.has_failed == 0) {
+      state_.kept_share = std::max(state_.kept_share * state_.kept_share, kLeastKept);
+    }
     return true;
   }
   state_.has_failed = 1;
   const double milder = std::sqrt(state_.kept_share);
   const JudgedGain gain = GainBetween(state_.reference, judgement.views);
-  if (milder > kMostKept || IsExpectedToFail(gain, state_.kept_share, milder)) state_.ended = 1;
+  // Pictures that are more than matched may lose something.
+  const bool may_lose = PsnrOf(state_.reference) > options_.schedule.matched_psnr;
+  if (milder > kMostKept || (!may_lose && IsExpectedToFail(gain, state_.kept_share, milder))) {
+    state_.ended = 1;
+  }
   state_.kept_share = milder;
   return false;
 }
@@ -112,10 +126,11 @@ void Coarsening::PutBack(const Waiting& waiting) {
   parts_.motion.Resume(waiting.motion);
 }
 
-void Coarsening::LookAtFinest(double progress) {
+void Coarsening::LookAtFinest(const RunMoment& moment) {
   const uint64_t steps = TrialSteps(parts_.steps.iteration());
-  state_.finest_vertices = parts_.field.mesh().positions.size();
-  parts_.steps.Try(steps, kRatesOfTrials, progress);
+  const uint64_t vertices = parts_.field.mesh().positions.size();
+  state_.finest_vertices = std::max(state_.finest_vertices, vertices);
+  parts_.steps.Try(steps, kRatesOfTrials, moment);
   parts_.steps.CountTried(steps);
   state_.reference = parts_.pictures.JudgeField().views;
 }
@@ -150,10 +165,10 @@ void Coarsening::RaiseReference(std::vector<ErrorSum> views) {
 // Lets the finer mesh learn as many steps as the coarser one, which steps alone may have made as
 // good. Whichever is better is the field then.
 bool Coarsening::FinerLearnsMore(const Waiting& finer, std::span<const ErrorSum> coarser,
-                                 uint64_t steps, double progress) {
+                                 uint64_t steps, const RunMoment& moment) {
   const Waiting waiting = Save(coarser_file_);
   PutBack(finer);
-  parts_.steps.Try(steps, kRatesOfTrials, progress);
+  parts_.steps.Try(steps, kRatesOfTrials, moment);
   RaiseReference(parts_.pictures.JudgeField().views);
   if (IsAsGood(coarser)) {
     PutBack(waiting);

@@ -32,8 +32,8 @@ bool IsExpectedToFail(const JudgedGain& failed, double kept_share, double milder
 // pictures are matched (ScheduleOptions::matched_psnr), or lose no more than the standard error
 // against the best mesh so far, the finer one after as many steps included, the coarser mesh stays,
 // and otherwise the finer one. The first trial keeps a half of the vertices, and each further one
-// the square of the share before, until one fails; then shares become milder, until they are not
-// worth a trial or expected to fail.
+// the square of the share before, down to a sixteenth, until one fails; then shares become milder,
+// until they are not worth a trial, or expected to fail while the pictures are not matched.
 class Coarsening {
  public:
   // Trials are recorded with the rounds. The files keep fields that wait while others learn.
@@ -51,8 +51,8 @@ class Coarsening {
   // Once the rounds are over, and what they inserted has been learned, while pictures judge.
   bool IsDue(double progress) const;
   // Judges the mesh as it is, the first time; then makes one trial. `seconds`: of the run so far,
-  // for the record. `progress`: of the run. Returns whether the mesh has become coarser.
-  bool Advance(double seconds, double progress);
+  // for the record. Returns whether the mesh has become coarser.
+  bool Advance(double seconds, const RunMoment& moment);
 
  private:
   // A field that waits on disk while another one learns.
@@ -64,12 +64,12 @@ class Coarsening {
   uint64_t StepsOfTrial() const;
   Waiting Save(const std::filesystem::path& file) const;
   void PutBack(const Waiting& waiting);
-  void LookAtFinest(double progress);
+  void LookAtFinest(const RunMoment& moment);
   bool DropLeastNeeded();
   bool IsAsGood(std::span<const ErrorSum> views) const;
   void RaiseReference(std::vector<ErrorSum> views);
   bool FinerLearnsMore(const Waiting& finer, std::span<const ErrorSum> coarser, uint64_t steps,
-                       double progress);
+                       const RunMoment& moment);
   void Record(GrowthStep step, const Judgement& judgement, bool stays);
 
   const OptimizeOptions& options_;

@@ -13,8 +13,8 @@ constexpr double kGrowthSteps = kGrowthSeconds * kStepsPerSecond;
 constexpr double kFirstLook = kGrowthSteps, kLookFactor = 1.25;
 constexpr double kLeastGain = 0.05;  // [dB]
 constexpr uint64_t kMostIdleLooks = 2;
-// The progress that a run tends to while it has not converged: the trials that belong to the end of
-// a run follow it.
+// The progress that a run tends to while it has not converged: the last correction of the cameras
+// follows it.
 constexpr double kOpenProgress = 0.65;
 static_assert(kOpenProgress < ScheduleOptions().last_judging);
 

@@ -27,8 +27,6 @@ class Convergence {
   // `psnr`: of the judging pictures [dB]. `may_end`: the mesh is refined no more.
   void Look(uint64_t steps, double psnr, bool may_end);
 
-  // Fields are judged in another way from now on, by which `psnr` is that of the field.
-  void JudgeAnew(double psnr) { state_.best_psnr = psnr; }
   // The progress of the run in [0, 1]: below ScheduleOptions::last_judging until it has converged;
   // then the rest, in which all pictures are learned and the rates fall, takes its share.
   double Progress(uint64_t steps) const;

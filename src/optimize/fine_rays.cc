@@ -6,7 +6,7 @@
 namespace tetrec {
 namespace {
 
-// Shortly before the judging pictures are learned.
+// In a short run, shortly before the judging pictures are learned.
 constexpr double kTrialGrowth = 0.66;
 static_assert(kTrialGrowth < ScheduleOptions().last_judging);
 // In shorter runs the trial would take a large share of the steps.
@@ -27,7 +27,7 @@ void FineRays::Resume(TrialState state) {
 void FineRays::Decide(bool uses_fine_rays) {
   state_ = uses_fine_rays ? TrialState::kUsed : TrialState::kNotUsed;
   steps_.UseFineRays(uses_fine_rays);
-  // A field that is learned by means of four rays is not the better, seen by one.
+  // Judged by one ray per pixel, a field that was learned by 2 x 2 would not look better.
   pictures_.JudgeBy(uses_fine_rays ? 2 : 1);
 }
 

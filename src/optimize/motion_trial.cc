@@ -34,20 +34,20 @@ void MotionTrial::Decide(bool moves) {
   motion_.Use(moves);
 }
 
-bool MotionTrial::Advance(double growth, double progress) {
-  if (state_ != TrialState::kNotTried || growth < kFirstMotion) return false;
+bool MotionTrial::Advance(const RunMoment& moment) {
+  if (state_ != TrialState::kNotTried || moment.growth < kFirstMotion) return false;
   if (options_.move == MoveChoice::kSafe || pictures_.learns_all()) {
     Decide(true);
     return false;
   }
-  if (growth < kTrial) return false;
+  if (moment.growth < kTrial) return false;
   if (steps_.iteration() < kFewestTrialSteps) return false;
   const uint64_t steps = TrialSteps(steps_.iteration());
   TetMesh mesh = field_.mesh();
   const FieldState before = field_.ReadState();
-  const double still = TrialPsnr(false, progress);
+  const double still = TrialPsnr(false, moment);
   field_.PutState(before);
-  const double moving = TrialPsnr(true, progress);
+  const double moving = TrialPsnr(true, moment);
   const bool pays = moving > still + kLeastGain;
   if (pays) {
     steps_.CountTried(steps);
@@ -65,9 +65,9 @@ void MotionTrial::LetCoarserMeshMove() {
   if (options_.move == MoveChoice::kAuto) Decide(true);
 }
 
-double MotionTrial::TrialPsnr(bool moves, double progress) {
+double MotionTrial::TrialPsnr(bool moves, const RunMoment& moment) {
   motion_.Use(moves);
-  steps_.Try(TrialSteps(steps_.iteration()), kRatesOfTrials, progress);
+  steps_.Try(TrialSteps(steps_.iteration()), kRatesOfTrials, moment);
   return pictures_.JudgeField().psnr;
 }
 

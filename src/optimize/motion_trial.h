@@ -18,8 +18,8 @@ class MotionTrial {
   void Resume(TrialState state);
   TrialState state() const { return state_; }
 
-  // Holds the trial if it is due at this growth and progress of the run; returns whether it was.
-  bool Advance(double growth, double progress);
+  // Holds the trial if it is due at this moment of the run; returns whether it was.
+  bool Advance(const RunMoment& moment);
   // Lets vertices move, whatever a trial decided, unless the options say how they move: the mesh
   // has become coarser. A ball of one colour ends at 41.0 dB with 1,107 tets if its vertices move,
   // and at 38.3 dB with 2,353 if they stay, although the first 40 steps of motion lose 2 dB.
@@ -28,7 +28,7 @@ class MotionTrial {
  private:
   void Decide(bool moves);
   // The PSNR of the judging pictures after some steps more [dB].
-  double TrialPsnr(bool moves, double progress);
+  double TrialPsnr(bool moves, const RunMoment& moment);
 
   const OptimizeOptions& options_;
   FittedField& field_;

@@ -72,7 +72,8 @@ class RefinementRounds {
   void Record(const GrowthStep& step) { state_.steps.push_back(step); }
   // The judging pictures gained by something else than the field [dB].
   void RaiseBest(double gain) { state_.best_psnr += gain; }
-  // Fields are judged in another way from now on, by which this is the judgement of the field.
+  // Fields are judged in another way from now on, by which this is the judgement of the field. That
+  // field is the best one then, and the next round is compared with it.
   void JudgeAnew(const Judgement& now);
 
  private:

@@ -46,7 +46,7 @@ inline RunMoment AtProgress(double progress) { return {progress, progress}; }
 // The learning rates after `steps` steps, as a share of the first ones. They fall with the steps,
 // because what is new must still be learned, and in the last quarter of the run fast, so that the
 // noise of batches settles. In a long run they fall by half in the last quarter of its growth, too:
-// from then on it is nearer to what it would be at its end.
+// so that the field is, from then on, near to what it would be if the run ended.
 double RateShare(const ScheduleOptions& options, const RunMoment& moment, uint64_t steps);
 
 // A round of refinement.
@@ -57,16 +57,18 @@ struct PlannedRound {
   // pictures to show whether the round before gained anything; early rounds follow each other so
   // quickly that the noise of high learning rates may hide it (0.2 dB on fox from sparse points).
   // Late rounds refine in place where early ones would triangulate anew. Where no more vertices are
-  // affordable, they move some from where they are not needed to where errors are.
+  // affordable, those that drop vertices (DropsVertices) move some to where errors are.
   bool is_late = false;
 };
 
 // Rounds by equal factors to `growth_vertices`, which follow each other quickly at first, because a
 // coarse mesh is fitted fast and cheaply; and in a long run, which lasts `length` times
 // kGrowthSeconds, further ones to `max_vertices`, each after the same multiple of the time before
-// it, about 2.24 or less. Unless the options give their number, as many, 3 to 9 until then, as
-// multiply the vertices by 4/3 each: errors that are looked at more often place vertices better,
-// but every look takes time. A given number of rounds is spread over the whole run.
+// it. Unless the options give their number, there are 3 to 9 early rounds, enough to multiply the
+// vertices by 4/3 each at most where that many suffice: errors that are looked at more often place
+// vertices better, but every look takes time. Late rounds are as many as their vertices take, and
+// at least about one for each factor of 2.24 in time. A given number of rounds is spread over the
+// whole run.
 std::vector<PlannedRound> PlanGrowth(const ScheduleOptions& options, uint64_t vertices,
                                      uint64_t growth_vertices, uint64_t max_vertices,
                                      double length);

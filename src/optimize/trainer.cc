@@ -244,10 +244,10 @@ class Trainer {
         continue;
       }
       if (coarsening_.IsDue(done)) {
-        if (coarsening_.Advance(seconds_, done)) motion_trial_.LetCoarserMeshMove();
+        if (coarsening_.Advance(seconds_, {done, growth})) motion_trial_.LetCoarserMeshMove();
         continue;
       }
-      if (motion_trial_.Advance(growth, done) || harmonics_.Advance(growth)) continue;
+      if (motion_trial_.Advance({done, growth}) || harmonics_.Advance(growth)) continue;
       if (fine_rays_.Advance(growth)) {
         JudgeAnew();
         continue;
@@ -315,10 +315,8 @@ class Trainer {
   // After the choice of rays, which judgements follow.
   void JudgeAnew() {
     if (fine_rays_.state() != TrialState::kUsed) return;
-    const Judgement now = pictures_.JudgeField();
-    rounds_.JudgeAnew(now);
+    rounds_.JudgeAnew(pictures_.JudgeField());
     coarsening_.JudgeAnew();
-    convergence_.JudgeAnew(now.psnr);
   }
 
   StepResult TakeStep(const RunMoment& moment) {

@@ -43,7 +43,8 @@ class TrainingPictures {
   // What the judging pictures say of the renderer's field. They are kept from learning, or learned,
   // as before, however late it is. `samples`: TrainingBatch::samples, by default those of JudgeBy.
   Judgement JudgeField(std::optional<int> samples = {});
-  // From now on fields are judged by so many samples. Judgements by different ones do not compare.
+  // From now on fields are judged by so many samples. Judgements by different ones cannot be
+  // compared.
   void JudgeBy(int samples) { samples_ = samples; }
 
  private:

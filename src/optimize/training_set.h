@@ -10,8 +10,8 @@
 
 namespace tetrec {
 
-// Every aligned 4 x 2 block of some views, view by view and row by row. Not stored, because a list
-// takes 1.5 bytes per pixel.
+// Every aligned 4 x 2 block of some views, view by view and row by row. They are computed, not
+// stored: a list would take 1.5 bytes per pixel.
 class AlignedBlocks {
  public:
   // Views are added in ascending order. `width`, `height`: of the view's image [px].

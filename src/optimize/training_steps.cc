@@ -13,11 +13,9 @@ StepResult TrainingSteps::Take(const RunMoment& moment, bool sums_exposures) {
   return TakeStep(iteration_++, moment, moment, sums_exposures);
 }
 
-void TrainingSteps::Try(uint64_t count, double as_at, std::optional<double> motion_as_at) {
-  std::optional<RunMoment> motion;
-  if (motion_as_at) motion = AtProgress(*motion_as_at);
+void TrainingSteps::Try(uint64_t count, double as_at, std::optional<RunMoment> motion_as_at) {
   for (uint64_t iteration = iteration_; iteration < iteration_ + count; ++iteration) {
-    TakeStep(iteration, AtProgress(as_at), motion, false);
+    TakeStep(iteration, AtProgress(as_at), motion_as_at, false);
   }
 }
 

@@ -44,9 +44,9 @@ class TrainingSteps {
   StepResult Take(const RunMoment& moment, bool sums_exposures);
   // Takes the next `count` steps without counting them: the same steps can be taken again, from
   // another state of the field. Rates, rays per pixel and background are those of progress `as_at`;
-  // vertices move, if they do, as at the progress `motion_as_at`, or stay, because another state of
+  // vertices move, if they do, as at the moment `motion_as_at`, or stay, because another state of
   // the field does not bring them back.
-  void Try(uint64_t count, double as_at, std::optional<double> motion_as_at = {});
+  void Try(uint64_t count, double as_at, std::optional<RunMoment> motion_as_at = {});
   void CountTried(uint64_t count) { iteration_ += count; }
 
   // Of the rates of colour, density and harmonics, from the next step on (rate_trial.h).

@@ -38,7 +38,7 @@ struct SfmOptions {
   int frames = 80;          // at most so many of a video; all pairs of 80 photos are matched
   int max_features = 3072;  // features per photo, those of the largest scales
   // Where photos stay unregistered: further tries, each with more features for the photos
-  // concerned.
+  // concerned; and if too few are registered still, one with milder demands of the mapper.
   int retries = 1;
   // Share of the photos that may be unreadable and are left out; with more, there is no scene.
   double max_unreadable = 0.25;

@@ -252,11 +252,11 @@ void WriteRicherDatabase(const SfmWork& work, const ColmapModel& model, int max_
   MatchFeatures(work.colmap, richer, pairs, work.scratch);
 }
 
-// Maps once more, and keeps the better model. `how`: notes what differs in this try.
+// Maps once more, and keeps the better model. `how`: notes what differs in this try, which began
+// with `timer`.
 void MapAgain(const SfmWork& work, const fs::path& database, const MapperDemands& demands,
-              const fs::path& finished, nlohmann::json how, ColmapModel& model,
+              const fs::path& finished, nlohmann::json how, const Timer& timer, ColmapModel& model,
               nlohmann::json& notes) {
-  const Timer timer;
   const Mapping mapping = Map(work.colmap, work.linked.folder, database, work.linked.names.size(),
                               work.options.seed, demands, work.scratch, finished);
   const bool better = IsBetterModel(model, mapping.model);
@@ -269,7 +269,7 @@ void MapAgain(const SfmWork& work, const fs::path& database, const MapperDemands
               {"registered", mapping.model.images.size()},
               {"mean_reprojection_error_px", MeanReprojectionError_px(mapping.model)},
               {"kept", better},
-              {"mapping_seconds", timer.seconds()}});
+              {"seconds", timer.seconds()}});
   notes.push_back(std::move(how));
   if (better) model = mapping.model;
 }
@@ -282,26 +282,28 @@ void Retry(const SfmWork& work, const fs::path& database, const std::string& mod
   nlohmann::json notes = nlohmann::json::array();
   int max_features = work.options.max_features;
   fs::path richest = database;
+  std::string suffix;
   const size_t photos = work.linked.names.size();
   for (int i = 1; i <= work.options.retries && model.images.size() < photos; ++i) {
+    const Timer timer;
     max_features = std::min(max_features * 8 / 3, kMostFeatures);
-    const std::string suffix = fmt::format("-retry-{}", i);
+    suffix = fmt::format("-retry-{}", i);
     const fs::path richer = database.string() + suffix;
     WriteRicherDatabase(work, model, max_features, richest, richer);
     MapAgain(work, richer, kUsualDemands, work.cache / (model_name + suffix),
-             {{"max_features", max_features}}, model, notes);
+             {{"max_features", max_features}}, timer, model, notes);
     richest = richer;
   }
   if (!HasEnoughPhotos(model, photos)) {
     LogInfo(
-        "{} of {} photos are registered; trying again with pairs of {} instead of {} inliers to "
-        "begin with, and {} instead of {} for each further photo",
+        "{} of {} photos are registered; trying again with at least {} instead of {} inliers "
+        "for the first pair, and {} instead of {} for each further photo",
         model.images.size(), photos, kMildDemands.pair_inliers, kUsualDemands.pair_inliers,
         kMildDemands.image_inliers, kUsualDemands.image_inliers);
-    MapAgain(work, richest, kMildDemands, work.cache / (model_name + "-mild"),
+    MapAgain(work, richest, kMildDemands, work.cache / (model_name + suffix + "-mild"),
              {{"pair_inliers", kMildDemands.pair_inliers},
               {"image_inliers", kMildDemands.image_inliers}},
-             model, notes);
+             Timer(), model, notes);
   }
   stage.Count("retries", notes.size());
   stage.Note("retries", notes);

@@ -30,11 +30,11 @@ TEST(Coarsening, KeepsACoarserMeshWhoseJudgingPicturesAreMatched) {
   GrownRun grown;
   const size_t vertices = grown.run.field.mesh().positions.size();
   ASSERT_TRUE(grown.coarsening.IsDue(0.6));
-  grown.coarsening.Advance(0.0, 0.6);
+  grown.coarsening.Advance(0.0, AtProgress(0.6));
   EXPECT_EQ(grown.run.field.mesh().positions.size(), vertices);
   EXPECT_FALSE(grown.coarsening.state().reference.empty());
   grown.run.options.schedule.matched_psnr = 1;
-  grown.coarsening.Advance(0.0, 0.6);
+  grown.coarsening.Advance(0.0, AtProgress(0.6));
   const TetMesh& mesh = grown.run.field.mesh();
   CheckTetMesh(mesh);
   EXPECT_LT(mesh.positions.size(), vertices);
@@ -48,14 +48,14 @@ TEST(Coarsening, KeepsACoarserMeshWhoseJudgingPicturesAreMatched) {
 // Nothing is as good as a reference without errors.
 TEST(Coarsening, TakesBackACoarserMeshThatLost) {
   GrownRun grown;
-  grown.coarsening.Advance(0.0, 0.6);
+  grown.coarsening.Advance(0.0, AtProgress(0.6));
   CoarseningState state = grown.coarsening.state();
   for (ErrorSum& view : state.reference) view.squares *= 1e-6;
   grown.coarsening.Resume(state);
   const std::vector<glm::vec3> positions = grown.run.field.mesh().positions;
   const FieldState before = grown.run.field.ReadState();
   const uint64_t iteration = grown.run.steps.iteration();
-  grown.coarsening.Advance(0.0, 0.6);
+  grown.coarsening.Advance(0.0, AtProgress(0.6));
   EXPECT_TRUE(grown.run.field.mesh().positions == positions);
   EXPECT_TRUE(grown.run.field.ReadState().parameters == before.parameters);
   EXPECT_EQ(grown.run.steps.iteration(), iteration);
@@ -71,16 +71,41 @@ TEST(Coarsening, TriesMilderSharesAsLongAsTheyMaySucceed) {
   EXPECT_FALSE(IsExpectedToFail({.gain = -0.5, .standard_error = 0.2}, 0.5, 0.9));
 }
 
+TEST(Coarsening, TriesMilderSharesWherePicturesThatAreMoreThanMatchedMayLose) {
+  for (const bool may_lose : {true, false}) {
+    GrownRun grown;
+    grown.coarsening.Advance(0.0, AtProgress(0.6));
+    CoarseningState state = grown.coarsening.state();
+    for (ErrorSum& view : state.reference) view.squares *= 1e-6;
+    grown.coarsening.Resume(state);
+    grown.run.options.schedule.matched_psnr = may_lose ? 50 : 1000;
+    grown.coarsening.Advance(0.0, AtProgress(0.6));
+    EXPECT_EQ(grown.rounds.state().steps.back().decision, GrowthDecision::kTooCoarse);
+    EXPECT_EQ(grown.coarsening.IsOver(), !may_lose);
+  }
+}
+
+TEST(Coarsening, KeepsASixteenthOrMoreInOneTrial) {
+  GrownRun grown;
+  grown.coarsening.Advance(0.0, AtProgress(0.6));
+  CoarseningState state = grown.coarsening.state();
+  state.kept_share = 0.2;
+  grown.coarsening.Resume(state);
+  grown.run.options.schedule.matched_psnr = 1;
+  ASSERT_TRUE(grown.coarsening.Advance(0.0, AtProgress(0.6)));
+  EXPECT_EQ(grown.coarsening.state().kept_share, 1.0 / 16);
+}
+
 // Almost anything is as good as a reference with large errors, but the finer mesh is better, too.
 TEST(Coarsening, LetsTheFinerMeshLearnAsMuchBeforeACoarserOneReplacesIt) {
   GrownRun grown;
-  grown.coarsening.Advance(0.0, 0.6);
+  grown.coarsening.Advance(0.0, AtProgress(0.6));
   CoarseningState state = grown.coarsening.state();
   for (ErrorSum& view : state.reference) view.squares *= 1e6;
   grown.coarsening.Resume(state);
   const std::vector<glm::vec3> positions = grown.run.field.mesh().positions;
   const uint64_t iteration = grown.run.steps.iteration();
-  grown.coarsening.Advance(0.0, 0.6);
+  grown.coarsening.Advance(0.0, AtProgress(0.6));
   EXPECT_EQ(grown.run.field.mesh().positions.size(), positions.size());
   EXPECT_GT(grown.run.steps.iteration(), iteration);
   EXPECT_EQ(grown.rounds.state().steps.back().decision, GrowthDecision::kTooCoarse);

@@ -234,23 +234,23 @@ TEST(MotionTrial, KeepsWhatGained) {
   MovingRun run(MoveChoice::kAuto);
   run.PutMoved(0.06f);
   run.steps.Resume(400, 0);
-  EXPECT_FALSE(run.trial.Advance(0.05, 0.05));
+  EXPECT_FALSE(run.trial.Advance({0.05, 0.05}));
   EXPECT_EQ(run.trial.state(), TrialState::kNotTried);
   const double before = run.Psnr();
-  EXPECT_TRUE(run.trial.Advance(0.15, 0.15));
+  EXPECT_TRUE(run.trial.Advance({0.15, 0.15}));
   EXPECT_EQ(run.trial.state(), TrialState::kUsed);
   EXPECT_TRUE(run.motion.is_used());
   EXPECT_GT(run.Psnr(), before);
   EXPECT_EQ(run.steps.iteration(), 400u + TrialSteps(400));
-  EXPECT_FALSE(run.trial.Advance(0.2, 0.2));
+  EXPECT_FALSE(run.trial.Advance({0.2, 0.2}));
 }
 
 TEST(MotionTrial, LetsVerticesMoveOnceTheFieldIsNoLongerCoarse) {
   MovingRun run;
   run.motion.Use(false);
-  EXPECT_FALSE(run.trial.Advance(0.01, 0.01));
+  EXPECT_FALSE(run.trial.Advance({0.01, 0.01}));
   EXPECT_FALSE(run.motion.is_used());
-  EXPECT_FALSE(run.trial.Advance(0.05, 0.01));
+  EXPECT_FALSE(run.trial.Advance({0.01, 0.05}));
   EXPECT_TRUE(run.motion.is_used());
 }
 
@@ -290,7 +290,7 @@ TEST(MotionTrial, LeavesAFieldThatLostAsItWas) {
   run.steps.Resume(400, 0);
   const std::vector<glm::vec3> positions = run.field.mesh().positions;
   const FieldState before = run.field.ReadState();
-  EXPECT_TRUE(run.trial.Advance(0.15, 0.15));
+  EXPECT_TRUE(run.trial.Advance({0.15, 0.15}));
   EXPECT_EQ(run.trial.state(), TrialState::kNotUsed);
   EXPECT_FALSE(run.motion.is_used());
   EXPECT_EQ(run.field.mesh().positions, positions);
@@ -311,7 +311,7 @@ TEST(MotionTrial, LetsVerticesMoveWhereNothingCanJudge) {
   MovingRun run(MoveChoice::kAuto);
   run.steps.Resume(400, 0);
   run.pictures.EndJudgingIfDue(1.0);
-  EXPECT_FALSE(run.trial.Advance(0.15, 0.15));
+  EXPECT_FALSE(run.trial.Advance({0.15, 0.15}));
   EXPECT_EQ(run.trial.state(), TrialState::kUsed);
   EXPECT_TRUE(run.motion.is_used());
 }
@@ -320,17 +320,17 @@ TEST(MotionTrial, WaitsUntilThereAreStepsToTellFrom) {
   MovingRun run(MoveChoice::kAuto);
   run.PutMoved(0.06f);
   run.steps.Resume(kFewestTrialSteps - 1, 0);
-  EXPECT_FALSE(run.trial.Advance(0.15, 0.15));
+  EXPECT_FALSE(run.trial.Advance({0.15, 0.15}));
   EXPECT_EQ(run.trial.state(), TrialState::kNotTried);
   run.steps.Resume(kFewestTrialSteps, 0);
-  EXPECT_TRUE(run.trial.Advance(0.2, 0.2));
+  EXPECT_TRUE(run.trial.Advance({0.2, 0.2}));
 }
 
 TEST(MotionTrial, ContinuesAsItWasDecided) {
   for (const TrialState state : {TrialState::kUsed, TrialState::kNotUsed}) {
     MovingRun run(MoveChoice::kAuto);
     run.trial.Resume(state);
-    EXPECT_FALSE(run.trial.Advance(0.15, 0.15));
+    EXPECT_FALSE(run.trial.Advance({0.15, 0.15}));
     EXPECT_EQ(run.motion.is_used(), state == TrialState::kUsed);
   }
 }
