@@ -11,7 +11,7 @@
 namespace tetrec {
 namespace {
 
-constexpr double kFixedBytes = 220e6, kBytesPerPixel = 23, kBytesPerTet = 213;
+constexpr double kFixedBytes = 120e6, kBytesPerPixel = 14, kBytesPerTet = 330;
 
 uint64_t TetsWithin(double megabytes, uint64_t pixels) {
   const double room = megabytes * 1e6 - PredictedPeakBytes(0, pixels);

@@ -11,9 +11,9 @@ namespace tetrec {
 // A Delaunay mesh of lego, fox and the demo has 6.4 to 6.6 tets per vertex.
 inline constexpr double kTetsPerVertex = 6.5;
 
-// The peak of resident memory of a run [bytes]: 186 MB + 23 B per training pixel + 213 B per tet,
-// fitted to 16 runs on lego, fox and the demo (0.47 to 1.17 M tets, 2.7 to 16 M pixels; error 20 MB
-// root mean square, at most 32 MB too low), and 34 MB more, so that it is a bound.
+// A bound on the peak of resident memory of a run with harmonics [bytes]: 120 MB + 14 B per
+// training pixel + 330 B per tet. It is above the peaks of 15 runs on seven scenes (0.27 to 1.01 M
+// tets, 1.7 to 6 M pixels) by 5 to 42 MB, and farther above those of runs without harmonics.
 double PredictedPeakBytes(double tets, uint64_t pixels);
 
 // The number of tets that a run never exceeds, kNoBudget without a budget. Throws UsageError if

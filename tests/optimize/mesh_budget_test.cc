@@ -35,13 +35,15 @@ TEST(TetBudget, OfTooLittleMemoryIsRefusedWithWhatIsNeeded) {
   OptimizeOptions options;
   options.budget_mb = 100;
   ExpectError<UsageError>([&] { TetBudget(options, kPixels, kStartTets); },
-                          {"--budget-mb is 100", "313 MB"});
+                          {"--budget-mb is 100", "178 MB"});
 }
 
-// The largest run on lego that the prediction was fitted to: 904 k tets, 466 MB.
+// The largest and the smallest run on lego that the prediction was made for.
 TEST(PredictedPeakBytes, IsABoundOfWhatWasMeasured) {
-  EXPECT_GT(PredictedPeakBytes(903654, kPixels), 466e6);
-  EXPECT_LT(PredictedPeakBytes(903654, kPixels), 540e6);
+  EXPECT_GT(PredictedPeakBytes(991254, kPixels), 466e6);
+  EXPECT_LT(PredictedPeakBytes(991254, kPixels), 540e6);
+  EXPECT_GT(PredictedPeakBytes(271000, kPixels), 255e6);
+  EXPECT_LT(PredictedPeakBytes(271000, kPixels), 300e6);
 }
 
 }  // namespace
