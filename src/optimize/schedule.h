@@ -45,7 +45,7 @@ inline RunMoment AtProgress(double progress) { return {progress, progress}; }
 
 // The learning rates after `steps` steps, as a share of the first ones. They fall with the steps,
 // because what is new must still be learned, and in the last quarter of the run fast, so that the
-// noise of batches settles. In a long run they fall by half in the last quarter of its growth, too:
+// noise of batches settles. In a long run they fall by half in the last quarter of its growth, too,
 // so that the field is, from then on, near to what it would be if the run ended.
 double RateShare(const ScheduleOptions& options, const RunMoment& moment, uint64_t steps);
 
