@@ -56,6 +56,33 @@ StereoDepth CountOne(const StereoDepth& map, std::span<const Other> others, doub
   return counted;
 }
 
+void Drop(StereoDepth& map, size_t pixel) {
+  map.depth[pixel] = 0;
+  map.agreement[pixel] = 0;
+}
+
+// The pixels of the patch that contains `start`; marks them.
+std::vector<size_t> PatchAround(const StereoDepth& map, size_t start, double tolerance,
+                                std::vector<uint8_t>& is_done) {
+  const int width = map.camera.width, height = map.camera.height;
+  std::vector<size_t> patch{start};
+  is_done[start] = 1;
+  for (size_t next = 0; next < patch.size(); ++next) {
+    const double depth = map.depth[patch[next]];
+    const int x = int(patch[next] % size_t(width)), y = int(patch[next] / size_t(width));
+    for (int ny = std::max(0, y - 1); ny <= std::min(height - 1, y + 1); ++ny) {
+      for (int nx = std::max(0, x - 1); nx <= std::min(width - 1, x + 1); ++nx) {
+        const size_t i = map.Index(nx, ny);
+        const bool is_near = std::abs(map.depth[i] - depth) <= tolerance * depth;
+        if (is_done[i] != 0 || !(map.depth[i] > 0) || !is_near) continue;
+        is_done[i] = 1;
+        patch.push_back(i);
+      }
+    }
+  }
+  return patch;
+}
+
 }  // namespace
 
 std::vector<StereoDepth> CountAgreement(std::span<const StereoDepth> maps,
@@ -83,8 +110,22 @@ uint64_t KeepAgreed(StereoDepth& map, int least) {
     if (map.depth[i] > 0 && map.agreement[i] >= least) {
       ++kept;
     } else {
-      map.depth[i] = 0;
-      map.agreement[i] = 0;
+      Drop(map, i);
+    }
+  }
+  return kept;
+}
+
+uint64_t KeepPatches(StereoDepth& map, size_t least, double tolerance) {
+  uint64_t kept = 0;
+  std::vector<uint8_t> is_done(map.depth.size(), 0);
+  for (size_t i = 0; i < map.depth.size(); ++i) {
+    if (is_done[i] != 0 || !(map.depth[i] > 0)) continue;
+    const std::vector<size_t> patch = PatchAround(map, i, tolerance, is_done);
+    if (patch.size() >= least) {
+      kept += patch.size();
+    } else {
+      for (const size_t pixel : patch) Drop(map, pixel);
     }
   }
   return kept;

@@ -22,4 +22,10 @@ std::vector<StereoDepth> CountAgreement(std::span<const StereoDepth> maps,
 // Drops the depths that fewer than `least` other views confirm; returns how many are left.
 uint64_t KeepAgreed(StereoDepth& map, int least);
 
+// Drops patches of fewer than `least` pixels, which agree by chance in the sky, in front of
+// repeated texture and beyond the farthest plane; returns how many depths are left. A patch
+// consists of pixels that touch, at a side or a corner, and whose depths differ by at most
+// `tolerance` (relative) from one to the next.
+uint64_t KeepPatches(StereoDepth& map, size_t least, double tolerance);
+
 }  // namespace tetrec

@@ -107,8 +107,10 @@ DepthRange FindDepthRange(const StereoView& view, std::span<const glm::dvec3> po
     if (view.camera.Shows(in_cam)) depths.push_back(in_cam.z);
   }
   if (depths.size() < kFewestSeenPoints) return {};
-  // The points are where texture is; surfaces without it may be nearer and farther.
-  return {0.75 * Quantile(depths, 0.01), 1.5 * Quantile(depths, 0.98)};
+  // The points are where texture is; surfaces without it may be nearer. Few points lie in the
+  // background: what is farther than every plane would match some nearer one by chance.
+  constexpr double kNearer = 0.75, kFarther = 8;
+  return {kNearer * Quantile(depths, 0.01), kFarther * Quantile(depths, 0.98)};
 }
 
 }  // namespace tetrec

@@ -53,6 +53,8 @@ void StereoOptions::Check() const {
   CheckRange("checked_neighbors", checked_neighbors, 1, 1000);
   CheckRange("agreeing", agreeing, 1, 100);
   CheckAboveZero("tolerance", tolerance);
+  CheckRange("patch", patch, 1, 10'000);
+  CheckAboveZero("patch_tolerance", patch_tolerance);
   CheckAboveZero("plane_step", plane_step_px);
   CheckRange("max_planes", max_planes, 2, 1024);
   CheckRange("window_radius", window_radius, 1, 10);
@@ -84,7 +86,10 @@ StereoResult FindDepths(const Scene& scene, std::span<const StereoView> views,
   result.maps = CountAgreement(maps, views, checked, options.tolerance);
   // Where there are fewer views, all of them must agree.
   const int least = std::min(options.agreeing, std::max(1, int(views.size()) - 1));
-  for (StereoDepth& map : result.maps) result.confirmed += KeepAgreed(map, least);
+  for (StereoDepth& map : result.maps) {
+    KeepAgreed(map, least);
+    result.confirmed += KeepPatches(map, size_t(options.patch), options.patch_tolerance);
+  }
   result.fusion = FuseDepths(result.maps, views, options.fusion);
   return result;
 }

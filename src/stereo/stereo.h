@@ -14,12 +14,14 @@
 namespace tetrec {
 
 struct StereoOptions {
-  int max_size = 400;          // longer side of the depth maps [px], at most the images' own
-  int neighbors = 4;           // views that a view is matched with
-  int checked_neighbors = 10;  // views that may confirm its depths
-  int agreeing = 2;            // views that must confirm a depth
-  double tolerance = 0.01;     // relative difference of inverse depths that agree
-  double plane_step_px = 1;    // largest move of a pixel in a neighbour from plane to plane
+  int max_size = 400;             // longer side of the depth maps [px], at most the images' own
+  int neighbors = 4;              // views that a view is matched with
+  int checked_neighbors = 10;     // views that may confirm its depths
+  int agreeing = 2;               // views that must confirm a depth
+  double tolerance = 0.01;        // relative difference of inverse depths that agree
+  int patch = 20;                 // pixels of the smallest patch of depths that is kept
+  double patch_tolerance = 0.03;  // relative difference of depths next to each other in a patch
+  double plane_step_px = 1;       // largest move of a pixel in a neighbour from plane to plane
   int max_planes = 256;
   int window_radius = 2;  // of the windows that are compared [px]
   double max_cost = 0.6;  // of a chosen plane, before smoothing; 0 is a perfect match

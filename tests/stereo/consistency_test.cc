@@ -71,5 +71,40 @@ TEST(CountAgreement, MovesADepthToTheMeanOfThoseThatAgree) {
   EXPECT_NEAR(counted[0].depth[middle] / (wrong / 1.006), 1.002, 0.002);
 }
 
+// A map of 8 x 4 pixels with the given depths.
+StereoDepth MapOf(const std::vector<float>& depths) {
+  StereoDepth map = MakeStereoDepth(0, {8, 4, 10, 10, 4, 2});
+  map.depth = depths;
+  for (size_t i = 0; i < depths.size(); ++i) map.agreement[i] = depths[i] > 0 ? 2 : 0;
+  return map;
+}
+
+TEST(KeepPatches, DropsSmallPatchesWithTheirAgreement) {
+  StereoDepth map = MapOf({2, 2, 0, 0, 0, 0, 0, 3,  //
+                           0, 0, 2, 0, 0, 0, 0, 0,  //
+                           0, 2, 0, 0, 0, 0, 0, 5,  //
+                           0, 0, 0, 0, 0, 0, 5, 0});
+  EXPECT_EQ(KeepPatches(map, 4, 0.03), 4u) << "corners touch";
+  const StereoDepth kept = MapOf({2, 2, 0, 0, 0, 0, 0, 0,  //
+                                  0, 0, 2, 0, 0, 0, 0, 0,  //
+                                  0, 2, 0, 0, 0, 0, 0, 0,  //
+                                  0, 0, 0, 0, 0, 0, 0, 0});
+  EXPECT_EQ(map.depth, kept.depth);
+  EXPECT_EQ(map.agreement, kept.agreement);
+}
+
+TEST(KeepPatches, FollowsASurfaceButNotAcrossAStep) {
+  const std::vector<float> depths = {2.00f, 2.04f, 2.08f, 2.12f, 3.00f, 3.00f, 0, 0,  //
+                                     0,     0,     0,     0,     0,     0,     0, 0,  //
+                                     0,     0,     0,     0,     0,     0,     0, 0,  //
+                                     0,     0,     0,     0,     0,     0,     0, 0};
+  StereoDepth map = MapOf(depths);
+  EXPECT_EQ(KeepPatches(map, 2, 0.03), 6u);
+  EXPECT_EQ(map.depth, depths);
+  EXPECT_EQ(KeepPatches(map, 3, 0.03), 4u);
+  EXPECT_EQ(map.depth[3], 2.12f);
+  EXPECT_EQ(map.depth[4], 0);
+}
+
 }  // namespace
 }  // namespace tetrec

@@ -113,6 +113,17 @@ TEST(ChooseNeighbors, PrefersViewsAtAUsefulAngle) {
   }
 }
 
+TEST(FindDepthRange, ReachesBeyondThePointsOfAPhoto) {
+  SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 200);
+  const StereoView view = ViewsOf(synthetic)[0];
+  const Rigid3 world_from_cam = view.cam_from_world.Inverse();
+  const std::vector<glm::dvec3> points(10, world_from_cam * glm::dvec3(0, 0, 2));
+  const DepthRange range = FindDepthRange(view, points, synthetic.scene);
+  EXPECT_NEAR(range.nearest, 1.5, 1e-9);
+  EXPECT_NEAR(range.farthest, 16, 1e-9) << "a background in which nothing was matched";
+  EXPECT_TRUE(FindDepthRange(view, std::span(points).first(4), synthetic.scene).IsEmpty());
+}
+
 TEST(StereoOptions, AreChecked) {
   StereoOptions options;
   EXPECT_NO_THROW(options.Check());
@@ -120,6 +131,9 @@ TEST(StereoOptions, AreChecked) {
   EXPECT_THROW(options.Check(), UsageError);
   options = {};
   options.tolerance = NAN;
+  EXPECT_THROW(options.Check(), UsageError);
+  options = {};
+  options.patch = 0;
   EXPECT_THROW(options.Check(), UsageError);
 }
 
