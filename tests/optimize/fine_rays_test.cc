@@ -56,7 +56,7 @@ TEST(FineRays, AreTriedOnceTheRunHasGrown) {
   ASSERT_TRUE(run.fine_rays.trial());
   const auto [one, four] = *run.fine_rays.trial();
   EXPECT_NE(one, four);
-  EXPECT_EQ(run.fine_rays.state(), four > one - 0.03 ? TrialState::kUsed : TrialState::kNotUsed);
+  EXPECT_EQ(run.fine_rays.state(), four > one - 0.045 ? TrialState::kUsed : TrialState::kNotUsed);
   const bool fine = run.fine_rays.state() == TrialState::kUsed;
   EXPECT_EQ(run.field.ReadState().parameters == before.parameters, fine);
   EXPECT_EQ(run.field.ReadState().second_moment == before.second_moment, fine);
@@ -76,10 +76,11 @@ TEST(FineRays, JudgeTheFieldsThatTheyMake) {
   EXPECT_EQ(run.pictures.JudgeField().psnr, by_one);
 }
 
-TEST(FineRays, AreTakenOnlyIfTheyGain) {
+TEST(FineRays, AreTakenUnlessTheyLoseClearly) {
   EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.1}).PrefersFour());
   EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.0}).PrefersFour());
-  EXPECT_FALSE((FineRaysTrial{.one_psnr = 30.05, .four_psnr = 30.0}).PrefersFour());
+  EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.03, .four_psnr = 30.0}).PrefersFour());
+  EXPECT_FALSE((FineRaysTrial{.one_psnr = 30.06, .four_psnr = 30.0}).PrefersFour());
 }
 
 TEST(FineRays, AreNotTriedInShortRuns) {
