@@ -77,10 +77,10 @@ double RoundGrowth(const PlannedRound& round, uint64_t vertices) {
   return std::clamp(double(round.vertices) / double(std::max<uint64_t>(vertices, 1)), 1.0, 2.5);
 }
 
-uint64_t AffordableVertices(double seconds, uint64_t pixels) {
+uint64_t AffordableVertices(double seconds, uint64_t subject_pixels) {
   const double by_time =
       kVerticesOfGrowth * std::pow(seconds / kGrowthSeconds, kExponentOfVertices);
-  return uint64_t(std::min(by_time, double(pixels) / kPixelsPerVertex));
+  return uint64_t(std::min(by_time, double(subject_pixels) / kPixelsPerVertex));
 }
 
 double SecondsForVertices(double vertices) {

@@ -33,7 +33,7 @@ struct ScheduleOptions {
 // by iterations.
 inline constexpr double kGrowthSeconds = 120, kStepsPerSecond = 40;
 
-// No run affords more vertices than one per so many pixels.
+// No run affords more vertices than one per so many pixels that show the subject.
 inline constexpr double kPixelsPerVertex = 16;
 
 // Where a run is: its progress, and its growth, which is never less.
@@ -78,10 +78,10 @@ double RoundGrowth(const PlannedRound& round, uint64_t vertices);
 
 // The number of vertices that a run can fit, and needs. Measured on two cores: with vertices that
 // move, 100 k give lego at 200x200 after 120 s 0.2 dB more than 180 k, and the demo 0.3 dB less but
-// a better surface (F-score 0.93 against 0.87). Never more than one per 16 pixels: with one per
-// ten, the demo's images gain nothing and its surface breaks up. What more time affords is worth
-// 0.4 dB on the demo in 5 minutes, and nothing on fox and lego in 10.
-uint64_t AffordableVertices(double seconds, uint64_t pixels);
+// a better surface (F-score 0.93 against 0.87). Never more than one per 16 pixels of the subject
+// (SubjectPixels): with one per ten, the demo's images gain nothing and its surface breaks up. What
+// more time affords is worth 0.4 dB on the demo in 5 minutes, and nothing on fox and lego in 10.
+uint64_t AffordableVertices(double seconds, uint64_t subject_pixels);
 // The time at which so many are affordable, as far as time decides [s].
 double SecondsForVertices(double vertices);
 

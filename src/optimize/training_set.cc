@@ -147,6 +147,12 @@ void ListBlocks(TrainingSet& set, std::span<const uint8_t> left_out) {
   }
 }
 
+uint64_t SubjectPixels(const TrainingSet& set) {
+  if (set.subject_blocks.empty()) return set.pixels;
+  // Blocks may reach beyond their images.
+  return std::min<uint64_t>(set.subject_blocks.size() * kRaysPerBlock, set.pixels);
+}
+
 std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double subject_share,
                                  uint64_t seed, uint64_t iteration) {
   Random random(seed, iteration);

@@ -41,6 +41,9 @@ struct TrainingSet {
   uint64_t pixels = 0;
 };
 
+// The pixels of subject_blocks, and all pixels if there are none.
+uint64_t SubjectPixels(const TrainingSet& set);
+
 // Reads and premultiplies the images of a split on all cores; pixels that masks exclude are
 // kNotJudgedTarget. Throws DataError (no views, an image whose size differs from its camera's or is
 // below that of a block, masks that exclude everything).

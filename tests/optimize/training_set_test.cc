@@ -158,6 +158,18 @@ TEST_F(TrainingSetTest, TakesPicturesWithoutAlphaAsOpaque) {
     EXPECT_EQ(set.targets[0].rgba8[i], r | g << 8 | b << 16 | 255u << 24);
   }
   EXPECT_EQ(set.subject_blocks.size(), set.blocks.size());
+  EXPECT_EQ(SubjectPixels(set), set.pixels);
+}
+
+TEST_F(TrainingSetTest, CountsThePixelsOfTheSubject) {
+  Write(TinyScene(63, 63));
+  TrainingSet set = Load();
+  EXPECT_EQ(SubjectPixels(set), set.subject_blocks.size() * 8);
+  EXPECT_LT(SubjectPixels(set), set.pixels * 4 / 5);
+  set.subject_blocks.resize(set.blocks.size());
+  EXPECT_EQ(SubjectPixels(set), set.pixels) << "not the margins of blocks beyond the images";
+  set.subject_blocks.clear();
+  EXPECT_EQ(SubjectPixels(set), set.pixels) << "nothing is shown anywhere";
 }
 
 TEST_F(TrainingSetTest, LeavesOutWhatMasksHide) {
