@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 // Beyond these, photos forbid fog by themselves.
 constexpr int kFewPhotos = 12;
 constexpr int kLeastVotes = 2;
-// Other views that confirm a depth.
+// Other views that must confirm a depth: a wrong one would keep empty what is full, which learning
+// cannot mend.
 constexpr int kLeastAgreement = 2;
 // Share of a depth by which a place must lie in front of it.
 constexpr double kMargin = 0.05;

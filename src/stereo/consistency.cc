@@ -56,12 +56,7 @@ StereoDepth CountOne(const StereoDepth& map, std::span<const Other> others, doub
   return counted;
 }
 
-void Drop(StereoDepth& map, size_t pixel) {
-  map.depth[pixel] = 0;
-  map.agreement[pixel] = 0;
-}
-
-// The pixels of the patch that contains `start`; marks them.
+// The pixels of the patch that contains `start`, which is confirmed; marks them.
 std::vector<size_t> PatchAround(const StereoDepth& map, size_t start, double tolerance,
                                 std::vector<uint8_t>& is_done) {
   const int width = map.camera.width, height = map.camera.height;
@@ -74,13 +69,24 @@ std::vector<size_t> PatchAround(const StereoDepth& map, size_t start, double tol
       for (int nx = std::max(0, x - 1); nx <= std::min(width - 1, x + 1); ++nx) {
         const size_t i = map.Index(nx, ny);
         const bool is_near = std::abs(map.depth[i] - depth) <= tolerance * depth;
-        if (is_done[i] != 0 || !(map.depth[i] > 0) || !is_near) continue;
+        if (is_done[i] != 0 || map.agreement[i] == 0 || !is_near) continue;
         is_done[i] = 1;
         patch.push_back(i);
       }
     }
   }
   return patch;
+}
+
+uint64_t EvidenceOf(const StereoDepth& map, std::span<const size_t> patch) {
+  uint64_t evidence = 0;
+  for (const size_t i : patch) evidence += uint64_t{map.agreement[i]} * map.agreement[i];
+  return evidence;
+}
+
+void Drop(StereoDepth& map, size_t pixel) {
+  map.depth[pixel] = 0;
+  map.agreement[pixel] = 0;
 }
 
 }  // namespace
@@ -104,25 +110,17 @@ std::vector<StereoDepth> CountAgreement(std::span<const StereoDepth> maps,
   return counted;
 }
 
-uint64_t KeepAgreed(StereoDepth& map, int least) {
-  uint64_t kept = 0;
-  for (size_t i = 0; i < map.depth.size(); ++i) {
-    if (map.depth[i] > 0 && map.agreement[i] >= least) {
-      ++kept;
-    } else {
-      Drop(map, i);
-    }
-  }
-  return kept;
-}
-
-uint64_t KeepPatches(StereoDepth& map, size_t least, double tolerance) {
+uint64_t KeepConfirmed(StereoDepth& map, int least_evidence, double tolerance) {
   uint64_t kept = 0;
   std::vector<uint8_t> is_done(map.depth.size(), 0);
   for (size_t i = 0; i < map.depth.size(); ++i) {
-    if (is_done[i] != 0 || !(map.depth[i] > 0)) continue;
+    if (is_done[i] != 0) continue;
+    if (map.agreement[i] == 0) {
+      Drop(map, i);
+      continue;
+    }
     const std::vector<size_t> patch = PatchAround(map, i, tolerance, is_done);
-    if (patch.size() >= least) {
+    if (EvidenceOf(map, patch) >= uint64_t(least_evidence)) {
       kept += patch.size();
     } else {
       for (const size_t pixel : patch) Drop(map, pixel);

@@ -19,13 +19,12 @@ std::vector<StereoDepth> CountAgreement(std::span<const StereoDepth> maps,
                                         std::span<const std::vector<uint32_t>> others,
                                         double tolerance);
 
-// Drops the depths that fewer than `least` other views confirm; returns how many are left.
-uint64_t KeepAgreed(StereoDepth& map, int least);
-
-// Drops patches of fewer than `least` pixels, which agree by chance in the sky, in front of
-// repeated texture and beyond the farthest plane; returns how many depths are left. A patch
-// consists of pixels that touch, at a side or a corner, and whose depths differ by at most
-// `tolerance` (relative) from one to the next.
-uint64_t KeepPatches(StereoDepth& map, size_t least, double tolerance);
+// Keeps the depths that other views confirm, in patches with enough evidence: the sum over a patch
+// of the squared numbers of views that confirm its pixels is at least `least_evidence`. A wrong
+// depth agrees with that of one other view by chance, in the sky or in front of repeated texture,
+// but seldom with those of several, or over many pixels. A patch consists of pixels that touch, at
+// a side or a corner, and whose depths differ by at most `tolerance` (relative) from one to the
+// next. Returns how many depths are left.
+uint64_t KeepConfirmed(StereoDepth& map, int least_evidence, double tolerance);
 
 }  // namespace tetrec

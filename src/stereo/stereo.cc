@@ -51,9 +51,8 @@ void StereoOptions::Check() const {
   CheckRange("depth_size", max_size, 32, 4096);
   CheckRange("depth_neighbors", neighbors, 1, 32);
   CheckRange("checked_neighbors", checked_neighbors, 1, 1000);
-  CheckRange("agreeing", agreeing, 1, 100);
   CheckAboveZero("tolerance", tolerance);
-  CheckRange("patch", patch, 1, 10'000);
+  CheckRange("evidence", evidence, 1, 1'000'000);
   CheckAboveZero("patch_tolerance", patch_tolerance);
   CheckAboveZero("plane_step", plane_step_px);
   CheckRange("max_planes", max_planes, 2, 1024);
@@ -84,11 +83,8 @@ StereoResult FindDepths(const Scene& scene, std::span<const StereoView> views,
     result.views_without += depths == 0 ? 1 : 0;
   }
   result.maps = CountAgreement(maps, views, checked, options.tolerance);
-  // Where there are fewer views, all of them must agree.
-  const int least = std::min(options.agreeing, std::max(1, int(views.size()) - 1));
   for (StereoDepth& map : result.maps) {
-    KeepAgreed(map, least);
-    result.confirmed += KeepPatches(map, size_t(options.patch), options.patch_tolerance);
+    result.confirmed += KeepConfirmed(map, options.evidence, options.patch_tolerance);
   }
   result.fusion = FuseDepths(result.maps, views, options.fusion);
   return result;

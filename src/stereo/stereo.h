@@ -17,9 +17,8 @@ struct StereoOptions {
   int max_size = 400;             // longer side of the depth maps [px], at most the images' own
   int neighbors = 4;              // views that a view is matched with
   int checked_neighbors = 10;     // views that may confirm its depths
-  int agreeing = 2;               // views that must confirm a depth
   double tolerance = 0.01;        // relative difference of inverse depths that agree
-  int patch = 20;                 // pixels of the smallest patch of depths that is kept
+  int evidence = 200;             // that a patch of confirmed depths needs (KeepConfirmed)
   double patch_tolerance = 0.03;  // relative difference of depths next to each other in a patch
   double plane_step_px = 1;       // largest move of a pixel in a neighbour from plane to plane
   int max_planes = 256;

@@ -58,8 +58,8 @@ TEST(CountAgreement, LeavesAWrongMapAlone) {
   for (const uint8_t agreement : counted[2].agreement) EXPECT_EQ(agreement, 0);
   EXPECT_EQ(counted[1].agreement[counted[1].Index(20, 15)], 2) << "the other two";
   StereoDepth wrong = counted[2], right = counted[1];
-  EXPECT_EQ(KeepAgreed(wrong, 2), 0u);
-  EXPECT_GT(KeepAgreed(right, 2), 600u);
+  EXPECT_EQ(KeepConfirmed(wrong, 1, 0.03), 0u);
+  EXPECT_GT(KeepConfirmed(right, 1, 0.03), 600u);
 }
 
 TEST(CountAgreement, MovesADepthToTheMeanOfThoseThatAgree) {
@@ -71,37 +71,51 @@ TEST(CountAgreement, MovesADepthToTheMeanOfThoseThatAgree) {
   EXPECT_NEAR(counted[0].depth[middle] / (wrong / 1.006), 1.002, 0.002);
 }
 
-// A map of 8 x 4 pixels with the given depths.
-StereoDepth MapOf(const std::vector<float>& depths) {
+// A map of 8 x 4 pixels with the given depths, which so many other views confirm.
+StereoDepth MapOf(const std::vector<float>& depths, uint8_t agreement) {
   StereoDepth map = MakeStereoDepth(0, {8, 4, 10, 10, 4, 2});
   map.depth = depths;
-  for (size_t i = 0; i < depths.size(); ++i) map.agreement[i] = depths[i] > 0 ? 2 : 0;
+  for (size_t i = 0; i < depths.size(); ++i) map.agreement[i] = depths[i] > 0 ? agreement : 0;
   return map;
 }
 
-TEST(KeepPatches, DropsSmallPatchesWithTheirAgreement) {
-  StereoDepth map = MapOf({2, 2, 0, 0, 0, 0, 0, 3,  //
-                           0, 0, 2, 0, 0, 0, 0, 0,  //
-                           0, 2, 0, 0, 0, 0, 0, 5,  //
-                           0, 0, 0, 0, 0, 0, 5, 0});
-  EXPECT_EQ(KeepPatches(map, 4, 0.03), 4u) << "corners touch";
+TEST(KeepConfirmed, KeepsPatchesWithEnoughEvidence) {
+  const std::vector<float> depths = {2, 2, 0, 0, 0, 0, 0, 3,  //
+                                     0, 0, 2, 0, 0, 0, 0, 0,  //
+                                     0, 2, 0, 0, 0, 0, 0, 5,  //
+                                     0, 0, 0, 0, 0, 0, 5, 0};
+  StereoDepth map = MapOf(depths, 2);
+  EXPECT_EQ(KeepConfirmed(map, 4, 0.03), 7u) << "even a pixel that two views confirm";
+  EXPECT_EQ(map.depth, depths);
+  EXPECT_EQ(KeepConfirmed(map, 16, 0.03), 4u) << "corners touch";
   const StereoDepth kept = MapOf({2, 2, 0, 0, 0, 0, 0, 0,  //
                                   0, 0, 2, 0, 0, 0, 0, 0,  //
                                   0, 2, 0, 0, 0, 0, 0, 0,  //
-                                  0, 0, 0, 0, 0, 0, 0, 0});
+                                  0, 0, 0, 0, 0, 0, 0, 0},
+                                 2);
   EXPECT_EQ(map.depth, kept.depth);
   EXPECT_EQ(map.agreement, kept.agreement);
+  StereoDepth by_one = MapOf(depths, 1);
+  EXPECT_EQ(KeepConfirmed(by_one, 4, 0.03), 4u);
+  EXPECT_EQ(KeepConfirmed(by_one, 5, 0.03), 0u);
 }
 
-TEST(KeepPatches, FollowsASurfaceButNotAcrossAStep) {
+TEST(KeepConfirmed, LeavesOutWhatNoOtherViewConfirms) {
+  StereoDepth map = MapOf(std::vector<float>(32, 2.0f), 1);
+  for (const size_t i : {0u, 9u, 31u}) map.agreement[i] = 0;
+  EXPECT_EQ(KeepConfirmed(map, 1, 0.03), 29u);
+  for (const size_t i : {0u, 9u, 31u}) EXPECT_EQ(map.depth[i], 0);
+}
+
+TEST(KeepConfirmed, FollowsASurfaceButNotAcrossAStep) {
   const std::vector<float> depths = {2.00f, 2.04f, 2.08f, 2.12f, 3.00f, 3.00f, 0, 0,  //
                                      0,     0,     0,     0,     0,     0,     0, 0,  //
                                      0,     0,     0,     0,     0,     0,     0, 0,  //
                                      0,     0,     0,     0,     0,     0,     0, 0};
-  StereoDepth map = MapOf(depths);
-  EXPECT_EQ(KeepPatches(map, 2, 0.03), 6u);
+  StereoDepth map = MapOf(depths, 1);
+  EXPECT_EQ(KeepConfirmed(map, 2, 0.03), 6u);
   EXPECT_EQ(map.depth, depths);
-  EXPECT_EQ(KeepPatches(map, 3, 0.03), 4u);
+  EXPECT_EQ(KeepConfirmed(map, 3, 0.03), 4u);
   EXPECT_EQ(map.depth[3], 2.12f);
   EXPECT_EQ(map.depth[4], 0);
 }

@@ -133,7 +133,7 @@ TEST(StereoOptions, AreChecked) {
   options.tolerance = NAN;
   EXPECT_THROW(options.Check(), UsageError);
   options = {};
-  options.patch = 0;
+  options.evidence = 0;
   EXPECT_THROW(options.Check(), UsageError);
 }
 
