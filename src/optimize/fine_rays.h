@@ -20,7 +20,7 @@ struct FineRaysTrial {
   double one_psnr = 0, four_psnr = 0;
   // A trial shows only the beginning: on lego, where 2 x 2 rays gain 0.4 dB by the end of 4,000
   // steps, they are between 0.06 dB ahead and 0.03 dB behind after it; on fox and the demo, where
-  // they lose 0.4 dB in five minutes, 0.06 to 0.16 dB behind.
+  // they lose 0.4 and 0.65 dB in five minutes, 0.05 to 0.16 dB behind.
   bool PrefersFour() const { return four_psnr > one_psnr - 0.045; }
 };
 

@@ -17,7 +17,8 @@
 namespace tetrec {
 
 // A place is empty if at least 2 depth maps show something clearly behind it, none shows something
-// near it, and no more than 12 training photos have it in their frame.
+// near it, and no more than 12 training photos have it in their frame. Only depths that at least 2
+// other views confirm count.
 class SeenSpace {
  public:
   // Nothing is known to be empty.
@@ -35,7 +36,7 @@ class SeenSpace {
   static SeenSpace Read(const Scene& scene, const std::filesystem::path& start_folder);
 
  private:
-  // The least depth that other views confirm, in each block of a map.
+  // The least depth that two other views confirm, in each block of a map.
   struct LeastDepths {
     Rigid3 cam_from_world;
     Camera camera;             // of the blocks

@@ -47,11 +47,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The pixels that afford vertices: those of the subject, and as many as the start mesh takes at
+// least, so that what it drops may be put where errors are.
+uint64_t AffordingPixels(const TrainingSet& set, const TetMesh& start) {
+  return std::max(SubjectPixels(set), uint64_t(kPixelsPerVertex) * start.positions.size());
+}
+
 // A run without limits may grow to the most vertices.
-double ExpectedSeconds(const OptimizeOptions& options, uint64_t subject_pixels) {
+double ExpectedSeconds(const OptimizeOptions& options, uint64_t affording_pixels) {
   if (!options.HasLimit()) {
-    return SecondsForVertices(options.max_vertices > 0 ? double(options.max_vertices)
-                                                       : double(subject_pixels) / kPixelsPerVertex);
+    return SecondsForVertices(options.max_vertices > 0
+                                  ? double(options.max_vertices)
+                                  : double(affording_pixels) / kPixelsPerVertex);
   }
   const double by_iterations = double(options.iterations) / kStepsPerSecond;
   if (options.time_limit_s <= 0) return by_iterations;
@@ -60,10 +67,10 @@ double ExpectedSeconds(const OptimizeOptions& options, uint64_t subject_pixels) 
 }
 
 // `max_tets`: never exceeded.
-uint64_t MaxVertices(const OptimizeOptions& options, uint64_t subject_pixels, uint64_t max_tets) {
+uint64_t MaxVertices(const OptimizeOptions& options, uint64_t affording_pixels, uint64_t max_tets) {
   uint64_t vertices = options.max_vertices;
   if (vertices == 0 && options.budget == BudgetChoice::kAuto) {
-    vertices = AffordableVertices(ExpectedSeconds(options, subject_pixels), subject_pixels);
+    vertices = AffordableVertices(ExpectedSeconds(options, affording_pixels), affording_pixels);
   }
   if (max_tets == kNoBudget) return vertices;
   const uint64_t in_budget = uint64_t(double(max_tets) / kTetsPerVertex);
@@ -71,12 +78,12 @@ uint64_t MaxVertices(const OptimizeOptions& options, uint64_t subject_pixels, ui
 }
 
 std::vector<PlannedRound> PlanRounds(const OptimizeOptions& options, uint64_t start_vertices,
-                                     uint64_t max_vertices, uint64_t subject_pixels) {
+                                     uint64_t max_vertices, uint64_t affording_pixels) {
   // In a run without limits, a given number of rounds is done while it is young.
   const bool is_brief = !options.HasLimit() && options.schedule.rounds;
-  const double seconds = is_brief ? kGrowthSeconds : ExpectedSeconds(options, subject_pixels);
+  const double seconds = is_brief ? kGrowthSeconds : ExpectedSeconds(options, affording_pixels);
   const uint64_t growth_vertices =
-      AffordableVertices(std::min(seconds, kGrowthSeconds), subject_pixels);
+      AffordableVertices(std::min(seconds, kGrowthSeconds), affording_pixels);
   return PlanGrowth(
       options.schedule, start_vertices,
       seconds > kGrowthSeconds ? std::min(growth_vertices, max_vertices) : max_vertices,
@@ -101,9 +108,9 @@ class Trainer {
         scene_folder_(scene_folder),
         scene_(scene),
         stage_(stage),
-        subject_pixels_(SubjectPixels(set)),
+        affording_pixels_(AffordingPixels(set, start)),
         max_tets_(TetBudget(options, set.pixels, start.tets.size())),
-        max_vertices_(MaxVertices(options, subject_pixels_, max_tets_)),
+        max_vertices_(MaxVertices(options, affording_pixels_, max_tets_)),
         renderer_(CreateRenderer(RendererOptionsOf(options))),
         watched_{*renderer_, scene_folder_, scene,
                  ChooseWatchedViews(scene, options.watched_views)},
@@ -119,7 +126,7 @@ class Trainer {
         fine_rays_(options, field_, pictures_, steps_),
         motion_trial_(options, field_, pictures_, steps_, motion_),
         rounds_(options,
-                PlanRounds(options, start.positions.size(), max_vertices_, subject_pixels_),
+                PlanRounds(options, start.positions.size(), max_vertices_, affording_pixels_),
                 {field_, motion_, pictures_, batches_, steps_, *renderer_},
                 {stage.Scratch("best.bin"), stage.Scratch("unrefined.bin")}, max_tets_),
         coarsening_(options, {field_, motion_, pictures_, batches_, steps_, *renderer_}, rounds_,
@@ -445,7 +452,7 @@ class Trainer {
   fs::path scene_folder_;
   const Scene& scene_;
   Stage& stage_;
-  uint64_t subject_pixels_;
+  uint64_t affording_pixels_;
   uint64_t max_tets_;
   uint64_t max_vertices_;
   std::unique_ptr<TrainingRenderer> renderer_;

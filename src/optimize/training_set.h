@@ -41,7 +41,7 @@ struct TrainingSet {
   uint64_t pixels = 0;
 };
 
-// The pixels of subject_blocks, and all pixels if there are none.
+// The pixels of subject_blocks, so of the listed views; all pixels if there are no such blocks.
 uint64_t SubjectPixels(const TrainingSet& set);
 
 // Reads and premultiplies the images of a split on all cores; pixels that masks exclude are

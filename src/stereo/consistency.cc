@@ -1,4 +1,4 @@
-// Depths that several views agree on.
+// Depths that other views confirm.
 #include "stereo/consistency.h"
 
 #include "core/error.h"
@@ -68,7 +68,8 @@ std::vector<size_t> PatchAround(const StereoDepth& map, size_t start, double tol
     for (int ny = std::max(0, y - 1); ny <= std::min(height - 1, y + 1); ++ny) {
       for (int nx = std::max(0, x - 1); nx <= std::min(width - 1, x + 1); ++nx) {
         const size_t i = map.Index(nx, ny);
-        const bool is_near = std::abs(map.depth[i] - depth) <= tolerance * depth;
+        const double other = map.depth[i];
+        const bool is_near = std::abs(other - depth) <= tolerance * std::max(other, depth);
         if (is_done[i] != 0 || map.agreement[i] == 0 || !is_near) continue;
         is_done[i] = 1;
         patch.push_back(i);
@@ -110,15 +111,28 @@ std::vector<StereoDepth> CountAgreement(std::span<const StereoDepth> maps,
   return counted;
 }
 
-uint64_t KeepConfirmed(StereoDepth& map, int least_evidence, double tolerance) {
+uint64_t CountDepths(const StereoDepth& map) {
+  return uint64_t(
+      std::count_if(map.depth.begin(), map.depth.end(), [](float depth) { return depth > 0; }));
+}
+
+int ViewsToConfirm(std::span<const StereoDepth> maps) {
+  uint64_t depths = 0, by_two = 0;
+  for (const StereoDepth& map : maps) {
+    depths += CountDepths(map);
+    by_two += uint64_t(std::ranges::count_if(map.agreement, [](uint8_t n) { return n >= 2; }));
+  }
+  return 2 * by_two >= depths ? 2 : 1;
+}
+
+uint64_t KeepConfirmed(StereoDepth& map, int least_views, int least_evidence, double tolerance) {
+  for (size_t i = 0; i < map.depth.size(); ++i) {
+    if (map.agreement[i] < least_views) Drop(map, i);
+  }
   uint64_t kept = 0;
   std::vector<uint8_t> is_done(map.depth.size(), 0);
   for (size_t i = 0; i < map.depth.size(); ++i) {
-    if (is_done[i] != 0) continue;
-    if (map.agreement[i] == 0) {
-      Drop(map, i);
-      continue;
-    }
+    if (is_done[i] != 0 || map.agreement[i] == 0) continue;
     const std::vector<size_t> patch = PatchAround(map, i, tolerance, is_done);
     if (EvidenceOf(map, patch) >= uint64_t(least_evidence)) {
       kept += patch.size();

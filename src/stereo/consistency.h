@@ -1,4 +1,4 @@
-// Depths that several views agree on.
+// Depths that other views confirm.
 #pragma once
 
 #include "run/stereo_depth.h"
@@ -19,12 +19,19 @@ std::vector<StereoDepth> CountAgreement(std::span<const StereoDepth> maps,
                                         std::span<const std::vector<uint32_t>> others,
                                         double tolerance);
 
-// Keeps the depths that other views confirm, in patches with enough evidence: the sum over a patch
-// of the squared numbers of views that confirm its pixels is at least `least_evidence`. A wrong
-// depth agrees with that of one other view by chance, in the sky or in front of repeated texture,
-// but seldom with those of several, or over many pixels. A patch consists of pixels that touch, at
-// a side or a corner, and whose depths differ by at most `tolerance` (relative) from one to the
-// next. Returns how many depths are left.
-uint64_t KeepConfirmed(StereoDepth& map, int least_evidence, double tolerance);
+uint64_t CountDepths(const StereoDepth& map);
+
+// How many other views must confirm a depth: two if two confirm at least half of all depths.
+// Otherwise the views are so far apart that two others seldom see the same surface, and one must
+// do.
+int ViewsToConfirm(std::span<const StereoDepth> maps);
+
+// Keeps the depths that at least `least_views` other views (1 or more) confirm, in patches with
+// enough evidence: the sum over a patch of the squared numbers of views that confirm its pixels is
+// at least `least_evidence`. A wrong depth may agree with one other view's by chance, as in the sky
+// or on a repeated texture, but seldom with several views', or over many pixels. A patch consists
+// of pixels that touch, at a side or a corner, and whose depths differ by at most `tolerance` of
+// the greater one from one to the next. Returns how many depths are left.
+uint64_t KeepConfirmed(StereoDepth& map, int least_views, int least_evidence, double tolerance);
 
 }  // namespace tetrec

@@ -28,7 +28,8 @@ struct DepthRange {
   bool IsEmpty() const { return !(nearest > 0 && farthest > nearest); }
 };
 
-// From the points that the view sees, with room on both sides; empty if it sees fewer than 5.
+// From three quarters of the depth of the nearest points that the view sees to eight times that of
+// the farthest (1 and 98 % quantiles); empty if it sees fewer than 5.
 // A subject with alpha is never outside its box, which then bounds the range.
 DepthRange FindDepthRange(const StereoView& view, std::span<const glm::dvec3> points,
                           const Scene& scene);

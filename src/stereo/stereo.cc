@@ -8,6 +8,7 @@
 #include "stereo/plane_sweep.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tetrec {
 namespace {
@@ -40,9 +41,10 @@ StereoDepth MatchView(const StereoView& view, std::span<const StereoView* const>
   return map;
 }
 
-uint64_t CountDepths(const StereoDepth& map) {
-  return uint64_t(
-      std::count_if(map.depth.begin(), map.depth.end(), [](float depth) { return depth > 0; }));
+// The same patch has evidence in proportion to the map's pixels. `usual`: in a map of 400 x 300.
+int LeastEvidence(const StereoDepth& map, int usual) {
+  constexpr double kUsualPixels = 400 * 300;
+  return std::max(1, int(std::lround(usual * double(map.depth.size()) / kUsualPixels)));
 }
 
 }  // namespace
@@ -83,8 +85,10 @@ StereoResult FindDepths(const Scene& scene, std::span<const StereoView> views,
     result.views_without += depths == 0 ? 1 : 0;
   }
   result.maps = CountAgreement(maps, views, checked, options.tolerance);
+  const int least_views = ViewsToConfirm(result.maps);
   for (StereoDepth& map : result.maps) {
-    result.confirmed += KeepConfirmed(map, options.evidence, options.patch_tolerance);
+    result.confirmed += KeepConfirmed(map, least_views, LeastEvidence(map, options.evidence),
+                                      options.patch_tolerance);
   }
   result.fusion = FuseDepths(result.maps, views, options.fusion);
   return result;

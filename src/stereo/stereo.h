@@ -18,7 +18,7 @@ struct StereoOptions {
   int neighbors = 4;              // views that a view is matched with
   int checked_neighbors = 10;     // views that may confirm its depths
   double tolerance = 0.01;        // relative difference of inverse depths that agree
-  int evidence = 200;             // that a patch of confirmed depths needs (KeepConfirmed)
+  int evidence = 200;             // of a patch of depths that is kept, in a map of 400 x 300 pixels
   double patch_tolerance = 0.03;  // relative difference of depths next to each other in a patch
   double plane_step_px = 1;       // largest move of a pixel in a neighbour from plane to plane
   int max_planes = 256;
@@ -31,12 +31,12 @@ struct StereoOptions {
 };
 
 struct StereoResult {
-  std::vector<StereoDepth> maps;  // one per training view; only depths that others confirm
+  std::vector<StereoDepth> maps;  // one per training view; depths of KeepConfirmed
   Fusion fusion;                  // DensePoint::views index `maps`
   uint64_t pixels = 0;            // of all maps
   uint64_t matched = 0;           // depths before other views were asked
-  uint64_t confirmed = 0;
-  uint64_t views_without = 0;  // views that share too little with others to be matched
+  uint64_t confirmed = 0;         // depths in `maps`
+  uint64_t views_without = 0;     // views that share too little with others to be matched
 };
 
 // Uses training views only.

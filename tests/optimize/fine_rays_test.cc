@@ -56,7 +56,8 @@ TEST(FineRays, AreTriedOnceTheRunHasGrown) {
   ASSERT_TRUE(run.fine_rays.trial());
   const auto [one, four] = *run.fine_rays.trial();
   EXPECT_NE(one, four);
-  EXPECT_EQ(run.fine_rays.state(), four > one - 0.045 ? TrialState::kUsed : TrialState::kNotUsed);
+  EXPECT_EQ(run.fine_rays.state(),
+            run.fine_rays.trial()->PrefersFour() ? TrialState::kUsed : TrialState::kNotUsed);
   const bool fine = run.fine_rays.state() == TrialState::kUsed;
   EXPECT_EQ(run.field.ReadState().parameters == before.parameters, fine);
   EXPECT_EQ(run.field.ReadState().second_moment == before.second_moment, fine);

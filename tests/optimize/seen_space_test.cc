@@ -54,7 +54,7 @@ TEST(SeenSpace, ExcludesWhatOneMapShows) {
                                    MapOf(scene, 2, 2.0f)};
   EXPECT_FALSE(IsEmpty(SeenSpace(scene, maps), {0.0f, 0.0f, 2.0f}));
   EXPECT_TRUE(IsEmpty(SeenSpace(scene, maps), {0.0f, 0.0f, 1.5f}));
-  // Depths that nothing confirms say nothing.
+  // Depths that only one view confirms do not count.
   maps[2] = MapOf(scene, 2, 2.0f, 1);
   EXPECT_TRUE(IsEmpty(SeenSpace(scene, maps), {0.0f, 0.0f, 2.0f}));
 }

@@ -162,14 +162,15 @@ TEST_F(TrainingSetTest, TakesPicturesWithoutAlphaAsOpaque) {
 }
 
 TEST_F(TrainingSetTest, CountsThePixelsOfTheSubject) {
-  Write(TinyScene(63, 63));
-  TrainingSet set = Load();
-  EXPECT_EQ(SubjectPixels(set), set.subject_blocks.size() * 8);
-  EXPECT_LT(SubjectPixels(set), set.pixels * 4 / 5);
-  set.subject_blocks.resize(set.blocks.size());
-  EXPECT_EQ(SubjectPixels(set), set.pixels) << "not the margins of blocks beyond the images";
-  set.subject_blocks.clear();
-  EXPECT_EQ(SubjectPixels(set), set.pixels) << "nothing is shown anywhere";
+  Write(TinyScene(64, 64));
+  const std::vector<int> training = scene_.ViewsOf(Split::kTrain);
+  Image image = MakeImage(64, 64, 4);
+  for (const int view : training) Replace(view, image);
+  EXPECT_EQ(SubjectPixels(Load()), training.size() * 64 * 64) << "nothing is shown anywhere";
+  image.At(33, 33)[3] = 255;
+  Replace(training[0], image);
+  // Blocks of 4 x 2 pixels within 4 pixels of it: 3 columns, 5 rows.
+  EXPECT_EQ(SubjectPixels(Load()), 3u * 5 * 8);
 }
 
 TEST_F(TrainingSetTest, LeavesOutWhatMasksHide) {

@@ -58,8 +58,8 @@ TEST(CountAgreement, LeavesAWrongMapAlone) {
   for (const uint8_t agreement : counted[2].agreement) EXPECT_EQ(agreement, 0);
   EXPECT_EQ(counted[1].agreement[counted[1].Index(20, 15)], 2) << "the other two";
   StereoDepth wrong = counted[2], right = counted[1];
-  EXPECT_EQ(KeepConfirmed(wrong, 1, 0.03), 0u);
-  EXPECT_GT(KeepConfirmed(right, 1, 0.03), 600u);
+  EXPECT_EQ(KeepConfirmed(wrong, 1, 1, 0.03), 0u);
+  EXPECT_GT(KeepConfirmed(right, 1, 1, 0.03), 600u);
 }
 
 TEST(CountAgreement, MovesADepthToTheMeanOfThoseThatAgree) {
@@ -79,15 +79,26 @@ StereoDepth MapOf(const std::vector<float>& depths, uint8_t agreement) {
   return map;
 }
 
+TEST(ViewsToConfirm, AreTwoWhereTwoConfirmHalfOfTheDepths) {
+  std::vector<float> depths(32, 0.0f);
+  std::fill_n(depths.begin(), 10, 2.0f);
+  std::vector<StereoDepth> maps(2, MapOf(depths, 1));
+  EXPECT_EQ(ViewsToConfirm(maps), 1);
+  for (size_t i = 0; i < 9; ++i) maps[0].agreement[i] = 3;
+  EXPECT_EQ(ViewsToConfirm(maps), 1);
+  maps[1].agreement[0] = 2;
+  EXPECT_EQ(ViewsToConfirm(maps), 2) << "10 of 20";
+}
+
 TEST(KeepConfirmed, KeepsPatchesWithEnoughEvidence) {
   const std::vector<float> depths = {2, 2, 0, 0, 0, 0, 0, 3,  //
                                      0, 0, 2, 0, 0, 0, 0, 0,  //
                                      0, 2, 0, 0, 0, 0, 0, 5,  //
                                      0, 0, 0, 0, 0, 0, 5, 0};
   StereoDepth map = MapOf(depths, 2);
-  EXPECT_EQ(KeepConfirmed(map, 4, 0.03), 7u) << "even a pixel that two views confirm";
+  EXPECT_EQ(KeepConfirmed(map, 1, 4, 0.03), 7u) << "even a pixel that two views confirm";
   EXPECT_EQ(map.depth, depths);
-  EXPECT_EQ(KeepConfirmed(map, 16, 0.03), 4u) << "corners touch";
+  EXPECT_EQ(KeepConfirmed(map, 1, 16, 0.03), 4u) << "corners touch";
   const StereoDepth kept = MapOf({2, 2, 0, 0, 0, 0, 0, 0,  //
                                   0, 0, 2, 0, 0, 0, 0, 0,  //
                                   0, 2, 0, 0, 0, 0, 0, 0,  //
@@ -96,15 +107,45 @@ TEST(KeepConfirmed, KeepsPatchesWithEnoughEvidence) {
   EXPECT_EQ(map.depth, kept.depth);
   EXPECT_EQ(map.agreement, kept.agreement);
   StereoDepth by_one = MapOf(depths, 1);
-  EXPECT_EQ(KeepConfirmed(by_one, 4, 0.03), 4u);
-  EXPECT_EQ(KeepConfirmed(by_one, 5, 0.03), 0u);
+  EXPECT_EQ(KeepConfirmed(by_one, 1, 4, 0.03), 4u);
+  EXPECT_EQ(KeepConfirmed(by_one, 1, 5, 0.03), 0u);
 }
 
-TEST(KeepConfirmed, LeavesOutWhatNoOtherViewConfirms) {
-  StereoDepth map = MapOf(std::vector<float>(32, 2.0f), 1);
+TEST(KeepConfirmed, AddsTheEvidenceOfAMixedPatch) {
+  std::vector<float> depths(32, 0.0f);
+  for (const size_t i : {7u, 14u, 15u}) depths[i] = 2;
+  StereoDepth map = MapOf(depths, 1);
+  map.agreement[14] = 3;
+  StereoDepth rejected = map;
+  EXPECT_EQ(KeepConfirmed(map, 1, 11, 0.03), 3u) << "1 + 9 + 1";
+  EXPECT_EQ(KeepConfirmed(rejected, 1, 12, 0.03), 0u);
+}
+
+TEST(KeepConfirmed, DoesNotJoinTheEndOfARowWithTheNextRow) {
+  std::vector<float> depths(32, 0.0f);
+  depths[7] = depths[8] = 2;
+  StereoDepth map = MapOf(depths, 1);
+  EXPECT_EQ(KeepConfirmed(map, 1, 2, 0.03), 0u);
+}
+
+TEST(KeepConfirmed, KeepsTheSameOfAMirroredMap) {
+  std::vector<float> depths(32, 0.0f);
+  for (size_t x = 0; x < 4; ++x) depths[x] = float(2 + 0.061 * double(x));  // 2.961 to 3.05 %
+  for (const double tolerance : {0.0295, 0.0299, 0.0303}) {
+    StereoDepth map = MapOf(depths, 1);
+    StereoDepth mirrored = MapOf({depths.rbegin(), depths.rend()}, 1);
+    EXPECT_EQ(KeepConfirmed(map, 1, 2, tolerance), KeepConfirmed(mirrored, 1, 2, tolerance));
+  }
+}
+
+TEST(KeepConfirmed, LeavesOutWhatTooFewOtherViewsConfirm) {
+  StereoDepth map = MapOf(std::vector<float>(32, 2.0f), 2);
   for (const size_t i : {0u, 9u, 31u}) map.agreement[i] = 0;
-  EXPECT_EQ(KeepConfirmed(map, 1, 0.03), 29u);
+  map.agreement[30] = 1;
+  EXPECT_EQ(KeepConfirmed(map, 1, 1, 0.03), 29u);
   for (const size_t i : {0u, 9u, 31u}) EXPECT_EQ(map.depth[i], 0);
+  EXPECT_EQ(KeepConfirmed(map, 2, 1, 0.03), 28u);
+  EXPECT_EQ(map.depth[30], 0);
 }
 
 TEST(KeepConfirmed, FollowsASurfaceButNotAcrossAStep) {
@@ -113,9 +154,9 @@ TEST(KeepConfirmed, FollowsASurfaceButNotAcrossAStep) {
                                      0,     0,     0,     0,     0,     0,     0, 0,  //
                                      0,     0,     0,     0,     0,     0,     0, 0};
   StereoDepth map = MapOf(depths, 1);
-  EXPECT_EQ(KeepConfirmed(map, 2, 0.03), 6u);
+  EXPECT_EQ(KeepConfirmed(map, 1, 2, 0.03), 6u);
   EXPECT_EQ(map.depth, depths);
-  EXPECT_EQ(KeepConfirmed(map, 3, 0.03), 4u);
+  EXPECT_EQ(KeepConfirmed(map, 1, 3, 0.03), 4u);
   EXPECT_EQ(map.depth[3], 2.12f);
   EXPECT_EQ(map.depth[4], 0);
 }

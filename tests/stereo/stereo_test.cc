@@ -89,6 +89,14 @@ TEST(FindDepths, FindsARoomAndWhatIsInIt) {
   EXPECT_GT(double(right), 0.8 * double(result.fusion.points.size()));
 }
 
+TEST(FindDepths, KeepsNothingWithoutEnoughEvidence) {
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 400);
+  const std::vector<StereoView> views = ViewsOf(synthetic);
+  StereoOptions options;
+  options.evidence = 1'000'000;  // 77,000 in maps of 96 x 96 pixels
+  EXPECT_EQ(FindDepths(synthetic.scene, views, options).confirmed, 0u);
+}
+
 TEST(FindDepths, FindsNothingInASinglePhoto) {
   const SyntheticScene synthetic = SomeScene(SyntheticKind::kBall, 0);
   const std::vector<StereoView> one = {ViewsOf(synthetic)[0]};
@@ -134,6 +142,9 @@ TEST(StereoOptions, AreChecked) {
   EXPECT_THROW(options.Check(), UsageError);
   options = {};
   options.evidence = 0;
+  EXPECT_THROW(options.Check(), UsageError);
+  options = {};
+  options.patch_tolerance = 0;
   EXPECT_THROW(options.Check(), UsageError);
 }
 
