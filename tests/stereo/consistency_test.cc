@@ -149,10 +149,8 @@ TEST(KeepConfirmed, LeavesOutWhatTooFewOtherViewsConfirm) {
 }
 
 TEST(KeepConfirmed, FollowsASurfaceButNotAcrossAStep) {
-  const std::vector<float> depths = {2.00f, 2.04f, 2.08f, 2.12f, 3.00f, 3.00f, 0, 0,  //
-                                     0,     0,     0,     0,     0,     0,     0, 0,  //
-                                     0,     0,     0,     0,     0,     0,     0, 0,  //
-                                     0,     0,     0,     0,     0,     0,     0, 0};
+  std::vector<float> depths = {2.00f, 2.04f, 2.08f, 2.12f, 3.00f, 3.00f};
+  depths.resize(32, 0.0f);
   StereoDepth map = MapOf(depths, 1);
   EXPECT_EQ(KeepConfirmed(map, 1, 2, 0.03), 6u);
   EXPECT_EQ(map.depth, depths);
