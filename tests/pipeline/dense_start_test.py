@@ -9,7 +9,9 @@ import unittest
 from stage_case import StageCase
 
 DEMO = pathlib.Path(__file__).resolve().parents[2] / "datasets_spec" / "demo"
-TABLE_Z, TABLE_RADIUS = -0.7, 1.66  # of the table top (datasets_spec/demo/README.md)
+# The table top and the room (datasets_spec/demo/README.md).
+TABLE_Z, TABLE_RADIUS = -0.7, 1.66
+ROOM = ((-4.4, 4.4), (-4.4, 4.4), (-2.1, 3.0))
 PHOTOS = 6
 PIXEL = 3.0 / 93  # width of a pixel of 96 x 72 where the cameras look, 3 units away
 
@@ -52,6 +54,11 @@ def is_on_table(point, subject, tolerance):
                for x, low, high in zip(point, subject["bounds_min"], subject["bounds_max"]))
 
 
+def is_on_wall(point, tolerance):
+    """Whether a point is near a wall, the floor or the ceiling of the demo scene's room."""
+    return any(abs(x - bound) < tolerance for x, bounds in zip(point, ROOM) for bound in bounds)
+
+
 class DenseStartTest(StageCase):
 
     def test_photos_with_known_cameras_become_a_start_that_optimize_accepts(self):
@@ -85,7 +92,11 @@ class DenseStartTest(StageCase):
                     for point in points]
         self.assertGreater(len(points), 500)
         on_table = [point for point in in_input if is_on_table(point, subject, 2 * PIXEL)]
-        self.assertGreater(len(on_table), 0.8 * len(points))
+        # The walls are about twice as far away.
+        on_walls = [point for point in in_input if is_on_wall(point, 4 * PIXEL)]
+        self.assertGreater(len(on_table), 0.5 * len(points))
+        self.assertGreater(len(on_walls), 0.2 * len(points))
+        self.assertGreater(len(on_table) + len(on_walls), 0.95 * len(points))
 
 
 if __name__ == "__main__":
