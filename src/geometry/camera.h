@@ -26,6 +26,11 @@ struct Camera {
   glm::dvec3 CamFromImage(const glm::dvec2& pixel) const {
     return {(pixel.x - cx) / fx, (pixel.y - cy) / fy, 1.0};
   }
+  // The camera whose image is this one's, resampled to another size.
+  Camera Resized(int new_width, int new_height) const {
+    const double x = double(new_width) / width, y = double(new_height) / height;
+    return {new_width, new_height, fx * x, fy * y, cx * x, cy * y};
+  }
 };
 
 }  // namespace tetrec

@@ -75,21 +75,33 @@ PixelBox BoxOf(const std::array<SeenVertex, 3>& corners, const Camera& camera) {
           end(high.y, camera.height)};
 }
 
+// A corner's weight by pixel: it is linear over the image.
+struct PixelWeight {
+  double at_origin, per_column, per_row;
+
+  // Changes of sign are exact in every step, so that neighbours still have opposite weights.
+  PixelWeight(const glm::dvec3& edge, double sign, const Camera& camera)
+      : at_origin(0), per_column(sign * edge.x / camera.fx), per_row(sign * edge.y / camera.fy) {
+    at_origin = sign * edge.z + (0.5 - camera.cx) * per_column + (0.5 - camera.cy) * per_row;
+  }
+};
+
 void Draw(const HomogeneousTriangle& t, uint32_t id, const PixelBox& box, const Camera& camera,
           SeenTriangles& seen) {
-  const double sign = t.volume > 0 ? 1 : -1;
+  const double sign = t.volume > 0 ? 1 : -1, volume = std::abs(t.volume);
+  const PixelWeight a(t.edges[0], sign, camera), b(t.edges[1], sign, camera),
+      c(t.edges[2], sign, camera);
+  const auto in_row = [](const PixelWeight& weight, int y) {
+    return weight.at_origin + y * weight.per_row;
+  };
   for (int y = box.y_begin; y < box.y_end; ++y) {
+    const double a_row = in_row(a, y), b_row = in_row(b, y), c_row = in_row(c, y);
     for (int x = box.x_begin; x < box.x_end; ++x) {
-      const glm::dvec3 ray = camera.CamFromImage({x + 0.5, y + 0.5});
-      double sum = 0;
-      bool inside = true;
-      for (const glm::dvec3& edge : t.edges) {
-        const double weight = sign * glm::dot(edge, ray);
-        inside = inside && weight >= 0;
-        sum += weight;
-      }
-      if (!inside || !(sum > 0)) continue;
-      const float depth = float(std::abs(t.volume) / sum);
+      const double a_here = a_row + x * a.per_column, b_here = b_row + x * b.per_column,
+                   c_here = c_row + x * c.per_column;
+      const double sum = a_here + b_here + c_here;
+      if (!(a_here >= 0 && b_here >= 0 && c_here >= 0 && sum > 0)) continue;
+      const float depth = float(volume / sum);
       const size_t index = seen.Index(x, y);
       if (depth < seen.depth[index]) {
         seen.depth[index] = depth;

@@ -20,11 +20,6 @@ PixelKind KindOf(const Scene& scene, const Image& image, const uint8_t* pixel) {
 
 }  // namespace
 
-Camera ResizedCamera(const Camera& camera, int width, int height) {
-  const double x = double(width) / camera.width, y = double(height) / camera.height;
-  return {width, height, camera.fx * x, camera.fy * y, camera.cx * x, camera.cy * y};
-}
-
 StereoView MakeStereoView(const Scene& scene, uint32_t view, const Image& image, int max_size) {
   const Camera& camera = scene.cameras[size_t(scene.views[view].camera)];
   if (image.width != camera.width || image.height != camera.height) {
@@ -37,7 +32,7 @@ StereoView MakeStereoView(const Scene& scene, uint32_t view, const Image& image,
   const int height = std::max(2, int(std::lround(camera.height * shrink)));
   StereoView result;
   result.view = view;
-  result.camera = ResizedCamera(camera, width, height);
+  result.camera = camera.Resized(width, height);
   result.cam_from_world = scene.views[view].cam_from_world;
   result.image = shrink < 1 ? ResizeByArea(image, width, height) : image;
   for (int y = 0; y < height; ++y) {

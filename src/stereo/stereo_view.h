@@ -30,9 +30,6 @@ struct StereoView {
   size_t Index(int x, int y) const { return size_t(y) * size_t(camera.width) + size_t(x); }
 };
 
-// A pinhole camera whose image is resampled to another size.
-Camera ResizedCamera(const Camera& camera, int width, int height);
-
 // `image` has the size of the camera, and alpha if the scene has alpha or masks. The result's
 // longer side has at most `max_size` pixels.
 StereoView MakeStereoView(const Scene& scene, uint32_t view, const Image& image, int max_size);

@@ -1,29 +1,33 @@
-// A surface that lies where the photos agree on it.
+// A surface whose pictures are the photos.
 #pragma once
 
 #include "mesh/triangle_mesh.h"
 #include "surface/texture_photos.h"
 
-#include <cstddef>
 #include <span>
 
 namespace tetrec {
 
 struct AlignedSurface {
   TriangleMesh mesh;
-  size_t agreed = 0;        // vertices for which photos agreed on a place
-  double mean_move_px = 0;  // of all vertices, in pixels of the photos that see them
+  double mean_move_px = 0;  // of vertices that photos see, in pixels of these
+  // Root mean square difference between the photos and pictures of the surface in the colours of
+  // its vertices, in shares of white.
+  double error = 0;
 };
 
-// Moves vertices along their normals to where the photos that see them correlate best
-// (PhotoPatches). Where they show too little to decide it, vertices follow their neighbours; those
-// at borders stay, so that a crop holds. The opacity of a field is soft, so that its level may lie
-// some pixels before or behind the surface. Moves are shortened where the surface would cross
-// itself (StepBackFromCrossings). Each of `rounds` searches half as far as the one before it; 0:
-// none. Fills in depth and trust of the photos. Methods: Furukawa and Ponce, Accurate, Dense, and
-// Robust Multiview Stereopsis, 2010 (patches that the photos agree on); Vu et al., High Accuracy
-// and Visibility-Consistent Dense Multiview Stereo, 2012 (a mesh as the unknown).
-AlignedSurface AlignWithPhotos(TriangleMesh mesh_in_world, std::span<TexturePhoto> photos,
+// Moves vertices, and changes their colours, until pictures of the surface differ least from the
+// photos: where it lies too deep or too high, what it shows shifts from photo to photo, and its
+// outlines are elsewhere. Each of `rounds` moves all vertices at once, by half a pixel at most; one
+// after which the difference has grown is undone and the last. Where the photos show too little to
+// decide it, vertices follow their neighbours; those at borders stay, so that a crop holds. Moves
+// are shortened where the surface would fold or cross itself (StepBackFromCrossings). The opacity
+// of a field is soft, so that its level may lie some pixels before or behind the surface; from more
+// than two or three, the moves may not find it. Without rounds, or with fewer than two photos, the
+// surface stays as it is. Methods: Lucas and Kanade, An Iterative Image Registration Technique,
+// 1981 (moves from gradients of pictures); Delaunoy and Pollefeys, Photometric Bundle Adjustment
+// for Dense Multi-View 3D Modeling, 2014 (a mesh and its colours as the unknowns).
+AlignedSurface AlignWithPhotos(TriangleMesh mesh_in_world, std::span<const TexturePhoto> photos,
                                int rounds);
 
 }  // namespace tetrec

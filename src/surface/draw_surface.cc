@@ -10,8 +10,6 @@
 namespace tetrec {
 namespace {
 
-constexpr int kRaysPerSide = 2;
-
 // Bilinear between texels' centres; coordinates as TriangleMesh has them.
 glm::dvec3 TextureColor(const Image& texture, const glm::dvec2& coordinates) {
   glm::dvec3 color(0.0);
@@ -40,16 +38,15 @@ glm::dvec3 ColorOf(const TriangleMesh& mesh, const Image& texture, uint32_t tria
   return texture.pixels.empty() ? color : TextureColor(texture, coordinates);
 }
 
-Camera Finer(const Camera& camera) {
-  return {camera.width * kRaysPerSide, camera.height * kRaysPerSide, camera.fx * kRaysPerSide,
-          camera.fy * kRaysPerSide,    camera.cx * kRaysPerSide,     camera.cy * kRaysPerSide};
-}
-
 }  // namespace
+
+Camera WithRaysAsPixels(const Camera& camera) {
+  return camera.Resized(camera.width * kRaysPerSide, camera.height * kRaysPerSide);
+}
 
 SurfacePicture DrawSurface(const TriangleMesh& mesh, const Image& texture, const Camera& camera,
                            const Rigid3& cam_from_world) {
-  const Camera finer = Finer(camera);
+  const Camera finer = WithRaysAsPixels(camera);
   const SeenTriangles seen = FindSeenTriangles(mesh, finer, cam_from_world);
   SurfacePicture picture{MakeImage(camera.width, camera.height, 3), {}};
   for (int y = 0; y < camera.height; ++y) {

@@ -76,9 +76,6 @@ TriangleMesh Simplify(const TriangleMesh& mesh, double max_deviation) {
   HalfEdges half_edges = ToHalfEdges(mesh);
   Decimater decimater(half_edges);
   OrderByQuadrics(decimater);
-  OpenMesh::Decimater::ModHausdorffT<HalfEdges>::Handle distance;
-  decimater.add(distance);
-  decimater.module(distance).set_tolerance(float(max_deviation));
   half_edges.request_face_normals();
   half_edges.update_face_normals();
   OpenMesh::Decimater::ModNormalFlippingT<HalfEdges>::Handle turning;
@@ -87,6 +84,10 @@ TriangleMesh Simplify(const TriangleMesh& mesh, double max_deviation) {
   OpenMesh::Decimater::ModAspectRatioT<HalfEdges>::Handle slivers;
   decimater.add(slivers);
   decimater.module(slivers).set_aspect_ratio(4);
+  // It takes by far the longest, so it comes last: it is asked about what the others allow.
+  OpenMesh::Decimater::ModHausdorffT<HalfEdges>::Handle distance;
+  decimater.add(distance);
+  decimater.module(distance).set_tolerance(float(max_deviation));
   decimater.initialize();
   decimater.decimate();
   return Remaining(half_edges, mesh);

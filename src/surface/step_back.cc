@@ -1,14 +1,17 @@
 // Moves of a surface's vertices, shortened where they would make it cross itself.
 #include "surface/step_back.h"
 
+#include "core/parallel.h"
 #include "geometry/orientation.h"
 
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <compare>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace tetrec {
@@ -16,6 +19,7 @@ namespace {
 
 constexpr int kHalvings = 1;          // of a vertex's move before it is undone
 constexpr uint32_t kMostCells = 128;  // along each axis
+constexpr size_t kGrain = 1024;       // cells that one core compares
 constexpr int kMaxRounds = 100;       // each takes vertices back, so a few suffice
 
 int SharedVertices(const glm::uvec3& a, const glm::uvec3& b) {
@@ -49,21 +53,13 @@ class Crossings {
     std::vector<uint8_t> crosses(mesh_.triangles.size(), 0);
     if (crosses.empty() || !(cell_size_ > 0)) return crosses;
     const std::vector<Entry> entries = SortedEntries();
-    for (size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
-      bool has_interest = false;
-      for (end = begin; end < entries.size() && entries[end].cell == entries[begin].cell; ++end) {
-        has_interest |= of_interest[entries[end].triangle] != 0;
+    const std::vector<size_t> cells = BeginningsOf(entries);
+    ParallelFor(cells.size() - 1, kGrain, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) {
+        MarkCrossings(std::span(entries).subspan(cells[i], cells[i + 1] - cells[i]), of_interest,
+                      crosses);
       }
-      if (!has_interest) continue;
-      for (size_t i = begin; i < end; ++i) {
-        for (size_t j = i + 1; j < end; ++j) {
-          const uint32_t a = entries[i].triangle, b = entries[j].triangle;
-          if (!of_interest[a] && !of_interest[b]) continue;
-          if (crosses[a] && crosses[b]) continue;
-          if (Cross(a, b)) crosses[a] = crosses[b] = 1;
-        }
-      }
-    }
+    });
     return crosses;
   }
 
@@ -73,6 +69,40 @@ class Crossings {
     uint32_t triangle;
     auto operator<=>(const Entry&) const = default;
   };
+
+  // The first entries of all cells, and the end of the last one.
+  static std::vector<size_t> BeginningsOf(const std::vector<Entry>& entries) {
+    std::vector<size_t> beginnings;
+    for (size_t i = 0; i < entries.size(); ++i) {
+      if (i == 0 || entries[i].cell != entries[i - 1].cell) beginnings.push_back(i);
+    }
+    beginnings.push_back(entries.size());
+    return beginnings;
+  }
+
+  // Compares the triangles of one cell. Other cells may mark the same triangles at the same time.
+  void MarkCrossings(std::span<const Entry> cell, const std::vector<uint8_t>& of_interest,
+                     std::vector<uint8_t>& crosses) const {
+    const auto mark = [&](uint32_t triangle) {
+      return std::atomic_ref<uint8_t>(crosses[triangle]);
+    };
+    if (std::none_of(cell.begin(), cell.end(),
+                     [&](const Entry& entry) { return of_interest[entry.triangle] != 0; })) {
+      return;
+    }
+    for (size_t i = 0; i < cell.size(); ++i) {
+      for (size_t j = i + 1; j < cell.size(); ++j) {
+        const uint32_t a = cell[i].triangle, b = cell[j].triangle;
+        if (!of_interest[a] && !of_interest[b]) continue;
+        if (mark(a).load(std::memory_order_relaxed) && mark(b).load(std::memory_order_relaxed)) {
+          continue;
+        }
+        if (!Cross(a, b)) continue;
+        mark(a).store(1, std::memory_order_relaxed);
+        mark(b).store(1, std::memory_order_relaxed);
+      }
+    }
+  }
 
   // One for each cell that a triangle's box meets.
   std::vector<Entry> SortedEntries() const {

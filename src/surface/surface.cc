@@ -40,6 +40,13 @@ constexpr double kLargestGap = 0.08;
 // subject's bounds; what is higher is taken for shape.
 constexpr double kMaxSmoothingMove = 0.003;
 
+// Marching tetrahedra leave triangles far smaller than a pixel, which alignment would crumple. This
+// share of the largest deviation simplifies most of them away and leaves vertices for colours.
+constexpr double kDeviationBeforeAlignment = 0.4;
+// Of the normals. The noise of the photos leaves small ripples; more rounds than one also take what
+// alignment has found.
+constexpr int kRoundsAfterAlignment = 1;
+
 float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
                      const SurfaceOptions& options, Stage& stage) {
   if (options.isovalue > 0) return float(options.isovalue);
@@ -141,22 +148,25 @@ std::vector<TexturePhoto> ReadPhotos(const SurfaceOptions& options, const Stage&
   }
 }
 
-TriangleMesh Aligned(const TriangleMesh& mesh, std::span<TexturePhoto> photos,
-                     const SurfaceOptions& options, Stage& stage) {
-  if (photos.empty() || options.align_rounds == 0) return mesh;
+TriangleMesh Aligned(const TriangleMesh& mesh, std::span<const TexturePhoto> photos,
+                     const SurfaceOptions& options, double max_smoothing_move, Stage& stage) {
   const Timer timer;
   AlignedSurface aligned = AlignWithPhotos(mesh, photos, options.align_rounds);
-  LogInfo("alignment: photos agree on the place of {} of {} vertices; mean move: {:.2g} pixels",
-          WithThousands(aligned.agreed), WithThousands(mesh.positions.size()),
-          aligned.mean_move_px);
+  LogInfo(
+      "alignment: vertices moved by {:.2g} pixels on average; in their colours, the surface "
+      "differs "
+      "from the photos by {:.1f} levels of 255 (root mean square)",
+      aligned.mean_move_px, 255 * aligned.error);
   stage.Count("photo_alignment",
-              {{"agreed", aligned.agreed}, {"mean_move_px", aligned.mean_move_px}});
+              {{"mean_move_px", aligned.mean_move_px}, {"error", aligned.error}});
   stage.Seconds("photo_alignment", timer.seconds());
-  return std::move(aligned.mesh);
+  return SmoothByNormals(std::move(aligned.mesh),
+                         {.rounds = std::min(options.smooth_normals, kRoundsAfterAlignment),
+                          .max_move = max_smoothing_move});
 }
 
 // `diagonal` is that of the subject's bounds.
-TriangleMesh Cleaned(const TriangleMesh& raw, std::span<TexturePhoto> photos,
+TriangleMesh Cleaned(const TriangleMesh& raw, std::span<const TexturePhoto> photos,
                      const SurfaceOptions& options, double diagonal, Stage& stage) {
   CleanResult kept = KeepLargePieces(SeparateFans(raw), options.clean);
   LogInfo("pieces: {} in all, {} dropped as small, {} as cavities ({} triangles)",
@@ -170,10 +180,15 @@ TriangleMesh Cleaned(const TriangleMesh& raw, std::span<TexturePhoto> photos,
   LogInfo("small holes: {} closed by {} triangles", WithThousands(filled.holes),
           WithThousands(filled.triangles));
   stage.Count("filled_holes", filled.holes);
-  const TriangleMesh smooth =
-      SmoothByNormals(Aligned(filled.mesh, photos, options, stage),
-                      {.rounds = options.smooth_normals, .max_move = kMaxSmoothingMove * diagonal});
-  TriangleMesh simple = Simplify(smooth, options.max_deviation / 100 * diagonal);
+  const TriangleMesh smooth = SmoothByNormals(
+      filled.mesh, {.rounds = options.smooth_normals, .max_move = kMaxSmoothingMove * diagonal});
+  const double max_deviation = options.max_deviation / 100 * diagonal;
+  TriangleMesh simple =
+      Simplify(photos.empty() || options.align_rounds == 0
+                   ? smooth
+                   : Aligned(Simplify(smooth, kDeviationBeforeAlignment * max_deviation), photos,
+                             options, kMaxSmoothingMove * diagonal, stage),
+               max_deviation);
   LogInfo("simplification: {} of {} triangles are left, within {:.3g} % of the subject's diagonal",
           WithThousands(simple.triangles.size()), WithThousands(filled.mesh.triangles.size()),
           options.max_deviation);
@@ -226,7 +241,7 @@ void SurfaceOptions::Check() const {
         "close has an effect on the level of opacity only; leave it out, or level and isovalue");
   }
   CheckRange("smoothing", smoothing, 0, 100);
-  CheckRange("align_rounds", align_rounds, 0, 8);
+  CheckRange("align_rounds", align_rounds, 0, 100);
   CheckRange("smooth_normals", smooth_normals, 0, 100);
   CheckRange("margin", margin, 0.0, 10.0);
   CheckRange("fill_holes", fill_holes, 0.0, 1000.0);

@@ -1,0 +1,44 @@
+// How the pictures of a surface differ from the photos, and what its vertices could do about it.
+#pragma once
+
+#include "mesh/triangle_mesh.h"
+#include "surface/texture_photos.h"
+
+#include <glm/glm.hpp>
+
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+// Sums over the rays that meet a vertex's triangles, each weighted by the vertex's share of the
+// point that it meets. Moves are in footprints: lengths that one pixel covers there.
+struct VertexDifferences {
+  // Half of the rate at which the squared error falls with a move, and its curvature (Gauss-Newton,
+  // with the products of the shares of a triangle's vertices summed up, so that a step of all
+  // vertices at once does not go too far).
+  glm::vec3 pull{0.0f};
+  glm::mat3 curvature{0.0f};
+  // Errors of colour [display sRGB] and their weight, over pixels that show nothing but the
+  // surface.
+  glm::vec3 color_error{0.0f};
+  float color_weight = 0;
+  float footprint = 0, seen = 0;  // the footprints' sum [world units], and the shares'
+
+  VertexDifferences& operator+=(const VertexDifferences& other);
+};
+
+struct PhotoDifferences {
+  std::vector<VertexDifferences> vertices;
+  double mean_squared_error = 0;  // per channel, over the pixels that the surface fills or touches
+};
+
+// Draws the surface in the colours of its vertices [display sRGB, 0 to 1] with 4 rays per pixel.
+// Where alpha is opacity, colours are multiplied by it, and the opacity itself is a channel, so
+// that outlines pull, whatever the colours are; in other photos only pixels count that the surface
+// fills. A pixel moves with the nearest surface that it shows, not with what is behind that.
+PhotoDifferences CompareWithPhotos(const TriangleMesh& mesh_in_world,
+                                   std::span<const glm::vec3> colors,
+                                   std::span<const TexturePhoto> photos);
+
+}  // namespace tetrec
