@@ -77,13 +77,13 @@ PixelBox BoxOf(const std::array<SeenVertex, 3>& corners, const Camera& camera) {
 
 // A corner's weight by pixel: it is linear over the image.
 struct PixelWeight {
-  double at_origin, per_column, per_row;
+  double per_column, per_row, at_origin;
 
   // Changes of sign are exact in every step, so that neighbours still have opposite weights.
   PixelWeight(const glm::dvec3& edge, double sign, const Camera& camera)
-      : at_origin(0), per_column(sign * edge.x / camera.fx), per_row(sign * edge.y / camera.fy) {
-    at_origin = sign * edge.z + (0.5 - camera.cx) * per_column + (0.5 - camera.cy) * per_row;
-  }
+      : per_column(sign * edge.x / camera.fx),
+        per_row(sign * edge.y / camera.fy),
+        at_origin(sign * edge.z + (0.5 - camera.cx) * per_column + (0.5 - camera.cy) * per_row) {}
 };
 
 void Draw(const HomogeneousTriangle& t, uint32_t id, const PixelBox& box, const Camera& camera,

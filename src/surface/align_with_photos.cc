@@ -8,16 +8,17 @@
 
 #include <glm/glm.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace tetrec {
 namespace {
 
-// Before the first move, in which colours become those of the photos: a field's are those of its
+// Rounds before the first move that only correct colours: a field's colours are those of its own
 // vertices, not of its surface.
 constexpr int kColorRounds = 2;
 
@@ -26,7 +27,6 @@ constexpr int kColorRounds = 2;
 constexpr float kStiffness = 1, kRest = 0.02f;
 constexpr int kRelaxations = 40;
 constexpr float kLargestMove_px = 0.5f;  // of a round: pictures are linear over about a pixel
-constexpr int kMostHolds = 5;            // times that folds are looked for in a round
 
 std::vector<glm::vec3> ColorsOf(const TriangleMesh& mesh) {
   if (mesh.colors_srgb.empty()) return std::vector(mesh.positions.size(), glm::vec3(0.5f));
@@ -84,8 +84,8 @@ std::vector<glm::vec3> Displacements(const TriangleMesh& mesh, const VertexFans&
   return displacements;
 }
 
-// Of the pixels that show each vertex [world units]. Vertices that no photo sees have the mean of
-// the others.
+// The footprints of the pixels that show each vertex [world units]; a vertex that no photo sees has
+// the mean of the others.
 std::vector<float> FootprintsOf(std::span<const VertexDifferences> differences) {
   double sum = 0, seen = 0;
   for (const VertexDifferences& d : differences) sum += double(d.footprint), seen += double(d.seen);
@@ -98,8 +98,8 @@ std::vector<float> FootprintsOf(std::span<const VertexDifferences> differences) 
 
 // Takes the corners of triangles that a move turns over back to where they were.
 void UndoFolds(const TriangleMesh& before, TriangleMesh& after) {
-  bool found = true;
-  for (int hold = 0; hold < kMostHolds && found; ++hold) {
+  bool found = true;  // then a corner goes back that has moved, so this ends
+  while (found) {
     found = false;
     for (const glm::uvec3& t : before.triangles) {
       if (glm::dot(DoubleAreaNormal(before, t), DoubleAreaNormal(after, t)) >= 0) continue;
@@ -142,7 +142,7 @@ struct ColoredMesh {
   std::vector<glm::vec3> colors;  // [display sRGB, 0 to 1]
 };
 
-// Returns how the result, whose colours are fitted, differs from the photos.
+// Returns how the result differs from the photos.
 PhotoDifferences FitTo(std::span<const TexturePhoto> photos, const VertexFans& fans,
                        const std::vector<bool>& border, int rounds, ColoredMesh& surface) {
   ColoredMesh before;
@@ -155,8 +155,9 @@ PhotoDifferences FitTo(std::span<const TexturePhoto> photos, const VertexFans& f
     }
     differences = std::move(now);
     before = surface;
+    if (round == kColorRounds + rounds) break;
     CorrectColors(differences.vertices, surface.colors);
-    if (round >= kColorRounds && round < kColorRounds + rounds) {
+    if (round >= kColorRounds) {
       surface.mesh = StepBackFromCrossings(before.mesh,
                                            Moved(before.mesh, fans, border, differences.vertices));
     }

@@ -15,13 +15,13 @@ struct SurfacePicture {
   Image image;                // RGB; black where there is no surface
   std::vector<bool> covered;  // (height x width) pixels that the surface fills
 };
-// With 4 rays per pixel, as below. `texture` is empty for the colours of vertices, and grey is
-// drawn without either.
-SurfacePicture DrawSurface(const TriangleMesh& mesh_in_world, const Image& texture,
-                           const Camera& camera, const Rigid3& cam_from_world);
-
 inline constexpr int kRaysPerSide = 2;  // of a pixel
 // The camera whose pixels are the rays of `camera`.
 Camera WithRaysAsPixels(const Camera& camera);
+
+// With kRaysPerSide x kRaysPerSide rays per pixel. `texture` is empty for the colours of vertices,
+// and grey is drawn without either.
+SurfacePicture DrawSurface(const TriangleMesh& mesh_in_world, const Image& texture,
+                           const Camera& camera, const Rigid3& cam_from_world);
 
 }  // namespace tetrec

@@ -2,13 +2,15 @@
 #include "surface/photo_differences.h"
 
 #include "core/parallel.h"
+#include "core/stop_request.h"
 #include "mesh/seen_triangles.h"
 #include "surface/draw_surface.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <utility>
 
 namespace tetrec {
 namespace {
@@ -16,7 +18,8 @@ namespace {
 // Groups of photos are summed up in parallel. Their number is fixed, so that the sums are the same
 // on any number of cores.
 constexpr size_t kGroups = 4;
-// A pixel that is farther behind the nearest one around it than this many footprints is background.
+// A ray that ends farther behind the nearest one around it than this many footprints meets the
+// background.
 constexpr float kJumpFootprints = 8;
 constexpr float kShareOfRay = 1.0f / (kRaysPerSide * kRaysPerSide);
 
@@ -27,10 +30,15 @@ struct Picture {
   std::vector<uint8_t> hits;      // rays of the pixel that meet the surface
 };
 
+// Of the triangle's vertices in the point that a ray meets. Seen edge-on they may be lost to
+// rounding.
 glm::vec3 SharesAt(const TriangleMesh& mesh, const TexturePhoto& photo, const Picture& picture,
                    uint32_t triangle, int i, int j) {
-  return glm::vec3(
-      CornerWeights(mesh, triangle, picture.rays, photo.cam_from_world, glm::dvec2(i, j) + 0.5));
+  const glm::dvec3 shares = glm::max(
+      CornerWeights(mesh, triangle, picture.rays, photo.cam_from_world, glm::dvec2(i, j) + 0.5),
+      0.0);
+  const double sum = shares.x + shares.y + shares.z;
+  return sum > 0 ? glm::vec3(shares / sum) : glm::vec3(1.0f / 3);
 }
 
 // Calls body(i, j, triangle) for the rays of a pixel that meet the surface.
@@ -48,6 +56,9 @@ Picture Draw(const TriangleMesh& mesh, std::span<const glm::vec3> colors,
              const TexturePhoto& photo) {
   Picture picture{.rays = WithRaysAsPixels(photo.camera), .seen = {}, .pixels = {}, .hits = {}};
   picture.seen = FindSeenTriangles(mesh, picture.rays, photo.cam_from_world);
+  const size_t pixels = size_t(photo.camera.width) * size_t(photo.camera.height);
+  picture.pixels.reserve(pixels);
+  picture.hits.reserve(pixels);
   for (int y = 0; y < photo.camera.height; ++y) {
     for (int x = 0; x < photo.camera.width; ++x) {
       glm::vec4 pixel(0.0f);
@@ -84,11 +95,11 @@ class Differences {
   void Add(const Differences& other) {
     for (size_t v = 0; v < vertices_.size(); ++v) vertices_[v] += other.vertices_[v];
     squared_error_ += other.squared_error_;
-    pixels_ += other.pixels_;
+    values_ += other.values_;
   }
 
   PhotoDifferences Result() && {
-    return {std::move(vertices_), pixels_ > 0 ? squared_error_ / (4 * pixels_) : 0};
+    return {std::move(vertices_), values_ > 0 ? squared_error_ / values_ : 0};
   }
 
  private:
@@ -97,15 +108,17 @@ class Differences {
   }
 
   static bool Compares(const TexturePhoto& photo, const Picture& picture, int x, int y) {
-    if (photo.alpha_is_opacity) return picture.hits[photo.Index(x, y)] > 0;
+    if (photo.alpha_is_opacity) {
+      return picture.hits[photo.Index(x, y)] > 0 || photo.image.At(x, y)[3] > 0;
+    }
     return photo.Counts(x, y) && Fills(photo, picture, x, y) && Fills(photo, picture, x - 1, y) &&
            Fills(photo, picture, x + 1, y) && Fills(photo, picture, x, y - 1) &&
            Fills(photo, picture, x, y + 1);
   }
 
-  // Of the rays of a pixel and of those next to it.
+  // The smallest depth of a pixel's rays and of those next to them.
   static float NearestDepth(const Picture& picture, int x, int y) {
-    float nearest = picture.seen.depth[picture.seen.Index(x * kRaysPerSide, y * kRaysPerSide)];
+    float nearest = std::numeric_limits<float>::infinity();
     for (int j = y * kRaysPerSide - 1; j <= (y + 1) * kRaysPerSide; ++j) {
       for (int i = x * kRaysPerSide - 1; i <= (x + 1) * kRaysPerSide; ++i) {
         nearest = std::min(nearest, picture.seen.depth[picture.seen.Index(i, j)]);
@@ -121,17 +134,23 @@ class Differences {
     const glm::vec4 along_x = 0.5f * (at(x + 1, y) - at(x - 1, y));
     const glm::vec4 along_y = 0.5f * (at(x, y + 1) - at(x, y - 1));
     squared_error_ += double(glm::dot(error, error));
-    pixels_ += 1;
+    values_ += photo.alpha_is_opacity ? 4 : 3;
     const bool shows_nothing_else = alpha == 1.0f && Fills(photo, picture, x, y);
     const float nearest = NearestDepth(picture, x, y);
     const glm::mat3 world_from_cam(glm::transpose(photo.cam_from_world.rotation));
+    const auto moves = [&](int i, int j) {
+      const float depth = picture.seen.depth[picture.seen.Index(i, j)];
+      return depth - nearest < kJumpFootprints * float(photo.Footprint(double(depth)));
+    };
+    float moving_rays = 0;
+    ForEachHit(picture, x, y, [&](int i, int j, uint32_t) { moving_rays += moves(i, j) ? 1.0f : 0.0f; });
     ForEachHit(picture, x, y, [&](int i, int j, uint32_t triangle) {
       const float depth = picture.seen.depth[picture.seen.Index(i, j)];
       VertexDifferences ray;
       ray.footprint = float(photo.Footprint(double(depth)));
       ray.seen = 1;
       if (shows_nothing_else) ray.color_error = glm::vec3(error), ray.color_weight = 1;
-      if (depth - nearest < kJumpFootprints * ray.footprint) {
+      if (moves(i, j)) {
         // What the picture's content moves by, in pixels, as the point that the ray meets moves by
         // a footprint along the axes of the world.
         const glm::vec3 direction(picture.rays.CamFromImage(glm::dvec2(i, j) + 0.5));
@@ -143,6 +162,9 @@ class Differences {
           ray.pull += error[c] * derivative;
           ray.curvature += glm::outerProduct(derivative, derivative);
         }
+        // The whole pixel moves with them.
+        ray.pull /= kShareOfRay * moving_rays;
+        ray.curvature /= kShareOfRay * moving_rays;
       }
       const glm::vec3 shares = kShareOfRay * SharesAt(mesh_, photo, picture, triangle, i, j);
       for (int k = 0; k < 3; ++k) AddShare(ray, shares[k], vertices_[mesh_.triangles[triangle][k]]);
@@ -160,7 +182,7 @@ class Differences {
 
   const TriangleMesh& mesh_;
   std::vector<VertexDifferences> vertices_;
-  double squared_error_ = 0, pixels_ = 0;
+  double squared_error_ = 0, values_ = 0;  // values: channels of pixels
 };
 
 }  // namespace
@@ -179,7 +201,10 @@ PhotoDifferences CompareWithPhotos(const TriangleMesh& mesh, std::span<const glm
                                    std::span<const TexturePhoto> photos) {
   std::vector<Differences> groups(kGroups, Differences(mesh));
   ParallelForEach(kGroups, "", "the surface will be extracted again", [&](size_t group) {
-    for (size_t i = group; i < photos.size(); i += kGroups) groups[group].Add(photos[i], colors);
+    for (size_t i = group; i < photos.size(); i += kGroups) {
+      ThrowIfStopRequested("the surface will be extracted again");
+      groups[group].Add(photos[i], colors);
+    }
   });
   for (size_t group = 1; group < kGroups; ++group) groups[0].Add(groups[group]);
   return std::move(groups[0]).Result();

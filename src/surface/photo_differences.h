@@ -14,9 +14,9 @@ namespace tetrec {
 // Sums over the rays that meet a vertex's triangles, each weighted by the vertex's share of the
 // point that it meets. Moves are in footprints: lengths that one pixel covers there.
 struct VertexDifferences {
-  // Half of the rate at which the squared error falls with a move, and its curvature (Gauss-Newton,
-  // with the products of the shares of a triangle's vertices summed up, so that a step of all
-  // vertices at once does not go too far).
+  // Half the rate at which the squared error falls with a move, and half its second derivative
+  // (Gauss-Newton). Products of different vertices of a triangle are added to the diagonal, so that
+  // moving all vertices at once does not overshoot.
   glm::vec3 pull{0.0f};
   glm::mat3 curvature{0.0f};
   // Errors of colour [display sRGB] and their weight, over pixels that show nothing but the
@@ -30,7 +30,9 @@ struct VertexDifferences {
 
 struct PhotoDifferences {
   std::vector<VertexDifferences> vertices;
-  double mean_squared_error = 0;  // per channel, over the pixels that the surface fills or touches
+  // Per channel, over the pixels that show a part of the surface, or of the subject where alpha is
+  // opacity.
+  double mean_squared_error = 0;
 };
 
 // Draws the surface in the colours of its vertices [display sRGB, 0 to 1] with 4 rays per pixel.

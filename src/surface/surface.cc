@@ -23,6 +23,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 namespace tetrec {
@@ -40,11 +41,12 @@ constexpr double kLargestGap = 0.08;
 // subject's bounds; what is higher is taken for shape.
 constexpr double kMaxSmoothingMove = 0.003;
 
-// Marching tetrahedra leave triangles far smaller than a pixel, which alignment would crumple. This
-// share of the largest deviation simplifies most of them away and leaves vertices for colours.
-constexpr double kDeviationBeforeAlignment = 0.4;
-// Of the normals. The noise of the photos leaves small ripples; more rounds than one also take what
-// alignment has found.
+// Marching tetrahedra leave triangles far smaller than a pixel, which alignment would crumple. With
+// this deviation, as a share of the diagonal of the subject's bounds, most of them are simplified
+// away, and enough vertices are left for colours.
+constexpr double kDeviationBeforeAlignment = 0.0002;
+// Rounds of SmoothByNormals after alignment. Noise in the photos leaves small ripples; more than
+// one round would also undo what alignment has found.
 constexpr int kRoundsAfterAlignment = 1;
 
 float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
@@ -153,9 +155,8 @@ TriangleMesh Aligned(const TriangleMesh& mesh, std::span<const TexturePhoto> pho
   const Timer timer;
   AlignedSurface aligned = AlignWithPhotos(mesh, photos, options.align_rounds);
   LogInfo(
-      "alignment: vertices moved by {:.2g} pixels on average; in their colours, the surface "
-      "differs "
-      "from the photos by {:.1f} levels of 255 (root mean square)",
+      "alignment: vertices moved by {:.2g} pixels on average; the surface in their colours is off "
+      "by {:.1f} levels of 255 (root mean square)",
       aligned.mean_move_px, 255 * aligned.error);
   stage.Count("photo_alignment",
               {{"mean_move_px", aligned.mean_move_px}, {"error", aligned.error}});
@@ -182,13 +183,12 @@ TriangleMesh Cleaned(const TriangleMesh& raw, std::span<const TexturePhoto> phot
   stage.Count("filled_holes", filled.holes);
   const TriangleMesh smooth = SmoothByNormals(
       filled.mesh, {.rounds = options.smooth_normals, .max_move = kMaxSmoothingMove * diagonal});
-  const double max_deviation = options.max_deviation / 100 * diagonal;
   TriangleMesh simple =
-      Simplify(photos.empty() || options.align_rounds == 0
+      Simplify(photos.size() < 2 || options.align_rounds == 0
                    ? smooth
-                   : Aligned(Simplify(smooth, kDeviationBeforeAlignment * max_deviation), photos,
+                   : Aligned(Simplify(smooth, kDeviationBeforeAlignment * diagonal), photos,
                              options, kMaxSmoothingMove * diagonal, stage),
-               max_deviation);
+               options.max_deviation / 100 * diagonal);
   LogInfo("simplification: {} of {} triangles are left, within {:.3g} % of the subject's diagonal",
           WithThousands(simple.triangles.size()), WithThousands(filled.mesh.triangles.size()),
           options.max_deviation);

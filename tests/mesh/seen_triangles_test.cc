@@ -34,7 +34,7 @@ TEST(SeenTriangles, TheNearestOneIsSeenAtItsDepth) {
       const glm::dvec3 weights = CornerWeights(mesh, 2, kCamera, {}, {x + 0.5, y + 0.5});
       glm::dvec3 point(0.0);
       for (int k = 0; k < 3; ++k) {
-        EXPECT_GE(weights[k], 0) << x << ", " << y;
+        EXPECT_GE(weights[k], -1e-12) << x << ", " << y;
         point += weights[k] * glm::dvec3(mesh.positions[mesh.triangles[2][k]]);
       }
       EXPECT_NEAR(seen.depth[seen.Index(x, y)], point.z, 1e-5);

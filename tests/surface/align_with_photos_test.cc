@@ -1,9 +1,13 @@
 #include "surface/align_with_photos.h"
 
 #include "surface/photo_differences.h"
+#include "surface/shapes.h"
 #include "surface/textured_shapes.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace tetrec {
 namespace {
@@ -94,7 +98,7 @@ TEST(CompareWithPhotos, ThePullIsTheRateAtWhichTheErrorFalls) {
       for (const VertexDifferences& v : differences_at(kOff).vertices) count += double(v.seen);
       return count;
     }();
-    const double falls = -pixels * 4 *
+    const double falls = -pixels * 3 *
                          (differences_at(kOff + kStep).mean_squared_error -
                           differences_at(kOff - kStep).mean_squared_error) /
                          (2 * kStep);
@@ -112,7 +116,7 @@ TEST(CompareWithPhotos, ColoursOfTheirOwnAreAllThatAFlatWallInItsPlaceNeeds) {
       PhotosFromAbove(Wall(), [](const glm::dvec3&) { return glm::dvec3(0.25, 0.5, 0.75); });
   const std::vector<glm::vec3> grey(Wall().positions.size(), glm::vec3(0.5f));
   const PhotoDifferences differences = CompareWithPhotos(Wall(), grey, photos);
-  EXPECT_NEAR(differences.mean_squared_error, 2 * 0.25 * 0.25 / 4, 1e-3);
+  EXPECT_NEAR(differences.mean_squared_error, 2 * 0.25 * 0.25 / 3, 1e-3);
   size_t seen = 0;
   for (const VertexDifferences& v : differences.vertices) {
     if (!(v.color_weight > 0)) continue;
@@ -151,6 +155,69 @@ TEST(AlignWithPhotos, AnEdgeWhoseTrianglesAreSmallerThanTheMovesMovesToo) {
   std::vector<TexturePhoto> photos = PhotosFromAbove(ridge, Speckles);
   const TriangleMesh aligned = AlignWithPhotos(high, photos, 12).mesh;
   EXPECT_LT(ErrorOfRidge(aligned), 0.3 * ErrorOfRidge(high));
+}
+
+double MeanRadius(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const glm::vec3& p : mesh.positions) sum += double(glm::length(p));
+  return sum / double(mesh.positions.size());
+}
+
+TriangleMesh Scaled(TriangleMesh mesh, float scale) {
+  for (glm::vec3& p : mesh.positions) p *= scale;
+  return mesh;
+}
+
+// Without texture, only outlines show how large a ball is.
+TEST(AlignWithPhotos, OutlinesMoveWhereAlphaIsOpacity) {
+  const TriangleMesh ball = Sphere(0.6, {0, 0, 0});
+  std::vector<TexturePhoto> photos =
+      PhotosAround(ball, [](const glm::dvec3&) { return glm::dvec3(0.5); });
+  for (TexturePhoto& photo : photos) {
+    const Image rgb = photo.image;
+    photo.image = MakeImage(rgb.width, rgb.height, 4);
+    photo.alpha_is_opacity = true;
+    for (int y = 0; y < rgb.height; ++y) {
+      for (int x = 0; x < rgb.width; ++x) {
+        std::copy_n(rgb.At(x, y), 3, photo.image.At(x, y));
+        const bool seen = std::isfinite(photo.depth[photo.Index(x, y)]);
+        photo.image.At(x, y)[3] = seen ? 255 : 0;
+      }
+    }
+  }
+  const double radius = MeanRadius(ball), footprint = 4.5 / 220;
+  for (const double off : {-1.0, 1.0}) {
+    const TriangleMesh start = Scaled(ball, float(1 + off * footprint / radius));
+    const double left = (MeanRadius(AlignWithPhotos(start, photos, 12).mesh) - radius) / footprint;
+    EXPECT_LT(std::abs(left), 0.35) << off;
+  }
+}
+
+// What is masked out is of another colour, and that has no effect.
+TEST(AlignWithPhotos, PixelsThatDoNotCountHaveNoEffect) {
+  std::vector<TexturePhoto> photos = PhotosFromAbove(Wall(), Speckles);
+  for (TexturePhoto& photo : photos) {
+    const Image rgb = photo.image;
+    photo.image = MakeImage(rgb.width, rgb.height, 4);
+    for (int y = 0; y < rgb.height; ++y) {
+      for (int x = 0; x < rgb.width; ++x) {
+        std::copy_n(rgb.At(x, y), 3, photo.image.At(x, y));
+        photo.image.At(x, y)[3] = x < rgb.width / 2 ? 255 : 0;
+      }
+    }
+  }
+  std::vector<TexturePhoto> masked = photos;
+  for (TexturePhoto& photo : masked) {
+    for (int y = 0; y < photo.image.height; ++y) {
+      for (int x = photo.image.width / 2; x < photo.image.width; ++x) {
+        std::fill_n(photo.image.At(x, y), 3, uint8_t(17 * (x + y)));
+      }
+    }
+  }
+  const TriangleMesh dented = Dented(Wall());
+  EXPECT_EQ(AlignWithPhotos(dented, masked, 2).mesh.positions,
+            AlignWithPhotos(dented, photos, 2).mesh.positions);
+  EXPECT_NE(AlignWithPhotos(dented, photos, 2).mesh.positions, dented.positions);
 }
 
 TEST(AlignWithPhotos, ASurfaceThatThePhotosDoNotPlaceStays) {

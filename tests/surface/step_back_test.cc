@@ -1,0 +1,62 @@
+// Moves that would make a surface cross itself.
+#include "surface/step_back.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tetrec {
+namespace {
+
+constexpr uint32_t kSide = 120;  // vertices; more cells than one core compares at a time
+constexpr float kGap = 1;
+
+// Two sheets of squares, one above the other. They are not flat, because triangles in one plane
+// count as crossing.
+TriangleMesh TwoSheets() {
+  TriangleMesh mesh;
+  for (uint32_t sheet = 0; sheet < 2; ++sheet) {
+    const auto first = uint32_t(mesh.positions.size());
+    for (uint32_t y = 0; y < kSide; ++y) {
+      for (uint32_t x = 0; x < kSide; ++x) {
+        const float bump = 0.1f * std::sin(1.3f * float(x * x) + 0.7f * float(y * (x + y)));
+        mesh.positions.emplace_back(x, y, kGap * float(sheet) + bump);
+        const uint32_t v = first + y * kSide + x;
+        if (x + 1 == kSide || y + 1 == kSide) continue;
+        mesh.triangles.emplace_back(v, v + 1, v + kSide + 1);
+        mesh.triangles.emplace_back(v, v + kSide + 1, v + kSide);
+      }
+    }
+  }
+  return mesh;
+}
+
+uint32_t Lower(uint32_t x, uint32_t y) { return y * kSide + x; }
+
+TEST(StepBackFromCrossings, TakesBackWhatGoesThroughAnotherPartAndNothingElse) {
+  const TriangleMesh start = TwoSheets();
+  TriangleMesh moved = start;
+  // In opposite corners and in the middle, through the upper sheet; elsewhere not up to it.
+  const uint32_t through[] = {Lower(5, 5), Lower(60, 61), Lower(112, 113)};
+  for (const uint32_t v : through) moved.positions[v].z = 1.5f * kGap;
+  const uint32_t below = Lower(30, 90);
+  moved.positions[below].z = 0.7f * kGap;
+  const TriangleMesh result = StepBackFromCrossings(start, moved);
+  for (const uint32_t v : through) {
+    EXPECT_GT(result.positions[v].z, start.positions[v].z) << v;
+    EXPECT_LT(result.positions[v].z, 0.9f * kGap) << v;
+  }
+  EXPECT_EQ(result.positions[below], moved.positions[below]);
+  for (uint32_t v = kSide * kSide; v < start.positions.size(); ++v) {
+    EXPECT_EQ(result.positions[v],
+              start.positions[v]);  // the upper sheet has nowhere to go back to
+  }
+  EXPECT_EQ(StepBackFromCrossings(start, moved).positions, result.positions);
+}
+
+TEST(StepBackFromCrossings, NothingHasNothingToTakeBack) {
+  EXPECT_TRUE(StepBackFromCrossings({}, {}).positions.empty());
+}
+
+}  // namespace
+}  // namespace tetrec
