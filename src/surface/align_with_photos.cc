@@ -102,7 +102,7 @@ void UndoFolds(const TriangleMesh& before, TriangleMesh& after) {
   while (found) {
     found = false;
     for (const glm::uvec3& t : before.triangles) {
-      if (glm::dot(DoubleAreaNormal(before, t), DoubleAreaNormal(after, t)) >= 0) continue;
+      if (!(glm::dot(DoubleAreaNormal(before, t), DoubleAreaNormal(after, t)) < 0)) continue;
       for (int k = 0; k < 3; ++k) after.positions[t[k]] = before.positions[t[k]];
       found = true;
     }

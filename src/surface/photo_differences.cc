@@ -142,8 +142,8 @@ class Differences {
       const float depth = picture.seen.depth[picture.seen.Index(i, j)];
       return depth - nearest < kJumpFootprints * float(photo.Footprint(double(depth)));
     };
-    float moving_rays = 0;
-    ForEachHit(picture, x, y, [&](int i, int j, uint32_t) { moving_rays += moves(i, j) ? 1.0f : 0.0f; });
+    int moving_rays = 0;
+    ForEachHit(picture, x, y, [&](int i, int j, uint32_t) { moving_rays += moves(i, j); });
     ForEachHit(picture, x, y, [&](int i, int j, uint32_t triangle) {
       const float depth = picture.seen.depth[picture.seen.Index(i, j)];
       VertexDifferences ray;
@@ -162,9 +162,9 @@ class Differences {
           ray.pull += error[c] * derivative;
           ray.curvature += glm::outerProduct(derivative, derivative);
         }
-        // The whole pixel moves with them.
-        ray.pull /= kShareOfRay * moving_rays;
-        ray.curvature /= kShareOfRay * moving_rays;
+        // Together, they move the whole pixel.
+        ray.pull /= kShareOfRay * float(moving_rays);
+        ray.curvature /= kShareOfRay * float(moving_rays);
       }
       const glm::vec3 shares = kShareOfRay * SharesAt(mesh_, photo, picture, triangle, i, j);
       for (int k = 0; k < 3; ++k) AddShare(ray, shares[k], vertices_[mesh_.triangles[triangle][k]]);

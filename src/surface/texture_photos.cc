@@ -121,15 +121,15 @@ std::vector<TexturePhoto> ReadTexturePhotos(const fs::path& scene_folder,
       photo.offset = found->second.offset;
     }
     photo.image = ReadImage(scene_folder / view.image);
-    if (scene.has_alpha && photo.image.channels != 4) {
-      throw DataError(fmt::format("{}: has no alpha, unlike the scene; import the photos again",
-                                  (scene_folder / view.image).string()));
-    }
     if (photo.image.width != photo.camera.width || photo.image.height != photo.camera.height) {
       throw DataError(
           fmt::format("{}: has {} x {} pixels, its camera {} x {}; import the photos again",
                       (scene_folder / view.image).string(), photo.image.width, photo.image.height,
                       photo.camera.width, photo.camera.height));
+    }
+    if (scene.has_alpha && photo.image.channels != 4) {
+      throw DataError(fmt::format("{}: has no alpha, unlike the scene; import the photos again",
+                                  (scene_folder / view.image).string()));
     }
   });
   return photos;

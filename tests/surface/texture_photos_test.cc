@@ -59,6 +59,9 @@ TEST(TexturePhotos, TrainingPhotosComeWithTheirCorrectionsAndOutlinesAreNotTrust
   WriteImage(scene_folder / first.image, small);
   ExpectError<DataError>([&] { ReadTexturePhotos(scene_folder / "", field_folder / ""); },
                          {"5 x 4", "64 x 64"});
+  WriteImage(scene_folder / first.image, MakeImage(64, 64, 3));
+  ExpectError<DataError>([&] { ReadTexturePhotos(scene_folder / "", field_folder / ""); },
+                         {"no alpha"});
 }
 
 }  // namespace
