@@ -5,6 +5,8 @@
 #include "core/stop_request.h"
 #include "mesh/seen_triangles.h"
 #include "surface/draw_surface.h"
+#include "surface/vertex_fans.h"
+#include "surface/vertex_normals.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -28,6 +30,7 @@ struct Picture {
   SeenTriangles seen;
   std::vector<glm::vec4> pixels;  // RGBA, multiplied by alpha
   std::vector<uint8_t> hits;      // rays of the pixel that meet the surface
+  std::vector<bool> open;  // pixels that show the surface's back, or a triangle at its border
 };
 
 // Of the triangle's vertices in the point that a ray meets. Seen edge-on they may be lost to
@@ -52,10 +55,17 @@ void ForEachHit(const Picture& picture, int x, int y, const Body& body) {
   }
 }
 
-Picture Draw(const TriangleMesh& mesh, std::span<const glm::vec3> colors,
-             const TexturePhoto& photo) {
-  Picture picture{.rays = WithRaysAsPixels(photo.camera), .seen = {}, .pixels = {}, .hits = {}};
+bool ShowsBack(const TriangleMesh& mesh, const glm::uvec3& triangle, const glm::dvec3& eye) {
+  return glm::dot(DoubleAreaNormal(mesh, triangle), glm::dvec3(mesh.positions[triangle.x]) - eye) >
+         0;
+}
+
+Picture Draw(const TriangleMesh& mesh, const std::vector<bool>& border,
+             std::span<const glm::vec3> colors, const TexturePhoto& photo) {
+  Picture picture{
+      .rays = WithRaysAsPixels(photo.camera), .seen = {}, .pixels = {}, .hits = {}, .open = {}};
   picture.seen = FindSeenTriangles(mesh, picture.rays, photo.cam_from_world);
+  const glm::dvec3 eye = photo.cam_from_world.Inverse().translation;
   const size_t pixels = size_t(photo.camera.width) * size_t(photo.camera.height);
   picture.pixels.reserve(pixels);
   picture.hits.reserve(pixels);
@@ -63,6 +73,7 @@ Picture Draw(const TriangleMesh& mesh, std::span<const glm::vec3> colors,
     for (int x = 0; x < photo.camera.width; ++x) {
       glm::vec4 pixel(0.0f);
       uint8_t hits = 0;
+      bool open = false;
       ForEachHit(picture, x, y, [&](int i, int j, uint32_t triangle) {
         const glm::vec3 shares = SharesAt(mesh, photo, picture, triangle, i, j);
         const glm::uvec3& t = mesh.triangles[triangle];
@@ -70,9 +81,11 @@ Picture Draw(const TriangleMesh& mesh, std::span<const glm::vec3> colors,
                  glm::vec4(shares.x * colors[t.x] + shares.y * colors[t.y] + shares.z * colors[t.z],
                            1.0f);
         ++hits;
+        open = open || border[t.x] || border[t.y] || border[t.z] || ShowsBack(mesh, t, eye);
       });
       picture.pixels.push_back(pixel);
       picture.hits.push_back(hits);
+      picture.open.push_back(open);
     }
   }
   return picture;
@@ -81,10 +94,12 @@ Picture Draw(const TriangleMesh& mesh, std::span<const glm::vec3> colors,
 // The sums of a group of photos.
 class Differences {
  public:
-  explicit Differences(const TriangleMesh& mesh) : mesh_(mesh), vertices_(mesh.positions.size()) {}
+  // Both must outlive this.
+  Differences(const TriangleMesh& mesh, const std::vector<bool>& border)
+      : mesh_(mesh), border_(border), vertices_(mesh.positions.size()) {}
 
   void Add(const TexturePhoto& photo, std::span<const glm::vec3> colors) {
-    const Picture picture = Draw(mesh_, colors, photo);
+    const Picture picture = Draw(mesh_, border_, colors, photo);
     for (int y = 1; y + 1 < photo.camera.height; ++y) {
       for (int x = 1; x + 1 < photo.camera.width; ++x) {
         if (Compares(photo, picture, x, y)) AddPixel(photo, picture, x, y);
@@ -107,7 +122,17 @@ class Differences {
     return picture.hits[photo.Index(x, y)] == kRaysPerSide * kRaysPerSide;
   }
 
+  static bool NextToOpen(const TexturePhoto& photo, const Picture& picture, int x, int y) {
+    for (int row = y - 1; row <= y + 1; ++row) {
+      for (int column = x - 1; column <= x + 1; ++column) {
+        if (picture.open[photo.Index(column, row)]) return true;
+      }
+    }
+    return false;
+  }
+
   static bool Compares(const TexturePhoto& photo, const Picture& picture, int x, int y) {
+    if (NextToOpen(photo, picture, x, y)) return false;
     if (photo.alpha_is_opacity) {
       return picture.hits[photo.Index(x, y)] > 0 || photo.image.At(x, y)[3] > 0;
     }
@@ -181,6 +206,7 @@ class Differences {
   }
 
   const TriangleMesh& mesh_;
+  const std::vector<bool>& border_;
   std::vector<VertexDifferences> vertices_;
   double squared_error_ = 0, values_ = 0;  // values: channels of pixels
 };
@@ -199,7 +225,8 @@ VertexDifferences& VertexDifferences::operator+=(const VertexDifferences& other)
 
 PhotoDifferences CompareWithPhotos(const TriangleMesh& mesh, std::span<const glm::vec3> colors,
                                    std::span<const TexturePhoto> photos) {
-  std::vector<Differences> groups(kGroups, Differences(mesh));
+  const std::vector<bool> border = BorderVertices(mesh);
+  std::vector<Differences> groups(kGroups, Differences(mesh, border));
   ParallelForEach(kGroups, "", "the surface will be extracted again", [&](size_t group) {
     for (size_t i = group; i < photos.size(); i += kGroups) {
       ThrowIfStopRequested("the surface will be extracted again");

@@ -38,7 +38,9 @@ struct PhotoDifferences {
 // Draws the surface in the colours of its vertices [display sRGB, 0 to 1] with 4 rays per pixel.
 // Where alpha is opacity, colours are multiplied by it, and the opacity itself is a channel, so
 // that outlines pull, whatever the colours are; in other photos only pixels count that the surface
-// fills. A pixel moves with the nearest surface that it shows, not with what is behind that.
+// fills. Pixels that show a border of the surface or its back, and those next to them, do not
+// count: the photo may show what was cut off there. A pixel moves with the nearest surface that it
+// shows, not with what is behind that.
 PhotoDifferences CompareWithPhotos(const TriangleMesh& mesh_in_world,
                                    std::span<const glm::vec3> colors,
                                    std::span<const TexturePhoto> photos);

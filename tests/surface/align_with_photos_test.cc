@@ -168,9 +168,8 @@ TriangleMesh Scaled(TriangleMesh mesh, float scale) {
   return mesh;
 }
 
-// Without texture, only outlines show how large a ball is.
-TEST(AlignWithPhotos, OutlinesMoveWhereAlphaIsOpacity) {
-  const TriangleMesh ball = Sphere(0.6, {0, 0, 0});
+// Plain grey, with the ball as alpha.
+std::vector<TexturePhoto> OpaquePhotosOf(const TriangleMesh& ball) {
   std::vector<TexturePhoto> photos =
       PhotosAround(ball, [](const glm::dvec3&) { return glm::dvec3(0.5); });
   for (TexturePhoto& photo : photos) {
@@ -185,12 +184,37 @@ TEST(AlignWithPhotos, OutlinesMoveWhereAlphaIsOpacity) {
       }
     }
   }
-  const double radius = MeanRadius(ball), footprint = 4.5 / 220;
+  return photos;
+}
+
+constexpr double kBallFootprint = 4.5 / 220;
+
+// Without texture, only outlines show how large a ball is.
+TEST(AlignWithPhotos, OutlinesMoveWhereAlphaIsOpacity) {
+  const TriangleMesh ball = Sphere(0.6, {0, 0, 0});
+  const std::vector<TexturePhoto> photos = OpaquePhotosOf(ball);
+  const double radius = MeanRadius(ball);
   for (const double off : {-1.0, 1.0}) {
-    const TriangleMesh start = Scaled(ball, float(1 + off * footprint / radius));
-    const double left = (MeanRadius(AlignWithPhotos(start, photos, 12).mesh) - radius) / footprint;
+    const TriangleMesh start = Scaled(ball, float(1 + off * kBallFootprint / radius));
+    const double left =
+        (MeanRadius(AlignWithPhotos(start, photos, 12).mesh) - radius) / kBallFootprint;
     EXPECT_LT(std::abs(left), 0.35) << off;
   }
+}
+
+// Photos from below show the half that was cut off, and its outline; the surface shows its back.
+TEST(AlignWithPhotos, WhatWasCutOffDoesNotPull) {
+  const TriangleMesh ball = Sphere(0.6, {0, 0, 0});
+  TriangleMesh upper = ball;
+  std::erase_if(upper.triangles, [&](const glm::uvec3& t) {
+    return std::min({ball.positions[t.x].z, ball.positions[t.y].z, ball.positions[t.z].z}) < 0;
+  });
+  const TriangleMesh aligned = AlignWithPhotos(upper, OpaquePhotosOf(ball), 8).mesh;
+  float farthest = 0;
+  for (size_t v = 0; v < upper.positions.size(); ++v) {
+    farthest = std::max(farthest, glm::distance(upper.positions[v], aligned.positions[v]));
+  }
+  EXPECT_LT(farthest, 0.25 * kBallFootprint);
 }
 
 // What is masked out is of another colour, and that has no effect.
