@@ -33,8 +33,8 @@ struct Picture {
   std::vector<bool> open;  // pixels that show the surface's back, or a triangle at its border
 };
 
-// Of the triangle's vertices in the point that a ray meets. Seen edge-on they may be lost to
-// rounding.
+// The shares of the triangle's vertices in the point that a ray meets. For a triangle that is seen
+// edge-on, rounding may leave nothing of them.
 glm::vec3 SharesAt(const TriangleMesh& mesh, const TexturePhoto& photo, const Picture& picture,
                    uint32_t triangle, int i, int j) {
   const glm::dvec3 shares = glm::max(
