@@ -148,7 +148,7 @@ PhotoDifferences FitTo(std::span<const TexturePhoto> photos, const VertexFans& f
   ColoredMesh before;
   PhotoDifferences differences;
   for (int round = 0; round <= kColorRounds + rounds; ++round) {
-    PhotoDifferences now = CompareWithPhotos(surface.mesh, surface.colors, photos);
+    PhotoDifferences now = CompareWithPhotos(surface.mesh, border, surface.colors, photos);
     if (round > kColorRounds && now.mean_squared_error > differences.mean_squared_error) {
       surface = std::move(before);
       break;

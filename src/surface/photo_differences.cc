@@ -5,7 +5,6 @@
 #include "core/stop_request.h"
 #include "mesh/seen_triangles.h"
 #include "surface/draw_surface.h"
-#include "surface/vertex_fans.h"
 #include "surface/vertex_normals.h"
 
 #include <algorithm>
@@ -223,9 +222,9 @@ VertexDifferences& VertexDifferences::operator+=(const VertexDifferences& other)
   return *this;
 }
 
-PhotoDifferences CompareWithPhotos(const TriangleMesh& mesh, std::span<const glm::vec3> colors,
+PhotoDifferences CompareWithPhotos(const TriangleMesh& mesh, const std::vector<bool>& border,
+                                   std::span<const glm::vec3> colors,
                                    std::span<const TexturePhoto> photos) {
-  const std::vector<bool> border = BorderVertices(mesh);
   std::vector<Differences> groups(kGroups, Differences(mesh, border));
   ParallelForEach(kGroups, "", "the surface will be extracted again", [&](size_t group) {
     for (size_t i = group; i < photos.size(); i += kGroups) {

@@ -39,9 +39,10 @@ struct PhotoDifferences {
 // Where alpha is opacity, colours are multiplied by it, and the opacity itself is a channel, so
 // that outlines pull, whatever the colours are; in other photos only pixels count that the surface
 // fills. Pixels that show a border of the surface or its back, and those next to them, do not
-// count: the photo may show what was cut off there. A pixel moves with the nearest surface that it
-// shows, not with what is behind that.
+// count: the photo may show what was cut off there. `border` are the mesh's BorderVertices. A pixel
+// moves with the nearest surface that it shows, not with what is behind that.
 PhotoDifferences CompareWithPhotos(const TriangleMesh& mesh_in_world,
+                                   const std::vector<bool>& border,
                                    std::span<const glm::vec3> colors,
                                    std::span<const TexturePhoto> photos);
 

@@ -3,6 +3,7 @@
 #include "surface/photo_differences.h"
 #include "surface/shapes.h"
 #include "surface/textured_shapes.h"
+#include "surface/vertex_fans.h"
 
 #include <gtest/gtest.h>
 
@@ -90,7 +91,7 @@ TEST(CompareWithPhotos, ThePullIsTheRateAtWhichTheErrorFalls) {
     const auto differences_at = [&](double pixels) {
       TriangleMesh wall = Wall();
       for (glm::vec3& p : wall.positions) p += float(pixels * kFootprint) * direction;
-      return CompareWithPhotos(wall, colors, photos);
+      return CompareWithPhotos(wall, BorderVertices(wall), colors, photos);
     };
     constexpr double kOff = 0.5, kStep = 0.1;  // [footprints]
     const double pixels = [&] {
@@ -115,7 +116,8 @@ TEST(CompareWithPhotos, ColoursOfTheirOwnAreAllThatAFlatWallInItsPlaceNeeds) {
   const std::vector<TexturePhoto> photos =
       PhotosFromAbove(Wall(), [](const glm::dvec3&) { return glm::dvec3(0.25, 0.5, 0.75); });
   const std::vector<glm::vec3> grey(Wall().positions.size(), glm::vec3(0.5f));
-  const PhotoDifferences differences = CompareWithPhotos(Wall(), grey, photos);
+  const PhotoDifferences differences =
+      CompareWithPhotos(Wall(), BorderVertices(Wall()), grey, photos);
   EXPECT_NEAR(differences.mean_squared_error, 2 * 0.25 * 0.25 / 3, 1e-3);
   size_t seen = 0;
   for (const VertexDifferences& v : differences.vertices) {
