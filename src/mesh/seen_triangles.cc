@@ -96,12 +96,17 @@ void Draw(const HomogeneousTriangle& t, uint32_t id, const PixelBox& box, const 
   };
   for (int y = box.y_begin; y < box.y_end; ++y) {
     const double a_row = in_row(a, y), b_row = in_row(b, y), c_row = in_row(c, y);
+    bool inside = false;
     for (int x = box.x_begin; x < box.x_end; ++x) {
       const double a_here = a_row + x * a.per_column, b_here = b_row + x * b.per_column,
                    c_here = c_row + x * c.per_column;
-      const double sum = a_here + b_here + c_here;
-      if (!(a_here >= 0 && b_here >= 0 && c_here >= 0 && sum > 0)) continue;
-      const float depth = float(volume / sum);
+      // One branch, which is hard to predict, instead of three.
+      if (!(std::min({a_here, b_here, c_here}) >= 0)) {
+        if (inside) break;  // a triangle has no gaps
+        continue;
+      }
+      inside = true;
+      const float depth = float(volume / (a_here + b_here + c_here));  // infinite if all are 0
       const size_t index = seen.Index(x, y);
       if (depth < seen.depth[index]) {
         seen.depth[index] = depth;

@@ -8,6 +8,7 @@
 #include "surface/vertex_normals.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -22,73 +23,125 @@ constexpr size_t kGroups = 4;
 // A ray that ends farther behind the nearest one around it than this many footprints meets the
 // background.
 constexpr float kJumpFootprints = 8;
-constexpr float kShareOfRay = 1.0f / (kRaysPerSide * kRaysPerSide);
+constexpr size_t kRaysPerPixel = kRaysPerSide * kRaysPerSide;
+constexpr float kShareOfRay = 1.0f / float(kRaysPerPixel);
 
-struct Picture {
-  Camera rays;  // whose pixels are the rays
-  SeenTriangles seen;
+// A row of the picture's pixels.
+struct PixelRow {
   std::vector<glm::vec4> pixels;  // RGBA, multiplied by alpha
   std::vector<uint8_t> hits;      // rays of the pixel that meet the surface
   std::vector<bool> open;  // pixels that show the surface's back, or a triangle at its border
+  // (pixels x rays) shares of the triangle's vertices in the point that a ray meets.
+  std::vector<glm::vec3> shares;
 };
-
-// The shares of the triangle's vertices in the point that a ray meets. For a triangle that is seen
-// edge-on, rounding may leave nothing of them.
-glm::vec3 SharesAt(const TriangleMesh& mesh, const TexturePhoto& photo, const Picture& picture,
-                   uint32_t triangle, int i, int j) {
-  const glm::dvec3 shares = glm::max(
-      CornerWeights(mesh, triangle, picture.rays, photo.cam_from_world, glm::dvec2(i, j) + 0.5),
-      0.0);
-  const double sum = shares.x + shares.y + shares.z;
-  return sum > 0 ? glm::vec3(shares / sum) : glm::vec3(1.0f / 3);
-}
-
-// Calls body(i, j, triangle) for the rays of a pixel that meet the surface.
-template <class Body>
-void ForEachHit(const Picture& picture, int x, int y, const Body& body) {
-  for (int j = y * kRaysPerSide; j < (y + 1) * kRaysPerSide; ++j) {
-    for (int i = x * kRaysPerSide; i < (x + 1) * kRaysPerSide; ++i) {
-      const uint32_t triangle = picture.seen.triangle[picture.seen.Index(i, j)];
-      if (triangle != kNoTriangle) body(i, j, triangle);
-    }
-  }
-}
 
 bool ShowsBack(const TriangleMesh& mesh, const glm::uvec3& triangle, const glm::dvec3& eye) {
   return glm::dot(DoubleAreaNormal(mesh, triangle), glm::dvec3(mesh.positions[triangle.x]) - eye) >
          0;
 }
 
-Picture Draw(const TriangleMesh& mesh, const std::vector<bool>& border,
-             std::span<const glm::vec3> colors, const TexturePhoto& photo) {
-  Picture picture{
-      .rays = WithRaysAsPixels(photo.camera), .seen = {}, .pixels = {}, .hits = {}, .open = {}};
-  picture.seen = FindSeenTriangles(mesh, picture.rays, photo.cam_from_world);
-  const glm::dvec3 eye = photo.cam_from_world.Inverse().translation;
-  const size_t pixels = size_t(photo.camera.width) * size_t(photo.camera.height);
-  picture.pixels.reserve(pixels);
-  picture.hits.reserve(pixels);
-  for (int y = 0; y < photo.camera.height; ++y) {
-    for (int x = 0; x < photo.camera.width; ++x) {
-      glm::vec4 pixel(0.0f);
-      uint8_t hits = 0;
-      bool open = false;
-      ForEachHit(picture, x, y, [&](int i, int j, uint32_t triangle) {
-        const glm::vec3 shares = SharesAt(mesh, photo, picture, triangle, i, j);
-        const glm::uvec3& t = mesh.triangles[triangle];
-        pixel += kShareOfRay *
-                 glm::vec4(shares.x * colors[t.x] + shares.y * colors[t.y] + shares.z * colors[t.z],
-                           1.0f);
-        ++hits;
-        open = open || border[t.x] || border[t.y] || border[t.z] || ShowsBack(mesh, t, eye);
+// A picture of the surface in the colours of its vertices, of which the last three rows are kept.
+class Picture {
+ public:
+  // All must outlive this.
+  Picture(const TriangleMesh& mesh, const std::vector<bool>& border,
+          std::span<const glm::vec3> colors, const TexturePhoto& photo)
+      : mesh_(mesh),
+        border_(border),
+        colors_(colors),
+        photo_(photo),
+        rays_(WithRaysAsPixels(photo.camera)),
+        eye_(photo.cam_from_world.Inverse().translation),
+        seen_(FindSeenTriangles(mesh, rays_, photo.cam_from_world)) {}
+
+  void DrawRow(int y) {
+    PixelRow& row = rows_[size_t(y) % rows_.size()];
+    row.pixels.assign(size_t(photo_.camera.width), glm::vec4(0.0f));
+    row.hits.assign(row.pixels.size(), 0);
+    row.open.assign(row.pixels.size(), false);
+    row.shares.assign(kRaysPerPixel * row.pixels.size(), glm::vec3(0.0f));
+    for (int x = 0; x < photo_.camera.width; ++x) {
+      const auto pixel = size_t(x);
+      ForEachHit(x, y, [&](int ray, size_t index) {
+        const uint32_t triangle = seen_.triangle[index];
+        const glm::vec3 shares = SharesAt(triangle, x, y, ray);
+        row.shares[kRaysPerPixel * pixel + size_t(ray)] = shares;
+        const glm::uvec3& t = mesh_.triangles[triangle];
+        row.pixels[pixel] +=
+            kShareOfRay *
+            glm::vec4(shares.x * colors_[t.x] + shares.y * colors_[t.y] + shares.z * colors_[t.z],
+                      1.0f);
+        ++row.hits[pixel];
+        row.open[pixel] = row.open[pixel] || border_[t.x] || border_[t.y] || border_[t.z] ||
+                          ShowsBack(mesh_, t, eye_);
       });
-      picture.pixels.push_back(pixel);
-      picture.hits.push_back(hits);
-      picture.open.push_back(open);
     }
   }
-  return picture;
-}
+
+  // One of the three rows that were drawn last.
+  const PixelRow& Row(int y) const { return rows_[size_t(y) % rows_.size()]; }
+
+  const SeenTriangles& seen() const { return seen_; }  // by ray
+
+  // Calls body(ray, index) for the rays of a pixel that meet the surface: their numbers within the
+  // pixel and their indices in seen().
+  template <class Body>
+  void ForEachHit(int x, int y, const Body& body) const {
+    for (int ray = 0; ray < int(kRaysPerPixel); ++ray) {
+      const glm::ivec2 place = PlaceOf(x, y, ray);
+      const size_t index = seen_.Index(place.x, place.y);
+      if (seen_.triangle[index] != kNoTriangle) body(ray, index);
+    }
+  }
+
+  // The smallest depth of a pixel's rays and of those next to them; not for pixels at the border.
+  float NearestDepth(int x, int y) const {
+    float nearest = std::numeric_limits<float>::infinity();
+    for (int j = y * kRaysPerSide - 1; j <= (y + 1) * kRaysPerSide; ++j) {
+      for (int i = x * kRaysPerSide - 1; i <= (x + 1) * kRaysPerSide; ++i) {
+        nearest = std::min(nearest, seen_.depth[seen_.Index(i, j)]);
+      }
+    }
+    return nearest;
+  }
+
+ private:
+  static glm::ivec2 PlaceOf(int x, int y, int ray) {
+    return {x * kRaysPerSide + ray % kRaysPerSide, y * kRaysPerSide + ray / kRaysPerSide};
+  }
+
+  // For a triangle that is seen edge-on, rounding may leave nothing of the weights.
+  glm::vec3 SharesAt(uint32_t triangle, int x, int y, int ray) const {
+    const glm::dvec3 shares = glm::max(CornerWeights(mesh_, triangle, rays_, photo_.cam_from_world,
+                                                     glm::dvec2(PlaceOf(x, y, ray)) + 0.5),
+                                       0.0);
+    const double sum = shares.x + shares.y + shares.z;
+    return sum > 0 ? glm::vec3(shares / sum) : glm::vec3(1.0f / 3);
+  }
+
+  const TriangleMesh& mesh_;
+  const std::vector<bool>& border_;
+  std::span<const glm::vec3> colors_;
+  const TexturePhoto& photo_;
+  Camera rays_;  // whose pixels are the rays
+  glm::dvec3 eye_;
+  SeenTriangles seen_;
+  std::array<PixelRow, 3> rows_;
+};
+
+// By how many pixels a pixel's content moves along the axes of the photo as the point that it shows
+// moves by a footprint along each axis of the world.
+struct PixelMoves {
+  glm::vec3 along_x, along_y;
+
+  PixelMoves(const TexturePhoto& photo, int x, int y) {
+    const glm::mat3 world_from_cam(glm::transpose(photo.cam_from_world.rotation));
+    const glm::vec3 direction(photo.camera.CamFromImage(glm::dvec2(x, y) + 0.5));
+    const float aspect = float(photo.camera.fy / photo.camera.fx);
+    along_x = world_from_cam * glm::vec3(1, 0, -direction.x);
+    along_y = world_from_cam * glm::vec3(0, aspect, -aspect * direction.y);
+  }
+};
 
 // The sums of a group of photos.
 class Differences {
@@ -98,9 +151,11 @@ class Differences {
       : mesh_(mesh), border_(border), vertices_(mesh.positions.size()) {}
 
   void Add(const TexturePhoto& photo, std::span<const glm::vec3> colors) {
-    const Picture picture = Draw(mesh_, border_, colors, photo);
-    for (int y = 1; y + 1 < photo.camera.height; ++y) {
-      for (int x = 1; x + 1 < photo.camera.width; ++x) {
+    Picture picture(mesh_, border_, colors, photo);
+    for (int below = 0; below < photo.camera.height; ++below) {
+      picture.DrawRow(below);
+      const int y = below - 1;
+      for (int x = 1; y > 0 && x + 1 < photo.camera.width; ++x) {
         if (Compares(photo, picture, x, y)) AddPixel(photo, picture, x, y);
       }
     }
@@ -117,81 +172,66 @@ class Differences {
   }
 
  private:
-  static bool Fills(const TexturePhoto& photo, const Picture& picture, int x, int y) {
-    return picture.hits[photo.Index(x, y)] == kRaysPerSide * kRaysPerSide;
+  static bool Fills(const Picture& picture, int x, int y) {
+    return picture.Row(y).hits[size_t(x)] == kRaysPerPixel;
   }
 
-  static bool NextToOpen(const TexturePhoto& photo, const Picture& picture, int x, int y) {
+  static bool NextToOpen(const Picture& picture, int x, int y) {
     for (int row = y - 1; row <= y + 1; ++row) {
       for (int column = x - 1; column <= x + 1; ++column) {
-        if (picture.open[photo.Index(column, row)]) return true;
+        if (picture.Row(row).open[size_t(column)]) return true;
       }
     }
     return false;
   }
 
   static bool Compares(const TexturePhoto& photo, const Picture& picture, int x, int y) {
-    if (NextToOpen(photo, picture, x, y)) return false;
+    if (NextToOpen(picture, x, y)) return false;
     if (photo.alpha_is_opacity) {
-      return picture.hits[photo.Index(x, y)] > 0 || photo.image.At(x, y)[3] > 0;
+      return picture.Row(y).hits[size_t(x)] > 0 || photo.image.At(x, y)[3] > 0;
     }
-    return photo.Counts(x, y) && Fills(photo, picture, x, y) && Fills(photo, picture, x - 1, y) &&
-           Fills(photo, picture, x + 1, y) && Fills(photo, picture, x, y - 1) &&
-           Fills(photo, picture, x, y + 1);
-  }
-
-  // The smallest depth of a pixel's rays and of those next to them.
-  static float NearestDepth(const Picture& picture, int x, int y) {
-    float nearest = std::numeric_limits<float>::infinity();
-    for (int j = y * kRaysPerSide - 1; j <= (y + 1) * kRaysPerSide; ++j) {
-      for (int i = x * kRaysPerSide - 1; i <= (x + 1) * kRaysPerSide; ++i) {
-        nearest = std::min(nearest, picture.seen.depth[picture.seen.Index(i, j)]);
-      }
-    }
-    return nearest;
+    return photo.Counts(x, y) && Fills(picture, x, y) && Fills(picture, x - 1, y) &&
+           Fills(picture, x + 1, y) && Fills(picture, x, y - 1) && Fills(picture, x, y + 1);
   }
 
   void AddPixel(const TexturePhoto& photo, const Picture& picture, int x, int y) {
-    const auto at = [&](int column, int row) { return picture.pixels[photo.Index(column, row)]; };
+    const auto at = [&](int column, int row) { return picture.Row(row).pixels[size_t(column)]; };
     const float alpha = photo.alpha_is_opacity ? float(photo.image.At(x, y)[3]) / 255.0f : 1.0f;
     const glm::vec4 error = glm::vec4(alpha * glm::vec3(photo.ColorOf(x, y)), alpha) - at(x, y);
-    const glm::vec4 along_x = 0.5f * (at(x + 1, y) - at(x - 1, y));
-    const glm::vec4 along_y = 0.5f * (at(x, y + 1) - at(x, y - 1));
     squared_error_ += double(glm::dot(error, error));
     values_ += photo.alpha_is_opacity ? 4 : 3;
-    const bool shows_nothing_else = alpha == 1.0f && Fills(photo, picture, x, y);
-    const float nearest = NearestDepth(picture, x, y);
-    const glm::mat3 world_from_cam(glm::transpose(photo.cam_from_world.rotation));
-    const auto moves = [&](int i, int j) {
-      const float depth = picture.seen.depth[picture.seen.Index(i, j)];
+
+    VertexDifferences still{.seen = 1};
+    if (alpha == 1.0f && Fills(picture, x, y)) {
+      still.color_error = glm::vec3(error), still.color_weight = 1;
+    }
+    const float nearest = picture.NearestDepth(x, y);
+    const auto moves = [&](size_t index) {
+      const float depth = picture.seen().depth[index];
       return depth - nearest < kJumpFootprints * float(photo.Footprint(double(depth)));
     };
     int moving_rays = 0;
-    ForEachHit(picture, x, y, [&](int i, int j, uint32_t) { moving_rays += moves(i, j); });
-    ForEachHit(picture, x, y, [&](int i, int j, uint32_t triangle) {
-      const float depth = picture.seen.depth[picture.seen.Index(i, j)];
-      VertexDifferences ray;
-      ray.footprint = float(photo.Footprint(double(depth)));
-      ray.seen = 1;
-      if (shows_nothing_else) ray.color_error = glm::vec3(error), ray.color_weight = 1;
-      if (moves(i, j)) {
-        // What the picture's content moves by, in pixels, as the point that the ray meets moves by
-        // a footprint along the axes of the world.
-        const glm::vec3 direction(picture.rays.CamFromImage(glm::dvec2(i, j) + 0.5));
-        const float aspect = float(photo.camera.fy / photo.camera.fx);
-        const glm::vec3 x_moves = world_from_cam * glm::vec3(1, 0, -direction.x);
-        const glm::vec3 y_moves = world_from_cam * glm::vec3(0, aspect, -aspect * direction.y);
-        for (int c = 0; c < 4; ++c) {
-          const glm::vec3 derivative = -(along_x[c] * x_moves + along_y[c] * y_moves);
-          ray.pull += error[c] * derivative;
-          ray.curvature += glm::outerProduct(derivative, derivative);
-        }
-        // Together, they move the whole pixel.
-        ray.pull /= kShareOfRay * float(moving_rays);
-        ray.curvature /= kShareOfRay * float(moving_rays);
+    picture.ForEachHit(x, y, [&](int, size_t index) { moving_rays += moves(index); });
+    VertexDifferences moving = still;
+    if (moving_rays > 0) {
+      const PixelMoves content(photo, x, y);
+      const glm::vec4 along_x = 0.5f * (at(x + 1, y) - at(x - 1, y));
+      const glm::vec4 along_y = 0.5f * (at(x, y + 1) - at(x, y - 1));
+      // Together, the moving rays move the whole pixel.
+      const float part = 1 / (kShareOfRay * float(moving_rays));
+      for (int c = 0; c < 4; ++c) {
+        const glm::vec3 derivative = -(along_x[c] * content.along_x + along_y[c] * content.along_y);
+        moving.pull += part * error[c] * derivative;
+        moving.curvature += part * glm::outerProduct(derivative, derivative);
       }
-      const glm::vec3 shares = kShareOfRay * SharesAt(mesh_, photo, picture, triangle, i, j);
-      for (int k = 0; k < 3; ++k) AddShare(ray, shares[k], vertices_[mesh_.triangles[triangle][k]]);
+    }
+    picture.ForEachHit(x, y, [&](int ray, size_t index) {
+      VertexDifferences& here = moves(index) ? moving : still;
+      here.footprint = float(photo.Footprint(double(picture.seen().depth[index])));
+      const glm::vec3 shares =
+          kShareOfRay * picture.Row(y).shares[kRaysPerPixel * size_t(x) + size_t(ray)];
+      const glm::uvec3& t = mesh_.triangles[picture.seen().triangle[index]];
+      for (int k = 0; k < 3; ++k) AddShare(here, shares[k], vertices_[t[k]]);
     });
   }
 

@@ -62,21 +62,12 @@ std::optional<Sighting> See(const SurfacePoint& point, const TexturePhoto& photo
 std::vector<std::vector<uint32_t>> PhotosOfTriangles(const TriangleMesh& mesh,
                                                      std::span<const TexturePhoto> photos) {
   std::vector<std::vector<uint32_t>> result(mesh.triangles.size());
-  const SurfacePoints surface(mesh);
   ParallelFor(mesh.triangles.size(), 1024, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t) {
+      const glm::uvec3& corners = mesh.triangles[t];
       for (uint32_t i = 0; i < photos.size(); ++i) {
-        const Rigid3& cam_from_world = photos[i].cam_from_world;
-        bool may_see = false;
-        for (int k = 0; k < 3; ++k) {
-          glm::dvec3 corner(0.0);
-          corner[k] = 1;
-          const SurfacePoint point = surface.At(uint32_t(t), corner);
-          const glm::dvec3 in_cam = cam_from_world * point.position;
-          may_see = may_see ||
-                    (in_cam.z > 0 && glm::dot(cam_from_world.rotation * point.normal, in_cam) < 0);
-        }
-        if (may_see) result[t].push_back(i);
+        const std::vector<bool>& shows = photos[i].shows;
+        if (shows[corners.x] || shows[corners.y] || shows[corners.z]) result[t].push_back(i);
       }
     }
   });

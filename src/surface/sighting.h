@@ -42,7 +42,8 @@ struct Sighting {
 // or too slanted.
 std::optional<Sighting> See(const SurfacePoint& point, const TexturePhoto& photo);
 
-// For each triangle the photos that may see a part of it.
+// For each triangle the photos that may see a part of it: those that show it, or one with a vertex
+// in common, because a small triangle may lie between the pixels.
 std::vector<std::vector<uint32_t>> PhotosOfTriangles(const TriangleMesh& mesh_in_world,
                                                      std::span<const TexturePhoto> photos);
 

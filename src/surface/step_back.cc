@@ -52,7 +52,7 @@ class Crossings {
   std::vector<uint8_t> Find(const std::vector<uint8_t>& of_interest) const {
     std::vector<uint8_t> crosses(mesh_.triangles.size(), 0);
     if (crosses.empty() || !(cell_size_ > 0)) return crosses;
-    const std::vector<Entry> entries = SortedEntries();
+    const std::vector<Entry> entries = SortedEntries(of_interest);
     const std::vector<size_t> cells = BeginningsOf(entries);
     ParallelFor(cells.size() - 1, kGrain, [&](size_t from, size_t to) {
       for (size_t i = from; i < to; ++i) {
@@ -65,8 +65,7 @@ class Crossings {
 
  private:
   struct Entry {
-    uint64_t cell;
-    uint32_t triangle;
+    uint32_t cell, triangle;
     auto operator<=>(const Entry&) const = default;
   };
 
@@ -86,10 +85,6 @@ class Crossings {
     const auto mark = [&](uint32_t triangle) {
       return std::atomic_ref<uint8_t>(crosses[triangle]);
     };
-    if (std::none_of(cell.begin(), cell.end(),
-                     [&](const Entry& entry) { return of_interest[entry.triangle] != 0; })) {
-      return;
-    }
     for (size_t i = 0; i < cell.size(); ++i) {
       for (size_t j = i + 1; j < cell.size(); ++j) {
         const uint32_t a = cell[i].triangle, b = cell[j].triangle;
@@ -104,18 +99,28 @@ class Crossings {
     }
   }
 
-  // One for each cell that a triangle's box meets.
-  std::vector<Entry> SortedEntries() const {
+  // Calls body(cell) for the cells that a triangle's box meets.
+  template <class Body>
+  void ForEachCell(uint32_t t, const Body& body) const {
+    const glm::uvec3 from = CellOf(Low(t)), to = CellOf(High(t));
+    for (uint32_t z = from.z; z <= to.z; ++z) {
+      for (uint32_t y = from.y; y <= to.y; ++y) {
+        for (uint32_t x = from.x; x <= to.x; ++x) body((z * kMostCells + y) * kMostCells + x);
+      }
+    }
+  }
+
+  // One for each cell that a triangle's box meets, if a triangle of interest meets it, too.
+  std::vector<Entry> SortedEntries(const std::vector<uint8_t>& of_interest) const {
+    std::vector<bool> looked_at(size_t{kMostCells} * kMostCells * kMostCells, false);
+    for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      if (of_interest[t]) ForEachCell(t, [&](uint32_t cell) { looked_at[cell] = true; });
+    }
     std::vector<Entry> entries;
     for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
-      const glm::uvec3 from = CellOf(Low(t)), to = CellOf(High(t));
-      for (uint32_t z = from.z; z <= to.z; ++z) {
-        for (uint32_t y = from.y; y <= to.y; ++y) {
-          for (uint32_t x = from.x; x <= to.x; ++x) {
-            entries.push_back({(uint64_t{z} * kMostCells + y) * kMostCells + x, t});
-          }
-        }
-      }
+      ForEachCell(t, [&](uint32_t cell) {
+        if (looked_at[cell]) entries.push_back({cell, t});
+      });
     }
     std::sort(entries.begin(), entries.end());
     return entries;
@@ -140,11 +145,18 @@ class Crossings {
 
   // Whether an edge of `a` that has no vertex in common with `b` goes through it.
   bool AnEdgePierces(uint32_t a, uint32_t b) const {
+    const glm::uvec3& edges = mesh_.triangles[a];
     const glm::uvec3& t = mesh_.triangles[b];
+    bool shared[3];
+    int side[3] = {0, 0, 0};
     for (int k = 0; k < 3; ++k) {
-      const uint32_t p = mesh_.triangles[a][k], q = mesh_.triangles[a][(k + 1) % 3];
-      if (p == t.x || p == t.y || p == t.z || q == t.x || q == t.y || q == t.z) continue;
-      if (Sign(t.x, t.y, t.z, p) * Sign(t.x, t.y, t.z, q) > 0) continue;
+      shared[k] = edges[k] == t.x || edges[k] == t.y || edges[k] == t.z;
+      if (!shared[k]) side[k] = Sign(t.x, t.y, t.z, edges[k]);
+    }
+    for (int k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3;
+      if (shared[k] || shared[next] || side[k] * side[next] > 0) continue;
+      const uint32_t p = edges[k], q = edges[next];
       const int x = Sign(p, q, t.x, t.y), y = Sign(p, q, t.y, t.z), z = Sign(p, q, t.z, t.x);
       if ((x >= 0 && y >= 0 && z >= 0) || (x <= 0 && y <= 0 && z <= 0)) return true;
     }

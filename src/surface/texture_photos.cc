@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace tetrec {
 namespace {
@@ -66,6 +67,15 @@ void SpreadDistances(int width, int height, std::vector<int>& distance) {
   }
 }
 
+std::vector<bool> VerticesOf(const SeenTriangles& seen, const TriangleMesh& mesh) {
+  std::vector<bool> vertices(mesh.positions.size(), false);
+  for (const uint32_t triangle : seen.triangle) {
+    if (triangle == kNoTriangle) continue;
+    for (int k = 0; k < 3; ++k) vertices[mesh.triangles[triangle][k]] = true;
+  }
+  return vertices;
+}
+
 template <class T>
 std::map<std::string, T> ByName(const std::vector<T>& items) {
   std::map<std::string, T> by_name;
@@ -87,7 +97,9 @@ bool TexturePhoto::Counts(int x, int y) const {
 }
 
 void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo) {
-  photo.depth = FindSeenTriangles(mesh_in_world, photo.camera, photo.cam_from_world).depth;
+  SeenTriangles seen = FindSeenTriangles(mesh_in_world, photo.camera, photo.cam_from_world);
+  photo.shows = VerticesOf(seen, mesh_in_world);
+  photo.depth = std::move(seen.depth);
   std::vector<int> distance = Untrusted(photo);
   SpreadDistances(photo.camera.width, photo.camera.height, distance);
   photo.trust.clear();

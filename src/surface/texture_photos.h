@@ -27,6 +27,7 @@ struct TexturePhoto {
   bool alpha_is_opacity = false;      // as of the scene: otherwise alpha marks pixels that count
   std::vector<float> depth;           // (height x width) of the surface, infinite where none is
   std::vector<uint8_t> trust;         // (height x width) from 0 to kFullTrust, see FindTrust
+  std::vector<bool> shows;            // for each vertex, whether pixels show a triangle of it
 
   size_t Index(int x, int y) const { return size_t(y) * size_t(camera.width) + size_t(x); }
   // The colour without the exposure of this photo [display sRGB, 0 to 1].
@@ -40,16 +41,16 @@ struct TexturePhoto {
   double Footprint(double depth_in_cam) const { return depth_in_cam / camera.fx; }
 };
 
-// Fills in depth and trust of a photo: trust rises from 0 at the photo's border, at pixels that do
-// not count, and where the surface's depth jumps, by 1 with each pixel, because near an outline
-// the surface and the photo rarely agree on what is in front.
+// Fills in what a photo shows of the surface: depth, trust and vertices. Trust rises from 0 at the
+// photo's border, at pixels that do not count, and where the surface's depth jumps, by 1 with each
+// pixel, because near an outline the surface and the photo rarely agree on what is in front.
 void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo);
 // The same for several photos, in parallel.
 void FindTrust(const TriangleMesh& mesh_in_world, std::span<TexturePhoto> photos);
 
 // The training photos of the scene, seen from the cameras that the run corrected and with the
-// exposures that it estimated, if the field's folder has them; without depth and trust. Throws
-// DataError.
+// exposures that it estimated, if the field's folder has them; without what they show of a surface.
+// Throws DataError.
 std::vector<TexturePhoto> ReadTexturePhotos(const std::filesystem::path& scene_folder,
                                             const std::filesystem::path& field_folder);
 

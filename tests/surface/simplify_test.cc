@@ -1,7 +1,9 @@
 #include "surface/simplify.h"
 
 #include "core/error.h"
+#include "core/random.h"
 #include "mesh/mesh_facts.h"
+#include "surface/clean.h"
 #include "surface/shapes.h"
 
 #include <gtest/gtest.h>
@@ -104,6 +106,34 @@ TEST(Simplify, KeepsTheOutlineOfAFlatSheet) {
   const TriangleMesh simple = Simplify(sheet, 0.01);
   EXPECT_NEAR(MeasureMesh(simple).area, 400, 1);
   EXPECT_LT(simple.triangles.size(), sheet.triangles.size() / 4);
+}
+
+// Level sets of random values are full of narrow tubes, which cuts between parts meet anywhere.
+TEST(SimplifyInParts, KeepsTheTopologyOfTubesAcrossItsCuts) {
+  const TetMesh mesh = JitteredBox(12);
+  MersenneRandom random(5);
+  for (int turn = 0; turn < 5; ++turn) {
+    const std::vector<float> values = Sampled(mesh, [&](const glm::dvec3& p) {
+      return Ball(p / 1.4) > 0 ? random.Uniform() - 0.5 : -1.0;
+    });
+    const TriangleMesh tubes = SeparateFans(AsTriangles(MarchTetrahedra(mesh, values, 0)));
+    const TriangleMesh simple = SimplifyInParts(tubes, 0.05);
+    EXPECT_LT(simple.triangles.size(), 0.9 * double(tubes.triangles.size()));
+    const MeshFacts facts = MeasureMesh(simple);
+    EXPECT_TRUE(facts.IsClosedManifold());
+    EXPECT_EQ(facts.euler_characteristic, MeasureMesh(tubes).euler_characteristic);
+  }
+}
+
+TEST(SimplifyInParts, StaysWithinTheDeviationWithFewerTriangles) {
+  const TriangleMesh sphere = Sphere(1, {0, 0, 0});
+  constexpr double kDeviation = 0.01;
+  const TriangleMesh simple = SimplifyInParts(sphere, kDeviation);
+  EXPECT_LT(simple.triangles.size(), 0.8 * double(sphere.triangles.size()));
+  EXPECT_LT(MeanDistanceFromSphere(simple), MeanDistanceFromSphere(sphere) + kDeviation);
+  ExpectColoursOfTheirVertices(simple, sphere);
+  EXPECT_EQ(SimplifyInParts(sphere, 0).triangles, sphere.triangles);
+  EXPECT_TRUE(SimplifyInParts({}, kDeviation).triangles.empty());
 }
 
 TEST(Decimate, KeepsShapeTopologyAndColours) {
