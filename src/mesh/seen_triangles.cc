@@ -80,17 +80,19 @@ struct PixelWeight {
   double per_column, per_row, at_origin;
 
   // Changes of sign are exact in every step, so that neighbours still have opposite weights.
-  PixelWeight(const glm::dvec3& edge, double sign, const Camera& camera)
-      : per_column(sign * edge.x / camera.fx),
-        per_row(sign * edge.y / camera.fy),
+  PixelWeight(const glm::dvec3& edge, double sign, const Camera& camera,
+              const glm::dvec2& per_focal)
+      : per_column(sign * edge.x * per_focal.x),
+        per_row(sign * edge.y * per_focal.y),
         at_origin(sign * edge.z + (0.5 - camera.cx) * per_column + (0.5 - camera.cy) * per_row) {}
 };
 
 void Draw(const HomogeneousTriangle& t, uint32_t id, const PixelBox& box, const Camera& camera,
           SeenTriangles& seen) {
   const double sign = t.volume > 0 ? 1 : -1, volume = std::abs(t.volume);
-  const PixelWeight a(t.edges[0], sign, camera), b(t.edges[1], sign, camera),
-      c(t.edges[2], sign, camera);
+  const glm::dvec2 per_focal(1 / camera.fx, 1 / camera.fy);
+  const PixelWeight a(t.edges[0], sign, camera, per_focal), b(t.edges[1], sign, camera, per_focal),
+      c(t.edges[2], sign, camera, per_focal);
   const auto in_row = [](const PixelWeight& weight, int y) {
     return weight.at_origin + y * weight.per_row;
   };

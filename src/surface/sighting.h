@@ -43,7 +43,8 @@ struct Sighting {
 std::optional<Sighting> See(const SurfacePoint& point, const TexturePhoto& photo);
 
 // For each triangle the photos that may see a part of it: those that show it, or one with a vertex
-// in common, because a small triangle may lie between the pixels.
+// in common, because a small triangle may lie between the pixels. At most 24, those that see it
+// from the front and from near.
 std::vector<std::vector<uint32_t>> PhotosOfTriangles(const TriangleMesh& mesh_in_world,
                                                      std::span<const TexturePhoto> photos);
 

@@ -15,10 +15,6 @@ namespace tetrec {
 // Throws DataError if the mesh is not a manifold.
 TriangleMesh Simplify(const TriangleMesh& mesh, double max_deviation);
 
-// As Simplify, on all cores, for a mesh that is simplified once more later: the mesh is cut into
-// parts, and vertices at the cuts, and those next to them, stay.
-TriangleMesh SimplifyInParts(const TriangleMesh& mesh, double max_deviation);
-
 // Collapses edges by quadric error until max_triangles are left, or more if borders and
 // manifoldness would suffer. Vertices keep their positions and colours. Method: Garland and
 // Heckbert 1997, by OpenMesh. Throws DataError if the mesh is not a manifold.

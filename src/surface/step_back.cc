@@ -34,15 +34,17 @@ class Crossings {
  public:
   explicit Crossings(const TriangleMesh& mesh) : mesh_(mesh) {
     if (mesh.triangles.empty()) return;
-    low_ = Low(0), high_ = High(0);
     double widths = 0;
-    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      const glm::vec3 size = High(t) - Low(t);
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
+      boxes_.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
+      const glm::vec3 size = boxes_.back().high - boxes_.back().low;
       widths += std::max({size.x, size.y, size.z});
-      low_ = glm::min(low_, Low(t));
-      high_ = glm::max(high_, High(t));
     }
-    const glm::vec3 size = high_ - low_;
+    low_ = boxes_[0].low;
+    glm::vec3 high = boxes_[0].high;
+    for (const Box& box : boxes_) low_ = glm::min(low_, box.low), high = glm::max(high, box.high);
+    const glm::vec3 size = high - low_;
     const float mean = float(widths / double(mesh.triangles.size()));
     cell_size_ =
         std::max({2 * mean, size.x / kMostCells, size.y / kMostCells, size.z / kMostCells});
@@ -64,6 +66,9 @@ class Crossings {
   }
 
  private:
+  struct Box {
+    glm::vec3 low, high;
+  };
   struct Entry {
     uint32_t cell, triangle;
     auto operator<=>(const Entry&) const = default;
@@ -89,6 +94,7 @@ class Crossings {
       for (size_t j = i + 1; j < cell.size(); ++j) {
         const uint32_t a = cell[i].triangle, b = cell[j].triangle;
         if (!of_interest[a] && !of_interest[b]) continue;
+        if (!MeetFirstIn(cell[i].cell, boxes_[a], boxes_[b])) continue;
         if (mark(a).load(std::memory_order_relaxed) && mark(b).load(std::memory_order_relaxed)) {
           continue;
         }
@@ -99,13 +105,22 @@ class Crossings {
     }
   }
 
+  // Whether two boxes meet, and the low corner of what they share is in this cell, so that each
+  // pair is compared once.
+  bool MeetFirstIn(uint32_t cell, const Box& a, const Box& b) const {
+    if (glm::any(glm::greaterThan(a.low, b.high)) || glm::any(glm::greaterThan(b.low, a.high))) {
+      return false;
+    }
+    return cell == NumberOf(CellOf(glm::max(a.low, b.low)));
+  }
+
   // Calls body(cell) for the cells that a triangle's box meets.
   template <class Body>
   void ForEachCell(uint32_t t, const Body& body) const {
-    const glm::uvec3 from = CellOf(Low(t)), to = CellOf(High(t));
+    const glm::uvec3 from = CellOf(boxes_[t].low), to = CellOf(boxes_[t].high);
     for (uint32_t z = from.z; z <= to.z; ++z) {
       for (uint32_t y = from.y; y <= to.y; ++y) {
-        for (uint32_t x = from.x; x <= to.x; ++x) body((z * kMostCells + y) * kMostCells + x);
+        for (uint32_t x = from.x; x <= to.x; ++x) body(NumberOf({x, y, z}));
       }
     }
   }
@@ -129,16 +144,12 @@ class Crossings {
   glm::uvec3 CellOf(const glm::vec3& place) const {
     return glm::min(glm::uvec3((place - low_) / cell_size_), glm::uvec3(kMostCells - 1));
   }
-  glm::vec3 At(uint32_t t, int k) const { return mesh_.positions[mesh_.triangles[t][k]]; }
-  glm::vec3 Low(uint32_t t) const { return glm::min(At(t, 0), glm::min(At(t, 1), At(t, 2))); }
-  glm::vec3 High(uint32_t t) const { return glm::max(At(t, 0), glm::max(At(t, 1), At(t, 2))); }
+  static uint32_t NumberOf(const glm::uvec3& cell) {
+    return (cell.z * kMostCells + cell.y) * kMostCells + cell.x;
+  }
 
   // False for triangles with an edge in common, which cannot cross unless they are folded flat.
   bool Cross(uint32_t a, uint32_t b) const {
-    if (glm::any(glm::greaterThan(Low(a), High(b))) ||
-        glm::any(glm::greaterThan(Low(b), High(a)))) {
-      return false;
-    }
     if (SharedVertices(mesh_.triangles[a], mesh_.triangles[b]) >= 2) return false;
     return AnEdgePierces(a, b) || AnEdgePierces(b, a);
   }
@@ -168,7 +179,8 @@ class Crossings {
   }
 
   const TriangleMesh& mesh_;
-  glm::vec3 low_{0}, high_{0};
+  std::vector<Box> boxes_;  // of the triangles
+  glm::vec3 low_{0};
   float cell_size_ = 0;
 };
 

@@ -186,7 +186,7 @@ TriangleMesh Cleaned(const TriangleMesh& raw, std::span<const TexturePhoto> phot
   TriangleMesh simple =
       Simplify(photos.size() < 2 || options.align_rounds == 0
                    ? smooth
-                   : Aligned(SimplifyInParts(smooth, kDeviationBeforeAlignment * diagonal), photos,
+                   : Aligned(Simplify(smooth, kDeviationBeforeAlignment * diagonal), photos,
                              options, kMaxSmoothingMove * diagonal, stage),
                options.max_deviation / 100 * diagonal);
   LogInfo("simplification: {} of {} triangles are left, within {:.3g} % of the subject's diagonal",

@@ -43,9 +43,11 @@ Choice Judge(const SurfacePoint& point, const TexturePhoto& photo, uint32_t id) 
 glm::dvec3 ColorAt(const TexturePhoto& photo, const glm::dvec2& pixel) {
   glm::dvec3 color(0.0);
   for (const auto& [x, y, weight] : PixelsAround(photo.camera.width, photo.camera.height, pixel)) {
-    if (weight > 0) color += weight * photo.ColorOf(x, y);
+    if (weight == 0) continue;
+    const uint8_t* rgb = photo.image.At(x, y);
+    color += weight * glm::dvec3(rgb[0], rgb[1], rgb[2]);
   }
-  return color;
+  return photo.WithoutExposure(color);
 }
 
 // The mean of the best photos, over the color that is taken where none sees the point well.

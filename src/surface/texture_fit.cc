@@ -30,16 +30,22 @@ struct WeightedSum {
 void AddError(const TexturePhoto& photo, const SurfacePicture& drawn, const Sighting& sighting,
               WeightedSum& error) {
   const double pixels_per_area = sighting.facing / (sighting.footprint * sighting.footprint);
+  glm::dvec3 colors(0.0), drawn_colors(0.0);
+  double weights = 0;
   for (const auto& [x, y, weight] :
        PixelsAround(photo.camera.width, photo.camera.height, sighting.pixel)) {
     if (weight == 0) continue;
     const size_t i = photo.Index(x, y);
     if (!drawn.covered[i] || !photo.Counts(x, y)) continue;
-    const uint8_t* rgb = drawn.image.At(x, y);
     const double worth = pixels_per_area * weight * (1 + photo.trust[i]);
-    error.sum += worth * (photo.ColorOf(x, y) - glm::dvec3(rgb[0], rgb[1], rgb[2]) / 255.0);
-    error.weight += worth;
+    const uint8_t *rgb = photo.image.At(x, y), *drawn_rgb = drawn.image.At(x, y);
+    colors += worth * glm::dvec3(rgb[0], rgb[1], rgb[2]);
+    drawn_colors += worth * glm::dvec3(drawn_rgb[0], drawn_rgb[1], drawn_rgb[2]);
+    weights += worth;
   }
+  if (!(weights > 0)) return;
+  error.sum += weights * photo.WithoutExposure(colors / weights) - drawn_colors / 255.0;
+  error.weight += weights;
 }
 
 }  // namespace

@@ -30,10 +30,11 @@ struct TexturePhoto {
   std::vector<bool> shows;            // for each vertex, whether pixels show a triangle of it
 
   size_t Index(int x, int y) const { return size_t(y) * size_t(camera.width) + size_t(x); }
-  // The colour without the exposure of this photo [display sRGB, 0 to 1].
+  // The colour [display sRGB, 0 to 1] of 8-bit channels, without the exposure of this photo.
+  glm::dvec3 WithoutExposure(const glm::dvec3& rgb) const { return (rgb / 255.0 - offset) / gain; }
   glm::dvec3 ColorOf(int x, int y) const {
     const uint8_t* rgb = image.At(x, y);
-    return (glm::dvec3(rgb[0], rgb[1], rgb[2]) / 255.0 - offset) / gain;
+    return WithoutExposure({rgb[0], rgb[1], rgb[2]});
   }
   // Returns true if a pixel shows nothing but the scene.
   bool Counts(int x, int y) const;
