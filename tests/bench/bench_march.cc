@@ -149,8 +149,7 @@ std::vector<double> StepsOfViews(const Stage& stage) {
 // The variants take turns on the same views, so that other load on the machine affects all of them
 // alike. Reports medians of tet-steps per second (backward is the time that Backpropagate takes in
 // addition to MarchBlocks) and of ratios.
-void Compare(benchmark::State& state) {
-  constexpr int kTurns = 33;
+void Compare(benchmark::State& state, int turns) {
   Stage& stage = Stage::Get();
   RendererOptions options;
   options.deterministic = true;
@@ -160,7 +159,7 @@ void Compare(benchmark::State& state) {
   const std::vector<glm::vec4> gradient(kPicture * kPicture, glm::vec4(1.0f, -1.0f, 0.5f, 0.1f));
   std::map<std::string, std::vector<double>> values;
   for (auto _ : state) {
-    for (int turn = -1; turn < kTurns; ++turn) {  // the first one warms up
+    for (int turn = -1; turn < turns; ++turn) {  // the first one warms up
       const uint32_t view = uint32_t(turn + 1) % kViews;
       const auto backpropagate = [&](ProbedRenderer& renderer, GradientParts parts) {
         return Measure([&] { renderer.Backpropagate(stage.views[view], gradient, parts); });
@@ -262,8 +261,6 @@ benchmark::internal::Benchmark* InMedians(benchmark::internal::Benchmark* benchm
   return benchmark->Unit(benchmark::kMillisecond)
       ->MeasureProcessCPUTime()
       ->UseRealTime()
-      ->MinTime(0.3)
-      ->Repetitions(5)
       ->ReportAggregatesOnly();
 }
 
@@ -272,13 +269,18 @@ benchmark::internal::Benchmark* InMedians(benchmark::internal::Benchmark* benchm
 
 int main(int argc, char** argv) {
   using namespace tetrec;
-  const std::string flag = "--lost_rays=";
+  const std::string rays_flag = "--lost_rays=", turns_flag = "--turns=";
   uint64_t lost_rays = 1'000'000;
-  std::vector<char*> rest;
-  for (int i = 0; i < argc; ++i) {
+  int turns = 33;
+  // Options of the command line come later, so they take precedence.
+  std::string min_time = "--benchmark_min_time=0.3", repetitions = "--benchmark_repetitions=5";
+  std::vector<char*> rest{argv[0], min_time.data(), repetitions.data()};
+  for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    if (argument.starts_with(flag)) {
-      lost_rays = std::stoull(argument.substr(flag.size()));
+    if (argument.starts_with(rays_flag)) {
+      lost_rays = std::stoull(argument.substr(rays_flag.size()));
+    } else if (argument.starts_with(turns_flag)) {
+      turns = std::stoi(argument.substr(turns_flag.size()));
     } else {
       rest.push_back(argv[i]);
     }
@@ -297,7 +299,7 @@ int main(int argc, char** argv) {
                 ->Arg(1024)
                 ->Arg(4096)
                 ->Arg(16384));
-  benchmark::RegisterBenchmark("Compare", Compare)->Unit(benchmark::kSecond)->Iterations(1);
+  benchmark::RegisterBenchmark("Compare", Compare, turns)->Unit(benchmark::kSecond)->Iterations(1);
   benchmark::RegisterBenchmark("LostRays", LostRays, lost_rays)
       ->Unit(benchmark::kSecond)
       ->Iterations(1);

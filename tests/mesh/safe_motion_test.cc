@@ -80,7 +80,7 @@ TEST(SafeMotion, ATetKeepsItsShareOfVolume) {
   const TetMesh before = mesh;
   std::mt19937 random(4);
   const MotionCounts counts =
-      Move(mesh, MovesInside(mesh, [&](size_t) { return RandomVector(random, 0.05f); }));
+      Move(mesh, MovesInside(mesh, [&](size_t) { return RandomVector(random, 0.03f); }));
   EXPECT_GT(counts.moved, 0u);
   EXPECT_GT(counts.shortened, 0u);
   EXPECT_GT(counts.stopped, 0u);

@@ -95,7 +95,7 @@ TEST(SplitSegment, TwiceThePartsLeaveAQuarterOfTheError) {
   for (const auto& [s0, s1] :
        {SegmentSample{0.1f, 0.5f}, {0.0f, 2.0f}, {2.0f, 0.0f}, {1.0f, 7.0f}}) {
     const reference::SegmentIntegral exact = reference::IntegrateSegment(s0, s1);
-    const auto error = [&](int parts) {
+    const auto error = [&s0 = s0, &s1 = s1, &exact](int parts) {
       return static_cast<double>(tetrec::IntegrateSplitSegment<double>(parts, s0, s1).w1 -
                                  exact.w1);
     };

@@ -153,7 +153,9 @@ TEST_F(PhotosTest, ADamagedHeicIsLeftOutLikeOtherDamagedPhotos) {
   if (FindProgram("heif-convert").empty())
     GTEST_SKIP() << "heif-convert is not installed (scripts/setup.sh)";
   WritePhotos(3);
-  folder_.Write("photos/a.heic", std::string("\0\0\0\x18", 4) + "ftypheic" + std::string(400, 'x'));
+  std::string heic(412, 'x');
+  heic.replace(0, 12, "\0\0\0\x18\x66typheic", 12);
+  folder_.Write("photos/a.heic", heic);
   TakeWarnings();
   EXPECT_EQ(Find(0.25).photos.size(), 3u);
   EXPECT_THAT(TakeWarnings(), ::testing::ElementsAre(::testing::HasSubstr(

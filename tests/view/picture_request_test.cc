@@ -85,7 +85,7 @@ TEST(PictureRequest, HostileQueriesAreRefusedByTheNameOfTheParameter) {
       {With(kFree, "view", "0x0"), "view is '0x0'"},
   };
   for (const auto& [query, part] : cases) {
-    ExpectError<UsageError>([&] { ParsePictureRequest(query, scene); }, {part});
+    ExpectError<UsageError>([&, &query = query] { ParsePictureRequest(query, scene); }, {part});
   }
 }
 
