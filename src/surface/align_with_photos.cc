@@ -20,7 +20,7 @@ namespace {
 
 // Rounds before the first move that only correct colours: a field's colours are those of its own
 // vertices, not of its surface. All later rounds correct them, too.
-constexpr int kColorRounds = 1;
+constexpr int kColorRounds = 2;
 
 // What pulls a displacement to the mean of its neighbours', and to 0, as the curvature of the error
 // pulls it to where the photos want it. The former decides between details and ripples.
