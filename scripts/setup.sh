@@ -48,8 +48,9 @@ assimp-utils                tests: reads exported surfaces
 python3-meshio              tests: reads exported fields
 chromium-driver             tests: opens the report in a browser
 python3-selenium            tests: opens the report in a browser
-clang                       tests: fuzz targets
-libclang-rt-14-dev          tests: the fuzzer's runtime library
+clang                       tests: sanitizers and fuzz targets
+libclang-rt-14-dev          tests: their runtime libraries
+llvm                        tests: names of functions in their reports
 clang-format                tests: format check
 colmap                      tetrec-sfm runs it
 libheif-examples            tetrec-sfm runs its heif-convert for HEIC photos; tests: heif-enc

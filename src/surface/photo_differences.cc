@@ -155,7 +155,8 @@ class Differences {
     for (int below = 0; below < photo.camera.height; ++below) {
       picture.DrawRow(below);
       const int y = below - 1;
-      for (int x = 1; y > 0 && x + 1 < photo.camera.width; ++x) {
+      if (y < 1) continue;
+      for (int x = 1; x + 1 < photo.camera.width; ++x) {
         if (Compares(photo, picture, x, y)) AddPixel(photo, picture, x, y);
       }
     }

@@ -42,10 +42,15 @@ struct Sighting {
 // or too slanted.
 std::optional<Sighting> See(const SurfacePoint& point, const TexturePhoto& photo);
 
-// For each triangle the photos that may see a part of it: those that show it, or one with a vertex
-// in common, because a small triangle may lie between the pixels. At most 24, those that see it
-// from the front and from near.
-std::vector<std::vector<uint32_t>> PhotosOfTriangles(const TriangleMesh& mesh_in_world,
-                                                     std::span<const TexturePhoto> photos);
+struct PhotosByTriangle {
+  std::vector<std::vector<uint32_t>> photos;
+  uint64_t limited = 0;  // triangles that are seen by more photos than are taken
+};
+
+// For each triangle the photos that show it, or a triangle with a vertex in common: of a triangle
+// with sides of less than 8 pixels at most 24, those that see its centre with the most pixels.
+// FindTrust must have seen the same mesh.
+PhotosByTriangle PhotosOfTriangles(const TriangleMesh& mesh_in_world,
+                                   std::span<const TexturePhoto> photos);
 
 }  // namespace tetrec

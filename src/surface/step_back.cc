@@ -156,18 +156,18 @@ class Crossings {
 
   // Whether an edge of `a` that has no vertex in common with `b` goes through it.
   bool AnEdgePierces(uint32_t a, uint32_t b) const {
-    const glm::uvec3& edges = mesh_.triangles[a];
+    const glm::uvec3& corners = mesh_.triangles[a];
     const glm::uvec3& t = mesh_.triangles[b];
     bool shared[3];
     int side[3] = {0, 0, 0};
     for (int k = 0; k < 3; ++k) {
-      shared[k] = edges[k] == t.x || edges[k] == t.y || edges[k] == t.z;
-      if (!shared[k]) side[k] = Sign(t.x, t.y, t.z, edges[k]);
+      shared[k] = corners[k] == t.x || corners[k] == t.y || corners[k] == t.z;
+      if (!shared[k]) side[k] = Sign(t.x, t.y, t.z, corners[k]);
     }
     for (int k = 0; k < 3; ++k) {
       const int next = (k + 1) % 3;
       if (shared[k] || shared[next] || side[k] * side[next] > 0) continue;
-      const uint32_t p = edges[k], q = edges[next];
+      const uint32_t p = corners[k], q = corners[next];
       const int x = Sign(p, q, t.x, t.y), y = Sign(p, q, t.y, t.z), z = Sign(p, q, t.z, t.x);
       if ((x >= 0 && y >= 0 && z >= 0) || (x <= 0 && y <= 0 && z <= 0)) return true;
     }

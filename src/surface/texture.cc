@@ -69,6 +69,7 @@ TexturedMesh MakeTexture(TriangleMesh mesh, std::span<const TexturePhoto> photos
                           {"texel_size", layout.texel_size},
                           {"charts", charts.size()},
                           {"photos", photos.size()},
+                          {"triangles_with_more_photos", baked.limited_triangles},
                           {"seen_share", baked.seen_share}});
   return {std::move(mesh), std::move(baked.image)};
 }

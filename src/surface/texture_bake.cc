@@ -87,12 +87,12 @@ Blend BlendPhotos(const SurfacePoint& point, std::span<const TexturePhoto> photo
 
 double MedianFootprint(const TriangleMesh& mesh, std::span<const TexturePhoto> photos) {
   const SurfacePoints surface(mesh);
-  const std::vector<std::vector<uint32_t>> candidates = PhotosOfTriangles(mesh, photos);
+  const PhotosByTriangle candidates = PhotosOfTriangles(mesh, photos);
   std::vector<std::pair<double, double>> footprints;  // with areas
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     const SurfacePoint center = surface.At(uint32_t(t), glm::dvec3(1.0 / 3));
     Choice best;
-    for (const uint32_t id : candidates[t]) {
+    for (const uint32_t id : candidates.photos[t]) {
       const Choice choice = Judge(center, photos[id], id);
       if (choice.weight > best.weight) best = choice;
     }
@@ -108,8 +108,8 @@ BakedTexture BakeTexture(const TriangleMesh& mesh, const TextureLayout& layout,
                          std::span<const TexturePhoto> photos) {
   const Texels texels = FindTexels(layout);
   const SurfacePoints surface(mesh);
-  const std::vector<std::vector<uint32_t>> candidates = PhotosOfTriangles(mesh, photos);
-  BakedTexture baked{MakeImage(layout.size, layout.size, 3), 0};
+  const PhotosByTriangle candidates = PhotosOfTriangles(mesh, photos);
+  BakedTexture baked{MakeImage(layout.size, layout.size, 3), 0, candidates.limited};
   std::vector<double> seen_in_row(size_t(layout.size), 0), texels_in_row = seen_in_row;
   ParallelFor(size_t(layout.size), 8, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y) {
@@ -118,8 +118,9 @@ BakedTexture BakeTexture(const TriangleMesh& mesh, const TextureLayout& layout,
         if (triangle == kNoTriangle) continue;
         const glm::dvec3 weights =
             NearestWeights(layout.corners[triangle], glm::dvec2(x, double(y)) + 0.5);
-        const Blend blend = BlendPhotos(surface.At(triangle, weights), photos, candidates[triangle],
-                                        surface.ColorAt(triangle, weights));
+        const Blend blend =
+            BlendPhotos(surface.At(triangle, weights), photos, candidates.photos[triangle],
+                        surface.ColorAt(triangle, weights));
         for (int c = 0; c < 3; ++c) {
           baked.image.At(x, int(y))[c] =
               uint8_t(std::lround(255 * std::clamp(blend.color[c], 0.0, 1.0)));

@@ -54,7 +54,7 @@ void FitTexture(const TriangleMesh& mesh, const TextureLayout& layout,
                 std::span<const TexturePhoto> photos, Image& texture) {
   const Texels texels = FindTexels(layout);
   const SurfacePoints surface(mesh);
-  const std::vector<std::vector<uint32_t>> candidates = PhotosOfTriangles(mesh, photos);
+  const PhotosByTriangle candidates = PhotosOfTriangles(mesh, photos);
   std::vector<SurfacePicture> drawn(photos.size());
   for (int round = 0; round < kRounds; ++round) {
     ParallelForEach(photos.size(), "", "the surface will be extracted again", [&](size_t i) {
@@ -68,7 +68,7 @@ void FitTexture(const TriangleMesh& mesh, const TextureLayout& layout,
           const SurfacePoint point = surface.At(
               triangle, NearestWeights(layout.corners[triangle], glm::dvec2(x, double(y)) + 0.5));
           WeightedSum error;
-          for (const uint32_t id : candidates[triangle]) {
+          for (const uint32_t id : candidates.photos[triangle]) {
             if (const auto sighting = See(point, photos[id])) {
               AddError(photos[id], drawn[id], *sighting, error);
             }

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "image/pixels_around.h"
 #include "mesh/seen_triangles.h"
 #include "run/camera_corrections.h"
 #include "run/photo_exposures.h"
@@ -22,6 +23,7 @@ namespace fs = std::filesystem;
 // A surface that is seen at a slant of 80 degrees has depths that differ by 6 footprints between
 // pixels; larger differences are jumps from one surface to another.
 constexpr double kJumpFootprints = 8;
+constexpr double kToleranceFootprints = 3;  // of a point behind the drawn surface, slopes aside
 
 bool Jumps(const TexturePhoto& photo, size_t a, size_t b) {
   const double near = std::min(photo.depth[a], photo.depth[b]);
@@ -67,8 +69,14 @@ void SpreadDistances(int width, int height, std::vector<int>& distance) {
   }
 }
 
-std::vector<bool> VerticesOf(const SeenTriangles& seen, const TriangleMesh& mesh) {
-  std::vector<bool> vertices(mesh.positions.size(), false);
+// Vertices that are seen, and those of triangles that pixels show: a large triangle may be seen
+// between its corners, and triangles far smaller than a pixel lie between the rays.
+std::vector<bool> SeenVertices(const SeenTriangles& seen, const TriangleMesh& mesh,
+                               const TexturePhoto& photo) {
+  std::vector<bool> vertices;
+  for (const glm::vec3& position : mesh.positions) {
+    vertices.push_back(photo.ShowsPoint(photo.cam_from_world * glm::dvec3(position)));
+  }
   for (const uint32_t triangle : seen.triangle) {
     if (triangle == kNoTriangle) continue;
     for (int k = 0; k < 3; ++k) vertices[mesh.triangles[triangle][k]] = true;
@@ -91,6 +99,16 @@ std::map<std::string, T> ReadIfThere(const fs::path& file,
 
 }  // namespace
 
+bool TexturePhoto::ShowsPoint(const glm::dvec3& in_cam) const {
+  if (!camera.Shows(in_cam)) return false;
+  double farthest = 0;
+  for (const auto& [x, y, weight] :
+       PixelsAround(camera.width, camera.height, camera.ImageFromCam(in_cam))) {
+    if (weight > 0) farthest = std::max(farthest, double(depth[Index(x, y)]));
+  }
+  return in_cam.z <= farthest + kToleranceFootprints * Footprint(in_cam.z);
+}
+
 bool TexturePhoto::Counts(int x, int y) const {
   if (image.channels == 3) return true;
   return image.At(x, y)[3] >= (alpha_is_opacity ? 255 : kSeenAlpha);
@@ -98,8 +116,8 @@ bool TexturePhoto::Counts(int x, int y) const {
 
 void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo) {
   SeenTriangles seen = FindSeenTriangles(mesh_in_world, photo.camera, photo.cam_from_world);
-  photo.shows = VerticesOf(seen, mesh_in_world);
   photo.depth = std::move(seen.depth);
+  photo.shows = SeenVertices(seen, mesh_in_world, photo);
   std::vector<int> distance = Untrusted(photo);
   SpreadDistances(photo.camera.width, photo.camera.height, distance);
   photo.trust.clear();

@@ -27,7 +27,7 @@ struct TexturePhoto {
   bool alpha_is_opacity = false;      // as of the scene: otherwise alpha marks pixels that count
   std::vector<float> depth;           // (height x width) of the surface, infinite where none is
   std::vector<uint8_t> trust;         // (height x width) from 0 to kFullTrust, see FindTrust
-  std::vector<bool> shows;            // for each vertex, whether pixels show a triangle of it
+  std::vector<bool> shows;            // for each vertex, whether it or a triangle of it is seen
 
   size_t Index(int x, int y) const { return size_t(y) * size_t(camera.width) + size_t(x); }
   // The colour [display sRGB, 0 to 1] of 8-bit channels, without the exposure of this photo.
@@ -36,6 +36,9 @@ struct TexturePhoto {
     const uint8_t* rgb = image.At(x, y);
     return WithoutExposure({rgb[0], rgb[1], rgb[2]});
   }
+  // Whether a point is in the frame and not behind the surface, by the depths: 3 footprints behind
+  // it, slopes aside, still count as on it.
+  bool ShowsPoint(const glm::dvec3& in_cam) const;
   // Returns true if a pixel shows nothing but the scene.
   bool Counts(int x, int y) const;
   // Length on a surface facing the camera that one pixel covers at this depth.

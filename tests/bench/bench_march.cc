@@ -299,9 +299,13 @@ int main(int argc, char** argv) {
                 ->Arg(1024)
                 ->Arg(4096)
                 ->Arg(16384));
-  benchmark::RegisterBenchmark("Compare", Compare, turns)->Unit(benchmark::kSecond)->Iterations(1);
+  benchmark::RegisterBenchmark("Compare", Compare, turns)
+      ->Unit(benchmark::kSecond)
+      ->Iterations(1)
+      ->Repetitions(1);
   benchmark::RegisterBenchmark("LostRays", LostRays, lost_rays)
       ->Unit(benchmark::kSecond)
-      ->Iterations(1);
+      ->Iterations(1)
+      ->Repetitions(1);
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -154,7 +154,7 @@ TEST_F(PhotosTest, ADamagedHeicIsLeftOutLikeOtherDamagedPhotos) {
     GTEST_SKIP() << "heif-convert is not installed (scripts/setup.sh)";
   WritePhotos(3);
   std::string heic(412, 'x');
-  heic.replace(0, 12, "\0\0\0\x18\x66typheic", 12);
+  heic.replace(0, 4, "\0\0\0\x18", 4).replace(4, 8, "ftypheic");
   folder_.Write("photos/a.heic", heic);
   TakeWarnings();
   EXPECT_EQ(Find(0.25).photos.size(), 3u);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tetrec {
@@ -36,6 +37,7 @@ uint32_t Lower(uint32_t x, uint32_t y) { return y * kSide + x; }
 TEST(StepBackFromCrossings, TakesBackWhatGoesThroughAnotherPartAndNothingElse) {
   const TriangleMesh start = TwoSheets();
   TriangleMesh moved = start;
+  for (uint32_t v = 0; v < kSide * kSide; ++v) moved.positions[v].x += 0.01f;
   // In opposite corners and in the middle, through the upper sheet; elsewhere not up to it.
   const uint32_t through[] = {Lower(5, 5), Lower(60, 61), Lower(112, 113)};
   for (const uint32_t v : through) moved.positions[v].z = 1.5f * kGap;
@@ -52,6 +54,26 @@ TEST(StepBackFromCrossings, TakesBackWhatGoesThroughAnotherPartAndNothingElse) {
               start.positions[v]);  // the upper sheet has nowhere to go back to
   }
   EXPECT_EQ(StepBackFromCrossings(start, moved).positions, result.positions);
+}
+
+// The boxes of the large triangle and of each small one meet in many cells or in none but one.
+TEST(StepBackFromCrossings, FindsCrossingsAnywhereInALargeTriangle) {
+  TriangleMesh start = TwoSheets();
+  start.positions.resize(kSide * kSide);
+  std::erase_if(start.triangles, [](const glm::uvec3& t) {
+    return std::max({t.x, t.y, t.z}) >= kSide * kSide;
+  });
+  const auto first = uint32_t(start.positions.size());
+  start.positions.insert(start.positions.end(), {{-1, -1, 1}, {250, -1, 1.1f}, {-1, 250, 1.2f}});
+  start.triangles.emplace_back(first, first + 1, first + 2);
+  for (const uint32_t v : {Lower(3, 3), Lower(20, 100), Lower(100, 20), Lower(64, 32)}) {
+    TriangleMesh moved = start;
+    moved.positions[v].z = 2;
+    const TriangleMesh result = StepBackFromCrossings(start, moved);
+    EXPECT_LT(result.positions[v].z, 1.2f) << v;
+    moved.positions[v].z = 0.8f;
+    EXPECT_EQ(StepBackFromCrossings(start, moved).positions[v], moved.positions[v]) << v;
+  }
 }
 
 TEST(StepBackFromCrossings, NothingHasNothingToTakeBack) {
