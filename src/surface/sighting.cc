@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -56,7 +57,9 @@ bool KeepBest(const TriangleMesh& mesh, const glm::uvec3& triangle,
     best.emplace_back(seen ? -seen->facing / (seen->footprint * seen->footprint) : 0, id);
     if (seen) smallest_footprint = std::min(smallest_footprint, seen->footprint);
   }
-  if (!(LongestSide(mesh, triangle) < kLargeSide_px * smallest_footprint)) return false;
+  const bool is_small = std::isfinite(smallest_footprint) &&
+                        LongestSide(mesh, triangle) < kLargeSide_px * smallest_footprint;
+  if (!is_small) return false;
   std::nth_element(best.begin(), best.begin() + kMostPhotos, best.end());
   ids.clear();
   for (size_t i = 0; i < kMostPhotos; ++i) ids.push_back(best[i].second);
