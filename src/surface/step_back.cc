@@ -105,8 +105,8 @@ class Crossings {
     }
   }
 
-  // Whether two boxes meet, and the low corner of what they share is in this cell, so that each
-  // pair is compared once.
+  // True if two boxes meet and this cell contains the low corner of their intersection, which is in
+  // one cell only: each pair is compared once.
   bool MeetFirstIn(uint32_t cell, const Box& a, const Box& b) const {
     if (glm::any(glm::greaterThan(a.low, b.high)) || glm::any(glm::greaterThan(b.low, a.high))) {
       return false;

@@ -36,8 +36,8 @@ struct TexturePhoto {
     const uint8_t* rgb = image.At(x, y);
     return WithoutExposure({rgb[0], rgb[1], rgb[2]});
   }
-  // Whether a point is in the frame and not behind the surface, by the depths: 3 footprints behind
-  // it, slopes aside, still count as on it.
+  // True if a point is in the frame and at most 3 footprints farther away than the surface that the
+  // pixels around it show.
   bool ShowsPoint(const glm::dvec3& in_cam) const;
   // Returns true if a pixel shows nothing but the scene.
   bool Counts(int x, int y) const;
