@@ -8,15 +8,20 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tetrec::test {
 
 class VulkanTest : public ::testing::Test {
  protected:
+  VulkanTest() = default;
+  explicit VulkanTest(DeviceOptions options) : options_(std::move(options)) {}
+
   void SetUp() override {
+    options_.validation = true;
     try {
-      device_ = CreateDevice({.validation = true});
+      device_ = CreateDevice(options_);
     } catch (const EnvironmentError& error) {
       GTEST_SKIP() << error.what();
     }
@@ -29,6 +34,7 @@ class VulkanTest : public ::testing::Test {
   const Device& device() const { return *device_; }
 
  private:
+  DeviceOptions options_;
   std::unique_ptr<Device> device_;
 };
 

@@ -1,7 +1,7 @@
 // Device buffers that the host fills and reads.
 #pragma once
 
-#include "gpu/device.h"
+#include "gpu/allocation.h"
 
 #include <span>
 #include <string>
@@ -10,14 +10,21 @@
 
 namespace tetrec {
 
+// Where a buffer lives if the device has memory of its own.
+enum class BufferHome {
+  kDevice,      // with the device, which reaches it fastest; the host's transfers wait for a copy
+  kHostWrites,  // where the host writes directly, for small inputs of each step
+  kHostReads,   // where the host reads directly, for small results of each step
+};
+
 // Owns its memory. It is mapped if the device's memory is the host's (software and integrated
-// devices); otherwise transfers go through a staging copy.
+// devices) or its home is not the device; otherwise transfers go through a staging area.
 class Buffer {
  public:
   Buffer() = default;
   // `texels` is the format in which kernels read it as a texel buffer, or VK_FORMAT_UNDEFINED.
   Buffer(const Device& device, std::string name, uint64_t bytes,
-         VkFormat texels = VK_FORMAT_UNDEFINED);
+         VkFormat texels = VK_FORMAT_UNDEFINED, BufferHome home = BufferHome::kDevice);
   Buffer(Buffer&& other) noexcept { Swap(other); }
   Buffer& operator=(Buffer&& other) noexcept {
     Swap(other);
@@ -25,7 +32,7 @@ class Buffer {
   }
   ~Buffer();
 
-  VkBuffer handle() const { return handle_; }
+  VkBuffer handle() const { return memory_.buffer; }
   VkBufferView view() const { return view_; }
   uint64_t bytes() const { return bytes_; }
   const std::string& name() const { return name_; }
@@ -54,10 +61,8 @@ class Buffer {
   const Device* device_ = nullptr;
   std::string name_;
   uint64_t bytes_ = 0;
-  VkBuffer handle_ = VK_NULL_HANDLE;
-  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  Allocation memory_;
   VkBufferView view_ = VK_NULL_HANDLE;
-  void* mapped_ = nullptr;
 };
 
 // A buffer filled with values; never empty, because Vulkan has no empty buffers.
@@ -70,10 +75,11 @@ Buffer MakeBuffer(const Device& device, std::string name, const std::vector<T>& 
 }
 
 // Replaces a buffer that has fewer bytes; its contents are lost. The device must be done with it.
-inline void Grow(const Device& device, Buffer& buffer, const char* name, uint64_t bytes) {
+inline void Grow(const Device& device, Buffer& buffer, const char* name, uint64_t bytes,
+                 BufferHome home = BufferHome::kDevice) {
   if (buffer.bytes() > 0 && buffer.bytes() >= bytes) return;
   buffer = {};  // frees the old one before the new one takes memory
-  buffer = Buffer(device, name, bytes);
+  buffer = Buffer(device, name, bytes, VK_FORMAT_UNDEFINED, home);
 }
 
 }  // namespace tetrec

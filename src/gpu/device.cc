@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "gpu/staging.h"
 
 #include <sys/resource.h>
 
@@ -317,7 +318,10 @@ void CheckVulkan(VkResult result, const char* call) {
   throw BugError(message);
 }
 
+Device::Device() = default;
+
 Device::~Device() {
+  staging.reset();
   if (handle != VK_NULL_HANDLE) {
     vkDeviceWaitIdle(handle);
     vkDestroyCommandPool(handle, command_pool, nullptr);
@@ -349,6 +353,7 @@ std::unique_ptr<Device> CreateDevice(const DeviceOptions& options) {
   if (device->properties.apiVersion >= VK_API_VERSION_1_3) {
     features = QueryFeatures(device->physical);
   }
+  device->maps_buffers = options.maps_buffers;
   device->has_raster = has_graphics && features.raster;
   device->has_float_atomics = options.float_atomics && AddsFloatsAtomically(device->physical);
   if (options.int64_atomics) {

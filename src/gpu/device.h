@@ -19,6 +19,8 @@ struct MemoryUse {
   uint64_t bytes = 0, most_bytes = 0;  // now, and the maximum since the device was made
 };
 
+class StagingArea;
+
 struct Device {
   VkInstance instance = VK_NULL_HANDLE;
   VkPhysicalDevice physical = VK_NULL_HANDLE;
@@ -36,10 +38,12 @@ struct Device {
   PFN_vkCmdPushDescriptorSetKHR push_descriptor_set = nullptr;
   std::vector<std::string> validation_messages;  // empty means clean
   const std::unique_ptr<MemoryUse> memory_use = std::make_unique<MemoryUse>();
-  std::unique_ptr<KernelTimes> kernel_times;  // null unless requested and possible
-  uint32_t timestamp_bits = 0;                // valid bits; 0: the queue has no timestamps
+  std::unique_ptr<KernelTimes> kernel_times;     // null unless requested and possible
+  uint32_t timestamp_bits = 0;                   // valid bits; 0: the queue has no timestamps
+  bool maps_buffers = true;                      // DeviceOptions::maps_buffers
+  mutable std::unique_ptr<StagingArea> staging;  // of StagingOf (staging.h)
 
-  Device() = default;
+  Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
   ~Device();

@@ -8,9 +8,11 @@ namespace tetrec {
 struct DeviceOptions {
   // "auto" (a GPU if there is one, otherwise software), "cpu", "gpu", or an index of ListDevices.
   std::string device = "auto";
-  bool validation = false;     // core and synchronization validation; messages are collected
-  bool float_atomics = true;   // false: compare-and-swap even if the device adds floats natively
-  bool time_kernels = false;   // by timestamps, if the device has them
+  bool validation = false;    // core and synchronization validation; messages are collected
+  bool float_atomics = true;  // false: compare-and-swap even if the device adds floats natively
+  bool time_kernels = false;  // by timestamps, if the device has them
+  // False, for tests: buffers of the device are reached by copies, as if its memory were its own.
+  bool maps_buffers = true;
   bool int64_atomics = false;  // required: a device without them is an EnvironmentError
 };
 

@@ -47,7 +47,8 @@ void DssimLoss::Prepare(DssimBatch& batch, const TrainingBatch& step) const {
   Grow(device_, batch.pictures, "images of tiles", 8 * values);
   Grow(device_, batch.window_rows, "rows of windows", 20 * values);
   Grow(device_, batch.window_terms, "terms of windows", 12 * values);
-  Grow(device_, batch.partial_ssims, "partial sums of SSIM", 4 * batch.workgroups);
+  Grow(device_, batch.partial_ssims, "partial sums of SSIM", 4 * batch.workgroups,
+       BufferHome::kHostReads);
 }
 
 void DssimLoss::Record(CommandRecorder& recorder, const DssimBatch& batch, const RayBatch& rays,

@@ -23,7 +23,8 @@ void ExposureGather::SetExposures(std::span<const ViewExposure> exposures) {
 void ExposureGather::Record(CommandRecorder& recorder, RayBatch& rays,
                             std::span<const RayBlock> blocks, const gpu_types::LossPush& push,
                             const Buffer& views, const Buffer& targets) const {
-  Grow(device_, rays.exposure_sums, "exposure sums", blocks.size() * 4 * sizeof(glm::vec4));
+  Grow(device_, rays.exposure_sums, "exposure sums", blocks.size() * 4 * sizeof(glm::vec4),
+       BufferHome::kHostReads);
   recorder.Dispatch(program_,
                     {{kBindViews, views},
                      {kBindBlocks, rays.blocks},

@@ -36,12 +36,14 @@ void RayBatch::SetBlocks(const Device& device, std::span<const RayBlock> ray_blo
   columns = TileColumns(ray_blocks);
   if (count > capacity) {
     const uint64_t rays = count;
-    blocks = Buffer(device, "ray blocks", ray_blocks.size_bytes(), VK_FORMAT_R32G32B32A32_UINT);
+    blocks = Buffer(device, "ray blocks", ray_blocks.size_bytes(), VK_FORMAT_R32G32B32A32_UINT,
+                    BufferHome::kHostWrites);
     colors = Buffer(device, "ray colors", rays * 16);
     entries = Buffer(device, "ray entries", rays * 8);
     gradients = Buffer(device, "ray gradients", rays * 16);
     partial_losses =
-        Buffer(device, "partial losses", (rays + kWorkgroupSize - 1) / kWorkgroupSize * 8);
+        Buffer(device, "partial losses", (rays + kWorkgroupSize - 1) / kWorkgroupSize * 8,
+               VK_FORMAT_UNDEFINED, BufferHome::kHostReads);
     capacity = count;
   }
   std::vector<RayBlock> numbered(ray_blocks.begin(), ray_blocks.end());
@@ -52,7 +54,7 @@ void RayBatch::SetBlocks(const Device& device, std::span<const RayBlock> ray_blo
   slots = uint32_t(slot_centers.size());
   if (centers.bytes() < slot_centers.size() * sizeof(glm::vec4)) {
     centers = Buffer(device, "camera centers", slot_centers.size() * sizeof(glm::vec4),
-                     VK_FORMAT_R32G32B32A32_SFLOAT);
+                     VK_FORMAT_R32G32B32A32_SFLOAT, BufferHome::kHostWrites);
   }
   centers.Upload(slot_centers);
   blocks.Upload(numbered);

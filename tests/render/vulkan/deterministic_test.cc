@@ -156,6 +156,15 @@ TEST_P(DeterministicTest, PicturesAndGradientsAreTheSameBitsEveryTime) {
   }
 }
 
+// As on a GPU with memory of its own.
+TEST_P(DeterministicTest, CopiesThroughTheStagingAreaDoNotChangeABit) {
+  const Learned mapped = Learn(MakeRenderer({.deterministic = true}), 0);
+  const Learned copied =
+      Learn(MakeRenderer({.device = {.maps_buffers = false}, .deterministic = true}), 0);
+  ExpectSameBits(mapped.state, copied.state);
+  EXPECT_TRUE(SameBits(mapped.scores, copied.scores));
+}
+
 // LP_NUM_THREADS is lavapipe's; other devices ignore it.
 TEST_P(DeterministicTest, NumberOfThreadsDoesNotChangeABit) {
   std::vector<Learned> learned;
