@@ -1,8 +1,10 @@
 // Images as 4 x 2 blocks of rays.
 #include "render/ray_blocks.h"
 
+#include "core/error.h"
+
 #include <algorithm>
-#include <tuple>
+#include <cstdint>
 
 namespace tetrec {
 
@@ -17,11 +19,25 @@ std::vector<RayBlock> CoveringBlocks(int width, int height, uint32_t view) {
 }
 
 void SortByPlace(std::span<RayBlock> blocks) {
-  constexpr uint32_t kTile = 32;  // [px]
-  const auto place = [](const RayBlock& block) {
-    return std::tuple(block.view, block.y / kTile, block.x / kTile, block.y, block.x);
-  };
-  std::ranges::sort(blocks, {}, place);
+  // Numbers that sort as (view, tile of 32 x 32 pixels, place in it) do, and contain the block:
+  // several times faster to sort than blocks by such tuples.
+  constexpr uint32_t kTileBits = 5, kTile = 1u << kTileBits, kMostTiles = 1u << 11;
+  std::vector<uint64_t> places(blocks.size());
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    const auto& [view, x, y, slot] = blocks[i];
+    TETREC_CHECK(x / kTile < kMostTiles && y / kTile < kMostTiles, "pictures of 65,535 pixels");
+    const uint32_t tile = y / kTile * kMostTiles + x / kTile;
+    const uint32_t in_tile = y % kTile * kTile + x % kTile;
+    places[i] = uint64_t{view} << 32 | tile << 2 * kTileBits | in_tile;
+  }
+  std::ranges::sort(places);
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    const uint32_t place = uint32_t(places[i]);
+    const uint32_t tile = place >> 2 * kTileBits;
+    blocks[i] = {.view = uint32_t(places[i] >> 32),
+                 .x = tile % kMostTiles * kTile + place % kTile,
+                 .y = tile / kMostTiles * kTile + (place >> kTileBits) % kTile};
+  }
 }
 
 glm::ivec2 PixelOfRay(std::span<const RayBlock> blocks, size_t ray) {

@@ -14,7 +14,7 @@ namespace tetrec {
 std::vector<RayBlock> CoveringBlocks(int width, int height, uint32_t view = 0);
 
 // Sorts by view and place, so that rays that follow each other pass the same tets: these are then
-// in the cache.
+// in the cache. Slots are lost. Coordinates are below 65,536.
 void SortByPlace(std::span<RayBlock> blocks);
 
 // The pixel (x, y) of ray number `ray` of a batch.
