@@ -34,10 +34,14 @@ void CheckRoomForWindows(const TrainingSet& set, const std::filesystem::path& sc
 
 }  // namespace
 
-BatchDrawer::BatchDrawer(const OptimizeOptions& options, const TrainingSet& set, bool needs_tiles,
-                         const glm::vec3& background_srgb,
+BatchDrawer::BatchDrawer(const OptimizeOptions& options, const TrainingSet& set,
+                         const TrainingRenderer& renderer, const glm::vec3& background_srgb,
                          const std::filesystem::path& scene_folder)
-    : options_(options), set_(set), needs_tiles_(needs_tiles), background_srgb_(background_srgb) {
+    : options_(options),
+      set_(set),
+      pace_(renderer.Pace()),
+      needs_tiles_(renderer.NeedsTiles()),
+      background_srgb_(background_srgb) {
   if (options.loss.dssim > 0) CheckRoomForWindows(set, scene_folder);
 }
 
@@ -62,10 +66,10 @@ glm::vec3 BatchDrawer::Background(uint64_t iteration) const {
 
 // Fills blocks_; returns the shape of its tiles, if it consists of tiles.
 TileShape BatchDrawer::DrawBlocksOrTiles(uint64_t iteration) {
-  const size_t count = size_t(options_.rays_per_step) / kRaysPerBlock;
+  const size_t count = size_t(rays_per_step()) / kRaysPerBlock;
   if (!DrawsTiles()) {
     blocks_ = few_views_
-                  ? DrawBlocksOfViews(set_, count, kMostViewsOfBatch, options_.subject_share,
+                  ? DrawBlocksOfViews(set_, count, pace_.views_per_batch, options_.subject_share,
                                       options_.seed, iteration)
                   : DrawBlocks(set_, count, options_.subject_share, options_.seed, iteration);
     SortByPlace(blocks_);

@@ -13,15 +13,18 @@ namespace tetrec {
 // what the first one would have drawn.
 class BatchDrawer {
  public:
-  // `needs_tiles`: as the renderer does. `background_srgb`: the scene's own. Throws DataError that
-  // names `scene_folder` if an image is too small for the loss.
-  BatchDrawer(const OptimizeOptions& options, const TrainingSet& set, bool needs_tiles,
-              const glm::vec3& background_srgb, const std::filesystem::path& scene_folder);
+  // For `renderer`. `background_srgb`: the scene's own. Throws DataError that names `scene_folder`
+  // if an image is too small for the loss.
+  BatchDrawer(const OptimizeOptions& options, const TrainingSet& set,
+              const TrainingRenderer& renderer, const glm::vec3& background_srgb,
+              const std::filesystem::path& scene_folder);
 
   // Its blocks stay valid until the next call. `samples`: TrainingBatch::samples, 1 if
   // DrawsTiles.
   TrainingBatch Draw(uint64_t iteration, int samples = 1);
-  // If `few`, each batch draws its rays from at most kMostViewsOfBatch views.
+  int rays_per_step() const { return options_.RaysPerStep(pace_); }
+  size_t views_per_batch() const { return pace_.views_per_batch; }
+  // If `few`, each batch draws its rays from at most views_per_batch() views.
   void UseFewViews(bool few) { few_views_ = few; }
   bool few_views() const { return few_views_; }
   // Behind field and targets: random, also where scores look at errors, or the scene's own if that
@@ -38,6 +41,7 @@ class BatchDrawer {
 
   const OptimizeOptions& options_;
   const TrainingSet& set_;
+  DevicePace pace_;
   bool needs_tiles_, few_views_ = false;
   glm::vec3 background_srgb_;
   std::vector<RayBlock> blocks_;

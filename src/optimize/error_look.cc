@@ -16,13 +16,13 @@ namespace {
 
 constexpr size_t kBatch = 4096;  // blocks
 
-// How many of the blocks from `first` on make a batch of no more than kMostViewsOfBatch views.
-size_t CountOfFewViews(std::span<const RayBlock> blocks, size_t first) {
+// How many of the blocks from `first` on make a batch of no more than `most_views` views.
+size_t CountOfFewViews(std::span<const RayBlock> blocks, size_t first, size_t most_views) {
   size_t count = 0, views = 0;
   while (count < kBatch && first + count < blocks.size()) {
     const size_t at = first + count;
     views += count == 0 || blocks[at].view != blocks[at - 1].view;
-    if (views > kMostViewsOfBatch) break;
+    if (views > most_views) break;
     ++count;
   }
   return count;
@@ -54,7 +54,7 @@ void ForEachBatch(std::span<const RayBlock> blocks, const BatchDrawer& batches, 
                   const Add& add) {
   for (size_t first = 0, count = 0; first < blocks.size(); first += count) {
     TrainingBatch batch;
-    count = batches.few_views() ? CountOfFewViews(blocks, first)
+    count = batches.few_views() ? CountOfFewViews(blocks, first, batches.views_per_batch())
                                 : std::min(kBatch, blocks.size() - first);
     batch.blocks = blocks.subspan(first, count);
     batch.background_srgb = batches.Background(iteration + first);

@@ -51,11 +51,11 @@ void OptimizeOptions::Check() const {
         "position_rate and 'quality_weight' have no effect with move off; leave them out");
   }
   if (!(split_share > 0)) fail("split_share", split_share, "above 0");
-  if (rays_per_step < kRaysPerBlock || rays_per_step > 1 << 22) {
-    fail("rays", rays_per_step, "8 to 4194304");
+  if (rays_per_step && (*rays_per_step < kRaysPerBlock || *rays_per_step > 1 << 22)) {
+    fail("rays", *rays_per_step, "8 to 4194304");
   }
-  if (loss.dssim > 0 && rays_per_step < kLeastDssimRays) {
-    fail("rays", rays_per_step, "at least 256 for a loss with D-SSIM, whose windows need tiles");
+  if (loss.dssim > 0 && rays_per_step && *rays_per_step < kLeastDssimRays) {
+    fail("rays", *rays_per_step, "at least 256 for a loss with D-SSIM, whose windows need tiles");
   }
   if (!(checkpoint_interval_s >= 0)) {
     fail("checkpoint_interval", checkpoint_interval_s, "at least 0 s");

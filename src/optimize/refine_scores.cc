@@ -48,7 +48,7 @@ GradientsOfRows SumGradients(TrainingRenderer& renderer, BatchDrawer& batches,
     TrainingBatch batch = batches.Draw(kFirstBatch + iteration + i);
     batch.loss = loss;
     batch.dssim_weight = 0;
-    batch.update_rays = uint64_t(options.rays_per_step);
+    batch.update_rays = uint64_t(batches.rays_per_step());
     renderer.Forward(batch);
     renderer.Backward(parts);
     rays += double(batch.rays());

@@ -23,6 +23,7 @@
 #include "optimize/pose_sweeps.h"
 #include "optimize/rate_trial.h"
 #include "optimize/refinement_rounds.h"
+#include "optimize/run_length.h"
 #include "optimize/run_outputs.h"
 #include "optimize/seen_space.h"
 #include "optimize/training_history.h"
@@ -47,49 +48,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The pixels that afford vertices: those of the subject, and as many as the start mesh takes at
-// least, so that what it drops may be put where errors are.
-uint64_t AffordingPixels(const TrainingSet& set, const TetMesh& start) {
-  return std::max(SubjectPixels(set), uint64_t(kPixelsPerVertex) * start.positions.size());
-}
-
-// A run without limits may grow to the most vertices.
-double ExpectedSeconds(const OptimizeOptions& options, uint64_t affording_pixels) {
-  if (!options.HasLimit()) {
-    return SecondsForVertices(options.max_vertices > 0
-                                  ? double(options.max_vertices)
-                                  : double(affording_pixels) / kPixelsPerVertex);
-  }
-  const double by_iterations = double(options.iterations) / kStepsPerSecond;
-  if (options.time_limit_s <= 0) return by_iterations;
-  if (options.iterations == 0) return options.time_limit_s;
-  return std::min(by_iterations, options.time_limit_s);
-}
-
-// `max_tets`: never exceeded.
-uint64_t MaxVertices(const OptimizeOptions& options, uint64_t affording_pixels, uint64_t max_tets) {
-  uint64_t vertices = options.max_vertices;
-  if (vertices == 0 && options.budget == BudgetChoice::kAuto) {
-    vertices = AffordableVertices(ExpectedSeconds(options, affording_pixels), affording_pixels);
-  }
-  if (max_tets == kNoBudget) return vertices;
-  const uint64_t in_budget = uint64_t(double(max_tets) / kTetsPerVertex);
-  return vertices == 0 ? in_budget : std::min(vertices, in_budget);
-}
-
-std::vector<PlannedRound> PlanRounds(const OptimizeOptions& options, uint64_t start_vertices,
-                                     uint64_t max_vertices, uint64_t affording_pixels) {
-  // In a run without limits, a given number of rounds is done while it is young.
-  const bool is_brief = !options.HasLimit() && options.schedule.rounds;
-  const double seconds = is_brief ? kGrowthSeconds : ExpectedSeconds(options, affording_pixels);
-  const uint64_t growth_vertices =
-      AffordableVertices(std::min(seconds, kGrowthSeconds), affording_pixels);
-  return PlanGrowth(
-      options.schedule, start_vertices,
-      seconds > kGrowthSeconds ? std::min(growth_vertices, max_vertices) : max_vertices,
-      max_vertices, std::max(1.0, seconds / kGrowthSeconds));
-}
-
 RendererOptions RendererOptionsOf(const OptimizeOptions& options) {
   RendererOptions renderer = options.renderer;
   if (options.move == MoveChoice::kArticle) renderer.AcceptInvertedTets();
@@ -110,13 +68,13 @@ class Trainer {
         stage_(stage),
         affording_pixels_(AffordingPixels(set, start)),
         max_tets_(TetBudget(options, set.pixels, start.tets.size())),
-        max_vertices_(MaxVertices(options, affording_pixels_, max_tets_)),
         renderer_(CreateRenderer(RendererOptionsOf(options))),
+        length_(LengthOf(options, renderer_->Pace(), affording_pixels_)),
+        max_vertices_(MaxVertices(options, length_, affording_pixels_, max_tets_)),
         watched_{*renderer_, scene_folder_, scene,
                  ChooseWatchedViews(scene, options.watched_views)},
         pictures_(options, std::move(set), BackgroundColor(scene.background), *renderer_),
-        batches_(options, pictures_.set(), renderer_->NeedsTiles(), pictures_.background_srgb(),
-                 scene_folder),
+        batches_(options, pictures_.set(), *renderer_, pictures_.background_srgb(), scene_folder),
         field_(options, scene, *renderer_, batches_, std::move(seen_space)),
         motion_(options, field_, *renderer_, pictures_.set().views.size()),
         steps_(options, scene.has_alpha, batches_, *renderer_, motion_),
@@ -125,10 +83,11 @@ class Trainer {
         harmonics_(options, field_, pictures_, steps_),
         fine_rays_(options, field_, pictures_, steps_),
         motion_trial_(options, field_, pictures_, steps_, motion_),
-        rounds_(options,
-                PlanRounds(options, start.positions.size(), max_vertices_, affording_pixels_),
-                {field_, motion_, pictures_, batches_, steps_, *renderer_},
-                {stage.Scratch("best.bin"), stage.Scratch("unrefined.bin")}, max_tets_),
+        rounds_(
+            options,
+            PlanRounds(options, length_, start.positions.size(), max_vertices_, affording_pixels_),
+            {field_, motion_, pictures_, batches_, steps_, *renderer_},
+            {stage.Scratch("best.bin"), stage.Scratch("unrefined.bin")}, max_tets_),
         coarsening_(options, {field_, motion_, pictures_, batches_, steps_, *renderer_}, rounds_,
                     stage.Scratch("finer.bin"), stage.Scratch("coarser.bin")),
         checkpoint_path_(stage.Scratch(kCheckpointFile)) {}
@@ -165,9 +124,11 @@ class Trainer {
  private:
   void Introduce(const TetMesh& start) {
     stage_.Device(renderer_->DescribeDevice());
-    LogInfo("{} training views, {} pixels; device {}; up to {} vertices",
+    LogInfo("{} training views, {} pixels; device {}; steps of {} rays; up to {} vertices",
             pictures_.set().views.size(), WithThousands(pictures_.set().pixels),
-            renderer_->DescribeDevice()["name"].get<std::string>(), WithThousands(max_vertices_));
+            renderer_->DescribeDevice()["name"].get<std::string>(),
+            WithThousands(batches_.rays_per_step()), WithThousands(max_vertices_));
+    stage_.Count("rays_per_step", uint64_t(batches_.rays_per_step()));
     if (max_tets_ != kNoBudget) {
       LogInfo("the budget allows {} tets; predicted peak of memory {:.0f} MB",
               WithThousands(max_tets_),
@@ -454,8 +415,9 @@ class Trainer {
   Stage& stage_;
   uint64_t affording_pixels_;
   uint64_t max_tets_;
-  uint64_t max_vertices_;
   std::unique_ptr<TrainingRenderer> renderer_;
+  RunLength length_;
+  uint64_t max_vertices_;
   WatchedViews watched_;
   TrainingPictures pictures_;
   BatchDrawer batches_;

@@ -29,7 +29,7 @@ StepResult TrainingSteps::TakeStep(uint64_t iteration, const RunMoment& moment,
   const StepResult result = renderer_.Step(batch, UpdateOf(steps, moment));
   if (motion_as_at) {
     motion_.AfterStep(steps, motion_as_at->progress,
-                      RateShare(options_.schedule, *motion_as_at, steps));
+                      RateShare(options_.schedule, *motion_as_at, motion_.StepsForRates(steps)));
   }
   return result;
 }

@@ -16,9 +16,6 @@ namespace {
 
 // At the end of a run, while the noise of batches settles, the mesh stands still.
 constexpr double kLastMotion = 0.8;
-// Vertices move after every so many steps, by the sums of their gradients.
-constexpr uint64_t kStepsOfMotion = 16;
-static_assert(kStepsOfMotion <= kMostSummedBatches);
 constexpr float kBeta1 = 0.9f, kBeta2 = 0.95f;
 
 std::vector<float> SizesOfVertices(const TetMesh& mesh) {
@@ -32,14 +29,27 @@ bool VertexMotion::IsOn(uint64_t step, double progress) const {
   return is_used_ && (IsArticle() ? IsInJointEpoch(step, views_) : progress < kLastMotion);
 }
 
-uint64_t VertexMotion::StepsOfMotion() const { return IsArticle() ? 1 : kStepsOfMotion; }
+uint64_t VertexMotion::StepsOfMotion() const {
+  return IsArticle() ? 1 : renderer_.Pace().steps_per_motion;
+}
+
+uint64_t VertexMotion::SummedSteps() const { return std::min(StepsOfMotion(), kMostSummedBatches); }
+
+bool VertexMotion::IsSummed(uint64_t step, double progress) const {
+  const uint64_t of_motion = (step - 1) % StepsOfMotion();
+  return IsOn(step, progress) && of_motion >= StepsOfMotion() - SummedSteps();
+}
+
+uint64_t VertexMotion::StepsForRates(uint64_t steps) const {
+  return steps * SummedSteps() / StepsOfMotion();
+}
 
 GradientParts VertexMotion::PartsOf(uint64_t step, double progress) const {
-  return IsOn(step, progress) ? GradientParts::kMotion : GradientParts::kColorDensity;
+  return IsSummed(step, progress) ? GradientParts::kMotion : GradientParts::kColorDensity;
 }
 
 bool VertexMotion::CanResumeAfter(uint64_t steps, double progress) const {
-  return !IsOn(steps, progress) || steps % StepsOfMotion() == 0;
+  return steps == 0 || !IsSummed(steps, progress) || steps % StepsOfMotion() == 0;
 }
 
 void VertexMotion::AfterStep(uint64_t steps, double progress, double rate_share) {
@@ -56,7 +66,7 @@ void VertexMotion::AfterStep(uint64_t steps, double progress, double rate_share)
 // The regulariser is a part of the loss of each step.
 void VertexMotion::AddRegulariser(std::vector<glm::dvec3>& sums) const {
   const std::vector<glm::dvec3> of_step = RegulariserGradients(field_.mesh(), options_.quality);
-  for (size_t v = 0; v < sums.size(); ++v) sums[v] += double(StepsOfMotion()) * of_step[v];
+  for (size_t v = 0; v < sums.size(); ++v) sums[v] += double(SummedSteps()) * of_step[v];
 }
 
 void VertexMotion::Begin() {

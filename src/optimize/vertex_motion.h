@@ -50,6 +50,9 @@ class VertexMotion {
   void AfterStep(uint64_t steps, double progress, double rate_share);
   // From one motion to the next.
   uint64_t StepsOfMotion() const;
+  // The number of steps whose learning rates a motion after `steps` steps has: as if motions were
+  // kMostSummedBatches steps apart, so that vertices get equally far however rare motions are.
+  uint64_t StepsForRates(uint64_t steps) const;
   // True if no gradients are waiting for their motion after `steps` steps: only then is the state
   // all that a resumed run needs.
   bool CanResumeAfter(uint64_t steps, double progress) const;
@@ -67,8 +70,11 @@ class VertexMotion {
 
  private:
   bool IsArticle() const { return options_.move == MoveChoice::kArticle; }
-  // Whether step `step` adds to the gradients of a motion.
+  // Those of the steps of a motion, the last, whose gradients are summed for it.
+  uint64_t SummedSteps() const;
   bool IsOn(uint64_t step, double progress) const;
+  // Whether step `step` adds to the gradients of a motion.
+  bool IsSummed(uint64_t step, double progress) const;
   void Begin();
   void AddRegulariser(std::vector<glm::dvec3>& sums) const;
   // Moves the vertices, given the sums of their gradients.

@@ -7,6 +7,7 @@
 #include "geometry/rigid3.h"
 #include "gpu/device_options.h"
 #include "image/depth_map.h"
+#include "render/device_pace.h"
 #include "render/integral.h"
 
 #include <glm/glm.hpp>
@@ -14,6 +15,7 @@
 
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -142,6 +144,7 @@ struct RendererOptions {
   // one stretch of tets at a time.
   uint64_t fragment_memory = 512ull << 20;
   FragmentSort fragment_sort = FragmentSort::kAuto;
+  std::optional<DevicePace> pace;  // for tests: that of another device
 
   // Throws UsageError if an option is set that this renderer does not have.
   void Check() const;

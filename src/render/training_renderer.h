@@ -39,10 +39,6 @@ struct TileShape {
   uint32_t columns = 0, rows = 0;
 };
 
-// If colours depend on the view, renderers compute them for each view of a batch: the fewer, the
-// less work and memory. A batch may have more than this, but memory is set aside for no more.
-inline constexpr size_t kMostViewsOfBatch = 4;
-
 // Which gradients to compute; those by positions make the backward pass slower.
 enum class GradientParts {
   kColorDensity,
@@ -160,6 +156,7 @@ class TrainingRenderer : public Renderer {
   // Gives the mesh away and frees the field, so that it takes no memory while another is made.
   // The renderer has no field until the next SetState.
   virtual TetMesh TakeMesh() = 0;
+  virtual DevicePace Pace() const = 0;
   // Whether every batch that is learned from must be one tile. Forward alone takes any blocks.
   virtual bool NeedsTiles() const = 0;
 

@@ -46,10 +46,11 @@ struct SmallRun {
   explicit SmallRun(const OptimizeOptions& run_options = SmallRunOptions(), size_t views = 5,
                     float density = 20.0f)
       : options(run_options),
-        renderer(CreateRenderer(
-            {.kind = RendererKind::kReference, .orientations = run_options.renderer.orientations})),
+        renderer(CreateRenderer({.kind = RendererKind::kReference,
+                                 .orientations = run_options.renderer.orientations,
+                                 .pace = run_options.renderer.pace})),
         pictures(options, PhotosOfWavyBox(*renderer, views, density), glm::vec3(0.0f), *renderer),
-        batches(options, pictures.set(), false, glm::vec3(0.0f), "scene"),
+        batches(options, pictures.set(), *renderer, glm::vec3(0.0f), "scene"),
         field(options, SceneOfWavyBox(), *renderer, batches),
         motion(options, field, *renderer, views),
         steps(options, false, batches, *renderer, motion) {

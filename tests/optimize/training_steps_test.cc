@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 namespace tetrec {
 namespace {
 
@@ -68,6 +70,25 @@ TEST(TrainingSteps, TakeTheScenesBackgroundInTheSecondHalfForPicturesWithAlpha) 
   EXPECT_TRUE(parameters(kAuto, true, 0.4) == parameters(kRandom, true, 0.4));
   EXPECT_TRUE(parameters(kAuto, false, 0.6) == parameters(kRandom, false, 0.6));
   EXPECT_TRUE(parameters(kRandom, true, 0.6) != parameters(kScene, true, 0.6));
+}
+
+TEST(BatchDrawer, DrawsAsManyRaysAndViewsAsKeepTheDeviceBusy) {
+  OptimizeOptions options = SmallRunOptions();
+  options.rays_per_step.reset();
+  options.renderer.pace = {.rays_per_step = 2048, .views_per_batch = 2};
+  SmallRun run(options);
+  EXPECT_EQ(run.batches.Draw(1).rays(), 2048u);
+  const auto views_of = [&](uint64_t iteration) {
+    std::set<uint32_t> views;
+    for (const RayBlock& block : run.batches.Draw(iteration).blocks) views.insert(block.view);
+    return views.size();
+  };
+  EXPECT_GT(views_of(1), 2u);
+  run.batches.UseFewViews(true);
+  for (uint64_t i = 1; i <= 10; ++i) EXPECT_LE(views_of(i), 2u);
+
+  options.rays_per_step = 64;
+  EXPECT_EQ(SmallRun(options).batches.Draw(1).rays(), 64u);
 }
 
 // Blocks of fine rays are halves of the blocks that would have been drawn, inside the same

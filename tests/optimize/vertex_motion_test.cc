@@ -17,8 +17,9 @@
 namespace tetrec {
 namespace {
 
-OptimizeOptions MovingOptions(MoveChoice move) {
+OptimizeOptions MovingOptions(MoveChoice move, const DevicePace& pace = {}) {
   OptimizeOptions options = SmallRunOptions();
+  options.renderer.pace = pace;
   options.move = move;
   options.iterations = 400;
   // So that nothing but positions can mend the pictures.
@@ -35,8 +36,8 @@ bool IsInside(const glm::vec3& position) {
 }
 
 struct MovingRun : SmallRun {
-  explicit MovingRun(MoveChoice move = MoveChoice::kSafe)
-      : SmallRun(MovingOptions(move), 5, kDensity) {
+  explicit MovingRun(MoveChoice move = MoveChoice::kSafe, const DevicePace& pace = {})
+      : SmallRun(MovingOptions(move, pace), 5, kDensity) {
     motion.Use(move == MoveChoice::kSafe);
   }
 
@@ -69,6 +70,28 @@ TEST(VertexMotion, BringsVerticesBackToWhereThePicturesWantThem) {
   run.Take(160, 0.1);
   EXPECT_GT(run.Psnr(), moved + 0.3);
   EXPECT_GT(run.motion.counts().moved, 0u);
+}
+
+// As on a GPU, where motions are rarer than the batches whose gradients they sum.
+TEST(VertexMotion, SumsTheLastStepsBeforeEachMotion) {
+  MovingRun run(MoveChoice::kSafe, DevicePace{.steps_per_motion = 40});
+  run.PutMoved(0.06f);
+  const uint64_t first_summed = 40 - kMostSummedBatches + 1;
+  for (const uint64_t motion : {0u, 40u, 80u}) {
+    for (uint64_t step = motion + 1; step <= motion + 40; ++step) {
+      const bool is_summed = step - motion >= first_summed;
+      EXPECT_EQ(HasPositions(run.motion.PartsOf(step, 0.1)), is_summed) << step;
+      EXPECT_EQ(run.motion.CanResumeAfter(step, 0.1), !is_summed || step == motion + 40) << step;
+    }
+  }
+  const auto positions = [&] { return run.field.mesh().positions; };
+  const std::vector<glm::vec3> start = positions();
+  run.Take(39, 0.1);
+  EXPECT_EQ(positions(), start);
+  run.Take(1, 0.1);
+  EXPECT_NE(positions(), start);
+  // Rates fall with the motions.
+  EXPECT_EQ(run.motion.StepsForRates(400), 160u);
 }
 
 TEST(VertexMotion, KeepsTetsBetterWithARegulariser) {

@@ -34,7 +34,9 @@ template <class Real>
 class ReferenceRenderer final : public ProbedRenderer {
  public:
   explicit ReferenceRenderer(const RendererOptions& options)
-      : orientations_(options.orientations), caster_(options) {}
+      : pace_(options.pace.value_or(DevicePace())),
+        orientations_(options.orientations),
+        caster_(options) {}
 
   // Keeps the field's own densities instead of converting them to logarithms and back.
   void SetField(const RadianceField& field) override {
@@ -98,6 +100,7 @@ class ReferenceRenderer final : public ProbedRenderer {
     block_sums_.clear();
   }
 
+  DevicePace Pace() const override { return pace_; }
   bool NeedsTiles() const override { return false; }
 
   StepResult Step(const TrainingBatch& batch, const AdamUpdate& update) override {
@@ -291,6 +294,7 @@ class ReferenceRenderer final : public ProbedRenderer {
     return std::exchange(results_[current_], result);
   }
 
+  DevicePace pace_;
   Orientations orientations_;
   RayCaster<Real> caster_;
   RadianceField field_;  // the values of the parameters in state_

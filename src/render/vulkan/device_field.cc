@@ -262,7 +262,7 @@ void MarkRowsWithGradients(DeviceField& field, std::span<const double> padded) {
 
 }  // namespace
 
-DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point) {
+DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point, size_t views_per_batch) {
   const uint64_t sum = SumBytes(fixed_point);
   const bool cells = layout.storage == FieldStorage::kCell;
   // Rows of 16 bytes: 2 per tet, beside its scores; 2 per vertex and 4 sums; for what has
@@ -271,7 +271,7 @@ DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point) {
   // row more if that is a tet; 2 per face, and twice as many nodes of 2 as there are faces, at
   // most. View-dependent colours of a row and their sums for each view of a batch.
   const RowPart others = OtherPart(layout);
-  const uint64_t views = layout.HarmonicsDegree() > 0 ? kMostViewsOfBatch : 0;
+  const uint64_t views = layout.HarmonicsDegree() > 0 ? views_per_batch : 0;
   const uint64_t attributes = kStandardComponents * (3 * 4 + sum) + 4 + others.stride * (4 + sum) +
                               4 * OtherMomentPart(layout).count + (others.count > 0 ? 4 : 0) +
                               views * (16 + kStandardComponents * sum);

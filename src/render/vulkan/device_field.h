@@ -55,7 +55,7 @@ struct DeviceField {
 struct DeviceFieldBytes {
   uint64_t of_tet, of_vertex, of_face;
 };
-DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point);
+DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point, size_t views_per_batch);
 
 // Gradients and scores start at zero. Density and colour in `vertices` are yet to be spread from
 // the parameters (spread.comp).

@@ -9,12 +9,13 @@
 
 namespace tetrec {
 
-uint64_t FieldBytes(const TetMesh& mesh, const FieldLayout& layout, bool fixed_point) {
+uint64_t FieldBytes(const TetMesh& mesh, const FieldLayout& layout, bool fixed_point,
+                    size_t views_per_batch) {
   uint64_t faces = 0;
   for (const glm::uvec4& neighbors : mesh.neighbors) {
     for (int i = 0; i < 4; ++i) faces += neighbors[i] == kNoTet;
   }
-  const DeviceFieldBytes bytes = BytesOf(layout, fixed_point);
+  const DeviceFieldBytes bytes = BytesOf(layout, fixed_point, views_per_batch);
   return mesh.tets.size() * bytes.of_tet + mesh.positions.size() * bytes.of_vertex +
          faces * bytes.of_face;
 }

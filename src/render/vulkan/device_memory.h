@@ -8,7 +8,8 @@
 namespace tetrec {
 
 // Bytes that UploadField and AllocatePositionGradients will take on the device.
-uint64_t FieldBytes(const TetMesh& mesh, const FieldLayout& layout, bool fixed_point);
+uint64_t FieldBytes(const TetMesh& mesh, const FieldLayout& layout, bool fixed_point,
+                    size_t views_per_batch);
 
 // For a software device, the memory that the host can spare without swapping; for others, their
 // largest heap.

@@ -10,6 +10,7 @@
 #include "render/vulkan/field_update.h"
 #include "render/vulkan/fixed_point.h"
 #include "render/vulkan/integrators.h"
+#include "render/vulkan/pace.h"
 #include "render/vulkan/pass_counters.h"
 #include "render/vulkan/picture_passes.h"
 #include "render/vulkan/ray_loss.h"
@@ -70,8 +71,7 @@ class VulkanRenderer final : public ProbedRenderer {
     integrators_.rendering().CheckMesh(mesh);
     WaitAll();
     FreeMemory free = MeasureFreeMemory(*device_);
-    if (field_.tet_count > 0)
-      free.bytes += FieldBytes(field_.mesh, layout_, options_.deterministic);
+    if (field_.tet_count > 0) free.bytes += BytesOfField(field_.mesh, layout_);
     CheckMemory(mesh, BytesFor(mesh, state.layout), free);
     FreeField();  // before the new one takes memory
     UseLayout(state.layout);
@@ -214,6 +214,7 @@ class VulkanRenderer final : public ProbedRenderer {
     field_.rate_shares.Upload(shares.data(), shares.size_bytes());
   }
 
+  DevicePace Pace() const override { return options_.pace.value_or(PaceOf(*device_)); }
   bool NeedsTiles() const override { return !integrators_.march_renders(); }
 
   void ClearScores() override {
@@ -325,12 +326,15 @@ class VulkanRenderer final : public ProbedRenderer {
   // An upper bound. On a software device the host's copy of the mesh, and the rows that it is
   // uploaded from, count, too.
   uint64_t BytesFor(const TetMesh& mesh, const FieldLayout& layout) const {
-    const uint64_t on_device =
-        FieldBytes(mesh, layout, options_.deterministic) + integrators_.BytesFor(mesh);
+    const uint64_t on_device = BytesOfField(mesh, layout) + integrators_.BytesFor(mesh);
     const bool on_host = device_->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     const uint64_t copies = mesh.tets.size() * (sizeof(glm::uvec4) * 4) +
                             mesh.positions.size() * (sizeof(glm::vec3) + sizeof(glm::vec4) * 2);
     return on_device + (on_host ? copies : 0);
+  }
+
+  uint64_t BytesOfField(const TetMesh& mesh, const FieldLayout& layout) const {
+    return FieldBytes(mesh, layout, options_.deterministic, Pace().views_per_batch);
   }
 
   void WaitAll() const {

@@ -141,7 +141,8 @@ TEST_F(FieldMemoryTest, BytesAreThoseThatAnUploadTakes) {
             &field.rate_shares, &field.gradients, &field.position_gradients, &field.tet_scores}) {
         taken += buffer->bytes();
       }
-      const uint64_t most = FieldBytes(mesh, state.layout, fixed_point);
+      const uint64_t most =
+          FieldBytes(mesh, state.layout, fixed_point, DevicePace().views_per_batch);
       EXPECT_GE(most, taken);
       EXPECT_LE(most, taken + 12 * 64);  // a box has 12 faces and no tree
     }

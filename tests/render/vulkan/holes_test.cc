@@ -181,11 +181,12 @@ void ExpectSameGradient(const FieldGradient& gradient, const ReferenceGradient& 
   EXPECT_LE(Norm(Differences(gradient.density, truth.density)),
             3e-5 * Norm(Differences(truth.density, std::vector<double>(truth.density.size()))));
   if (gradient.position.empty()) return;
-  // As in position_gradient_test: faces seen at a flat angle magnify rounding.
-  EXPECT_LE(Norm(Differences(gradient.position, truth.position)), 1e-4 * Norm(truth.position));
+  // As in position_gradient_test: faces seen at a flat angle magnify rounding, which differs where
+  // a compiler fuses multiplication and addition (1.5e-4 on an H100).
+  EXPECT_LE(Norm(Differences(gradient.position, truth.position)), 3e-4 * Norm(truth.position));
   EXPECT_LE(
       Norm(Differences(gradient.absolute_position, truth.absolute_position)),
-      1e-4 * Norm(Differences(truth.absolute_position, std::vector<double>(truth.density.size()))));
+      3e-4 * Norm(Differences(truth.absolute_position, std::vector<double>(truth.density.size()))));
 }
 
 TEST_P(HolesTest, GradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {

@@ -1,0 +1,38 @@
+// How long a run will be, and what it therefore affords.
+#pragma once
+
+#include "mesh/tet_mesh.h"
+#include "optimize/optimize_options.h"
+#include "optimize/schedule.h"
+#include "optimize/training_set.h"
+#include "render/device_pace.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tetrec {
+
+// In seconds, and in those that two cores would take for it.
+struct RunLength {
+  double seconds = 0, speed = 1;
+  double seconds_of_two_cores() const { return seconds * speed; }
+};
+
+// The pixels that afford vertices: those of the subject, and as many as the start mesh takes at
+// least, so that what it drops may be put where errors are.
+uint64_t AffordingPixels(const TrainingSet& set, const TetMesh& start);
+
+// A run without limits may grow to the most vertices.
+RunLength LengthOf(const OptimizeOptions& options, const DevicePace& pace,
+                   uint64_t affording_pixels);
+
+// The most vertices of a run; 0: no limit. `max_tets` (or kNoBudget) is never exceeded.
+uint64_t MaxVertices(const OptimizeOptions& options, const RunLength& length,
+                     uint64_t affording_pixels, uint64_t max_tets);
+
+// The rounds of refinement from `start_vertices` to `max_vertices` (PlanGrowth).
+std::vector<PlannedRound> PlanRounds(const OptimizeOptions& options, const RunLength& length,
+                                     uint64_t start_vertices, uint64_t max_vertices,
+                                     uint64_t affording_pixels);
+
+}  // namespace tetrec

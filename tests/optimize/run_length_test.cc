@@ -1,0 +1,78 @@
+// What a run affords, by its limits and the device.
+#include "optimize/run_length.h"
+
+#include "optimize/mesh_budget.h"
+
+#include <gtest/gtest.h>
+
+namespace tetrec {
+namespace {
+
+constexpr uint64_t kPixels = 10'000'000;
+constexpr DevicePace kCores;
+constexpr DevicePace kFast = {.rays_per_step = 65536, .speed = 10};
+
+OptimizeOptions Limited(double seconds, uint64_t iterations) {
+  OptimizeOptions options;
+  options.time_limit_s = seconds;
+  options.iterations = iterations;
+  return options;
+}
+
+uint64_t VerticesOf(const OptimizeOptions& options, const DevicePace& pace) {
+  return MaxVertices(options, LengthOf(options, pace, kPixels), kPixels, kNoBudget);
+}
+
+TEST(RunLength, IsThatOfTheLimitThatIsReachedFirst) {
+  EXPECT_EQ(LengthOf(Limited(300, 0), kCores, kPixels).seconds, 300);
+  EXPECT_EQ(LengthOf(Limited(0, 4000), kCores, kPixels).seconds, 4000 / kStepsPerSecond);
+  EXPECT_EQ(LengthOf(Limited(300, 4000), kCores, kPixels).seconds, 4000 / kStepsPerSecond);
+  EXPECT_EQ(LengthOf(Limited(30, 4000), kCores, kPixels).seconds, 30);
+}
+
+TEST(RunLength, WithoutLimitsIsThatOfAFullyGrownMesh) {
+  for (const DevicePace& pace : {kCores, kFast}) {
+    EXPECT_NEAR(double(VerticesOf(Limited(0, 0), pace)), kPixels / kPixelsPerVertex, 1);
+  }
+}
+
+TEST(RunLength, OnAFastDeviceAffordsWhatALongerOneDoes) {
+  EXPECT_EQ(VerticesOf(Limited(60, 0), kFast), VerticesOf(Limited(600, 0), kCores));
+  EXPECT_GT(VerticesOf(Limited(60, 0), kFast), VerticesOf(Limited(60, 0), kCores));
+}
+
+// By iterations alone, a run is as long on every device; only its steps may be larger.
+TEST(RunLength, ByIterationsAffordsByItsRays) {
+  OptimizeOptions options = Limited(0, 4000);
+  options.rays_per_step = 4096;
+  EXPECT_EQ(VerticesOf(options, kFast), VerticesOf(Limited(0, 4000), kCores));
+  options.rays_per_step = 65536;
+  EXPECT_EQ(VerticesOf(options, kCores), VerticesOf(Limited(0, 4000), kFast));
+  EXPECT_EQ(VerticesOf(options, kCores), VerticesOf(Limited(0, 16 * 4000), kCores));
+}
+
+TEST(RunLength, NeverAffordsMoreThanTheBudget) {
+  const OptimizeOptions options = Limited(300, 0);
+  const RunLength length = LengthOf(options, kFast, kPixels);
+  EXPECT_LE(double(MaxVertices(options, length, kPixels, 65'000)), 65'000 / kTetsPerVertex);
+}
+
+// Growth ends at kGrowthSeconds, later rounds lead on to what the whole run affords.
+TEST(RunLength, RoundsGrowAsFarAsTheDeviceAffordsInTheirTime) {
+  const OptimizeOptions options = Limited(600, 0);
+  for (const DevicePace& pace : {kCores, kFast}) {
+    const RunLength length = LengthOf(options, pace, kPixels);
+    const uint64_t most = MaxVertices(options, length, kPixels, kNoBudget);
+    const std::vector<PlannedRound> plan = PlanRounds(options, length, 10'000, most, kPixels);
+    uint64_t of_growth = 0;
+    for (const PlannedRound& round : plan) {
+      if (!round.is_late) of_growth = round.vertices;
+    }
+    EXPECT_NEAR(double(of_growth), double(VerticesOf(Limited(kGrowthSeconds, 0), pace)), 1);
+    EXPECT_NEAR(double(plan.back().vertices), double(most), 1);
+    EXPECT_TRUE(plan.back().is_late);
+  }
+}
+
+}  // namespace
+}  // namespace tetrec
