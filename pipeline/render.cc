@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
   tetrec::GroupOptions(app, "Video", {"--path", "--seconds", "--frames", "--fps", "--size"});
   tetrec::GroupOptions(app, "Views", {"--views", "--samples", "--background", "--refine-cameras"});
   AddRendererOptions(command, options.renderer);
+  command.DoesNotChangeResults(app.get_option("--device"));
   return command.Run(
       argc, argv,
       [&](tetrec::Stage& stage) {

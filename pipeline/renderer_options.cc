@@ -40,9 +40,8 @@ void AddRendererOptions(StageCommand& command, RendererOptions& options) {
   command.DoesNotChangeResults(
       app.add_flag("--time-kernels", options.device.time_kernels,
                    "Log the device time of each kernel at the end (by timestamps)"));
-  command.DoesNotChangeResults(
-      app.add_option("--device", options.device.device,
-                     "Vulkan device: auto, cpu, gpu or a number; not for the reference renderer"));
+  app.add_option("--device", options.device.device,
+                 "Vulkan device: auto, cpu, gpu or a number; not for the reference renderer");
   GroupOptions(app, "Renderer",
                {"--renderer", "--precision", "--order", "--integral", "--fragment-memory",
                 "--fragment-sort", "--time-kernels", "--device"});

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace tetrec {
 namespace {
 
@@ -19,44 +21,55 @@ int FindMemoryType(const Device& device, uint32_t allowed, VkMemoryPropertyFlags
 
 }  // namespace
 
-Allocation Allocate(const Device& device, const std::string& name, uint64_t bytes,
-                    VkBufferUsageFlags usage, std::initializer_list<VkMemoryPropertyFlags> wishes) {
-  Allocation result;
+Allocation::Allocation(const Device& device, const std::string& name, uint64_t bytes,
+                       VkBufferUsageFlags usage,
+                       std::initializer_list<VkMemoryPropertyFlags> wishes)
+    : device_(&device) {
   VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
                           .size = bytes,
                           .usage = usage,
                           .sharingMode = VK_SHARING_MODE_EXCLUSIVE};
-  TETREC_VK(vkCreateBuffer(device.handle, &info, nullptr, &result.buffer));
+  TETREC_VK(vkCreateBuffer(device.handle, &info, nullptr, &buffer_));
   VkMemoryRequirements needs;
-  vkGetBufferMemoryRequirements(device.handle, result.buffer, &needs);
+  vkGetBufferMemoryRequirements(device.handle, buffer_, &needs);
+  // Memory of the device that the host can reach is scarce on many GPUs.
   int type = -1;
-  for (VkMemoryPropertyFlags wish : wishes) {
-    if (type < 0) type = FindMemoryType(device, needs.memoryTypeBits, wish);
+  for (const VkMemoryPropertyFlags wish : wishes) {
+    type = FindMemoryType(device, needs.memoryTypeBits, wish);
+    if (TakeMemory(needs.size, type)) break;
   }
-  VkResult status = VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  if (type >= 0) {
-    VkMemoryAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                  .allocationSize = needs.size,
-                                  .memoryTypeIndex = uint32_t(type)};
-    status = vkAllocateMemory(device.handle, &allocate, nullptr, &result.memory);
-  }
-  if (status != VK_SUCCESS) {
-    vkDestroyBuffer(device.handle, result.buffer, nullptr);
+  if (memory_ == VK_NULL_HANDLE) {
+    vkDestroyBuffer(device.handle, buffer_, nullptr);
     throw EnvironmentError(fmt::format(
         "device '{}' has no memory for buffer '{}' of {} MiB: use fewer tets or smaller images",
         device.properties.deviceName, name, bytes >> 20));
   }
-  TETREC_VK(vkBindBufferMemory(device.handle, result.buffer, result.memory, 0));
+  TETREC_VK(vkBindBufferMemory(device.handle, buffer_, memory_, 0));
   const VkMemoryPropertyFlags flags = device.memory.memoryTypes[type].propertyFlags;
   if ((flags & kHostMemory) == kHostMemory) {
-    TETREC_VK(vkMapMemory(device.handle, result.memory, 0, VK_WHOLE_SIZE, 0, &result.mapped));
+    TETREC_VK(vkMapMemory(device.handle, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_));
   }
-  return result;
 }
 
-void Free(const Device& device, const Allocation& allocation) {
-  vkDestroyBuffer(device.handle, allocation.buffer, nullptr);
-  vkFreeMemory(device.handle, allocation.memory, nullptr);
+bool Allocation::TakeMemory(uint64_t bytes, int type) {
+  if (type < 0) return false;
+  const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                  .allocationSize = bytes,
+                                  .memoryTypeIndex = uint32_t(type)};
+  return vkAllocateMemory(device_->handle, &info, nullptr, &memory_) == VK_SUCCESS;
+}
+
+Allocation::~Allocation() {
+  if (device_ == nullptr) return;
+  vkDestroyBuffer(device_->handle, buffer_, nullptr);
+  vkFreeMemory(device_->handle, memory_, nullptr);
+}
+
+void Allocation::Swap(Allocation& other) noexcept {
+  std::swap(device_, other.device_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(memory_, other.memory_);
+  std::swap(mapped_, other.mapped_);
 }
 
 }  // namespace tetrec

@@ -15,17 +15,33 @@ inline constexpr VkMemoryPropertyFlags kHostMemory =
 inline constexpr VkMemoryPropertyFlags kCachedHostMemory =
     kHostMemory | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
-// A Vulkan buffer with memory of its own.
-struct Allocation {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  void* mapped = nullptr;  // null unless the host can reach it
-};
+// Owns a Vulkan buffer and the memory behind it.
+class Allocation {
+ public:
+  Allocation() = default;
+  // Takes memory of the first of the `wishes` of which the device has enough. Throws
+  // EnvironmentError, which names the buffer, if there is none. `name` is for that message only.
+  Allocation(const Device& device, const std::string& name, uint64_t bytes,
+             VkBufferUsageFlags usage, std::initializer_list<VkMemoryPropertyFlags> wishes);
+  Allocation(Allocation&& other) noexcept { Swap(other); }
+  Allocation& operator=(Allocation&& other) noexcept {
+    Swap(other);
+    return *this;
+  }
+  ~Allocation();
 
-// Takes memory of the first of the `wishes` that the device has. Throws EnvironmentError, which
-// names the buffer, if there is none left. `name` is for that message only.
-Allocation Allocate(const Device& device, const std::string& name, uint64_t bytes,
-                    VkBufferUsageFlags usage, std::initializer_list<VkMemoryPropertyFlags> wishes);
-void Free(const Device& device, const Allocation& allocation);
+  VkBuffer buffer() const { return buffer_; }
+  void* mapped() const { return mapped_; }  // null unless the host can reach it
+
+ private:
+  void Swap(Allocation& other) noexcept;
+  // False if there is no memory of this kind, or not enough.
+  bool TakeMemory(uint64_t bytes, int type);
+
+  const Device* device_ = nullptr;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  void* mapped_ = nullptr;
+};
 
 }  // namespace tetrec

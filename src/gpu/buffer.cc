@@ -64,14 +64,14 @@ Buffer::Buffer(const Device& device, std::string name, uint64_t bytes, VkFormat 
                              VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                              VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
   if (is_texel) usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
-  memory_ = Allocate(device, name_, bytes_, usage, WishesOf(home));
-  if (!device.maps_buffers && home == BufferHome::kDevice) memory_.mapped = nullptr;
+  memory_ = Allocation(device, name_, bytes_, usage, WishesOf(home));
+  if (device.maps_buffers || home != BufferHome::kDevice) mapped_ = memory_.mapped();
   MemoryUse& use = *device.memory_use;
   use.bytes += bytes_;
   use.most_bytes = std::max(use.most_bytes, use.bytes);
   if (is_texel) {
     VkBufferViewCreateInfo view{.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
-                                .buffer = memory_.buffer,
+                                .buffer = handle(),
                                 .format = texels,
                                 .offset = 0,
                                 .range = VK_WHOLE_SIZE};
@@ -83,7 +83,6 @@ Buffer::~Buffer() {
   if (device_ == nullptr) return;
   device_->memory_use->bytes -= bytes_;
   vkDestroyBufferView(device_->handle, view_, nullptr);
-  Free(*device_, memory_);
 }
 
 void Buffer::Swap(Buffer& other) noexcept {
@@ -91,14 +90,15 @@ void Buffer::Swap(Buffer& other) noexcept {
   std::swap(name_, other.name_);
   std::swap(bytes_, other.bytes_);
   std::swap(memory_, other.memory_);
+  std::swap(mapped_, other.mapped_);
   std::swap(view_, other.view_);
 }
 
 void Buffer::Upload(const void* source, uint64_t bytes, uint64_t offset) {
   TETREC_CHECK(offset + bytes <= bytes_, fmt::format("upload of {} bytes at {} into '{}' of {}",
                                                      bytes, offset, name_, bytes_));
-  if (memory_.mapped != nullptr) {
-    std::memcpy(static_cast<char*>(memory_.mapped) + offset, source, bytes);
+  if (mapped_ != nullptr) {
+    std::memcpy(static_cast<char*>(mapped_) + offset, source, bytes);
     return;
   }
   StagingOf(*device_).ToDevice(source, handle(), offset, bytes);
@@ -107,16 +107,16 @@ void Buffer::Upload(const void* source, uint64_t bytes, uint64_t offset) {
 void Buffer::Download(void* destination, uint64_t bytes, uint64_t offset) const {
   TETREC_CHECK(offset + bytes <= bytes_, fmt::format("download of {} bytes at {} from '{}' of {}",
                                                      bytes, offset, name_, bytes_));
-  if (memory_.mapped != nullptr) {
-    std::memcpy(destination, static_cast<const char*>(memory_.mapped) + offset, bytes);
+  if (mapped_ != nullptr) {
+    std::memcpy(destination, static_cast<const char*>(mapped_) + offset, bytes);
     return;
   }
   StagingOf(*device_).FromDevice(handle(), offset, destination, bytes);
 }
 
 void Buffer::FillZero() {
-  if (memory_.mapped != nullptr) {
-    std::memset(memory_.mapped, 0, bytes_);
+  if (mapped_ != nullptr) {
+    std::memset(mapped_, 0, bytes_);
     return;
   }
   CommandRecorder recorder(*device_);

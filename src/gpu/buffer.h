@@ -32,7 +32,7 @@ class Buffer {
   }
   ~Buffer();
 
-  VkBuffer handle() const { return memory_.buffer; }
+  VkBuffer handle() const { return memory_.buffer(); }
   VkBufferView view() const { return view_; }
   uint64_t bytes() const { return bytes_; }
   const std::string& name() const { return name_; }
@@ -62,6 +62,7 @@ class Buffer {
   std::string name_;
   uint64_t bytes_ = 0;
   Allocation memory_;
+  void* mapped_ = nullptr;  // null where transfers go through the staging area
   VkBufferView view_ = VK_NULL_HANDLE;
 };
 

@@ -12,27 +12,24 @@ constexpr uint64_t kStagingBytes = 16ull << 20;
 }  // namespace
 
 StagingArea::StagingArea(const Device& device)
-    : device_(device),
-      area_(Allocate(device, "staging", kStagingBytes,
-                     VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
-                     {kCachedHostMemory, kHostMemory})),
+    : area_(device, "staging", kStagingBytes,
+            VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+            {kCachedHostMemory, kHostMemory}),
       recorder_(device) {}
-
-StagingArea::~StagingArea() { Free(device_, area_); }
 
 void StagingArea::ToDevice(const void* source, VkBuffer buffer, uint64_t offset, uint64_t bytes) {
   for (uint64_t at = 0; at < bytes; at += kStagingBytes) {
     const uint64_t part = std::min(kStagingBytes, bytes - at);
-    std::memcpy(area_.mapped, static_cast<const char*>(source) + at, part);
-    Copy(area_.buffer, 0, buffer, offset + at, part);
+    std::memcpy(area_.mapped(), static_cast<const char*>(source) + at, part);
+    Copy(area_.buffer(), 0, buffer, offset + at, part);
   }
 }
 
 void StagingArea::FromDevice(VkBuffer buffer, uint64_t offset, void* destination, uint64_t bytes) {
   for (uint64_t at = 0; at < bytes; at += kStagingBytes) {
     const uint64_t part = std::min(kStagingBytes, bytes - at);
-    Copy(buffer, offset + at, area_.buffer, 0, part);
-    std::memcpy(static_cast<char*>(destination) + at, area_.mapped, part);
+    Copy(buffer, offset + at, area_.buffer(), 0, part);
+    std::memcpy(static_cast<char*>(destination) + at, area_.mapped(), part);
   }
 }
 

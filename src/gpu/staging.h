@@ -15,8 +15,6 @@ class StagingArea {
   explicit StagingArea(const Device& device);
   StagingArea(const StagingArea&) = delete;
   StagingArea& operator=(const StagingArea&) = delete;
-  ~StagingArea();
-
   // Both wait until all work that was submitted before, and the copy itself, are done.
   void ToDevice(const void* source, VkBuffer buffer, uint64_t offset, uint64_t bytes);
   void FromDevice(VkBuffer buffer, uint64_t offset, void* destination, uint64_t bytes);
@@ -24,7 +22,6 @@ class StagingArea {
  private:
   void Copy(VkBuffer from, uint64_t from_offset, VkBuffer to, uint64_t to_offset, uint64_t bytes);
 
-  const Device& device_;
   Allocation area_;
   CommandRecorder recorder_;
 };

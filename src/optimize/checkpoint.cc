@@ -68,6 +68,26 @@ static_assert(sizeof(ErrorSum) == 2 * sizeof(double));
 static_assert(sizeof(GrowthStep) == 11 * sizeof(uint64_t));
 static_assert(sizeof(ConvergenceState) == 4 * sizeof(uint64_t));
 
+void WritePace(ByteWriter& writer, const DevicePace& pace) {
+  writer.Write(uint64_t(pace.rays_per_step));
+  writer.Write(uint64_t(pace.views_per_batch));
+  writer.Write(pace.speed);
+  writer.Write(pace.steps_per_motion);
+}
+
+DevicePace ReadPace(ByteReader& reader, const std::string& name) {
+  DevicePace pace;
+  const uint64_t rays = reader.Read<uint64_t>("rays per step");
+  if (rays == 0 || rays > 1u << 30) {
+    throw DataError(fmt::format("{}: {} rays per step are not possible", name, rays));
+  }
+  pace.rays_per_step = int(rays);
+  pace.views_per_batch = reader.Read<uint64_t>("views per batch");
+  pace.speed = reader.Read<double>("speed");
+  pace.steps_per_motion = reader.Read<uint64_t>("steps per motion");
+  return pace;
+}
+
 TrialState ReadTrial(ByteReader& reader, const std::string& name, const char* what) {
   const uint32_t state = reader.Read<uint32_t>(what);
   if (state > uint32_t(TrialState::kUsed)) {
@@ -244,6 +264,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   head.Write(checkpoint.iteration);
   head.Write(checkpoint.seconds);
   head.Write(checkpoint.rays);
+  WritePace(head, checkpoint.pace);
   WriteRounds(head, checkpoint.rounds);
   WriteCoarsening(head, checkpoint.coarsening);
   head.Write(checkpoint.convergence);
@@ -290,6 +311,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.iteration = reader.Read<uint64_t>("iteration");
   result.seconds = reader.Read<double>("seconds");
   result.rays = reader.Read<uint64_t>("rays");
+  result.pace = ReadPace(reader, name);
   result.rounds = ReadRounds(reader, name);
   result.coarsening = ReadCoarsening(reader, name);
   result.convergence = reader.Read<ConvergenceState>("convergence");

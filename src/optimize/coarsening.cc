@@ -18,8 +18,8 @@ namespace {
 constexpr double kMostKept = 0.75;
 // A trial that keeps less shows nothing if it fails: 1/256 of 2,000 vertices is no mesh.
 constexpr double kLeastKept = 1.0 / 16;
-// The longest trial. The coarsest meshes would gain by more steps, but steps are also needed after
-// it.
+// The longest trial, up to its last motion. The coarsest meshes would gain by more steps, but steps
+// are also needed after it.
 constexpr double kMostSteps = 400;
 
 double PsnrOf(std::span<const ErrorSum> views) {
@@ -105,7 +105,7 @@ bool Coarsening::Advance(double seconds, const RunMoment& moment) {
 }
 
 // What fewer vertices have to take over takes longer to learn, and costs less. A trial ends with a
-// motion, because a run can be stopped and resumed only there.
+// motion, because gradients that wait for one are lost when a run is stopped.
 uint64_t Coarsening::StepsOfTrial() const {
   const double vertices = state_.kept_share * double(parts_.field.mesh().positions.size());
   const double longer = std::sqrt(std::max(double(state_.finest_vertices) / vertices, 1.0));

@@ -3,6 +3,7 @@
 
 #include "core/log.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace tetrec {
@@ -15,6 +16,7 @@ constexpr double kFirstMotion = 0.05, kTrial = 0.1;
 // Only a clear loss keeps vertices where they are: a trial shows only the beginning of the gain. On
 // datasets_spec/demo/nerf they lose 0.07 dB in the trial and gain 1.1 dB within 1,000 steps.
 constexpr double kLeastGain = -0.1;  // [dB]
+constexpr uint64_t kFewestMotions = 3;  // of a trial
 
 }  // namespace
 
@@ -42,7 +44,7 @@ bool MotionTrial::Advance(const RunMoment& moment) {
   }
   if (moment.growth < kTrial) return false;
   if (steps_.iteration() < kFewestTrialSteps) return false;
-  const uint64_t steps = TrialSteps(steps_.iteration());
+  const uint64_t steps = StepsOfTrial();
   TetMesh mesh = field_.mesh();
   const FieldState before = field_.ReadState();
   const double still = TrialPsnr(false, moment);
@@ -61,13 +63,21 @@ bool MotionTrial::Advance(const RunMoment& moment) {
   return true;
 }
 
+// Where motions are rare, the trial takes longer, and ends with one.
+uint64_t MotionTrial::StepsOfTrial() const {
+  const uint64_t steps = TrialSteps(steps_.iteration()), period = motion_.StepsOfMotion();
+  if (period <= kMostSummedBatches) return steps;
+  const uint64_t end = steps_.iteration() + std::max(steps, kFewestMotions * period);
+  return (end + period - 1) / period * period - steps_.iteration();
+}
+
 void MotionTrial::LetCoarserMeshMove() {
   if (options_.move == MoveChoice::kAuto) Decide(true);
 }
 
 double MotionTrial::TrialPsnr(bool moves, const RunMoment& moment) {
   motion_.Use(moves);
-  steps_.Try(TrialSteps(steps_.iteration()), kRatesOfTrials, moment);
+  steps_.Try(StepsOfTrial(), kRatesOfTrials, moment);
   return pictures_.JudgeField().psnr;
 }
 

@@ -27,6 +27,7 @@ class MotionTrial {
 
  private:
   void Decide(bool moves);
+  uint64_t StepsOfTrial() const;
   // The PSNR of the judging pictures after some steps more [dB].
   double TrialPsnr(bool moves, const RunMoment& moment);
 

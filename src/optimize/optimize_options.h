@@ -107,7 +107,7 @@ struct OptimizeOptions {
   double time_limit_s = 300;  // of optimisation, with refinement and watching; 0: none
   uint64_t iterations = 0;    // 0: no limit; without any the run ends by itself (convergence.h)
   uint64_t seed = 1;
-  std::optional<int> rays_per_step;  // by default that of the device (DevicePace)
+  std::optional<int> rays_per_step;  // by default RaysPerStep
   LossOptions loss;
   double color_rate = AdamUpdate().color_rate;      // Adam's first step on colour [display sRGB]
   double density_rate = AdamUpdate().density_rate;  // on its parameter
@@ -152,8 +152,11 @@ struct OptimizeOptions {
   ScheduleOptions schedule;
   RendererOptions renderer;
 
+  // Fixed-point sums have less room for the digits of each ray, the more rays a step has; so
+  // deterministic steps are small on every device.
   int RaysPerStep(const DevicePace& pace) const {
-    return rays_per_step.value_or(pace.rays_per_step);
+    return rays_per_step.value_or(renderer.deterministic ? DevicePace().rays_per_step
+                                                         : pace.rays_per_step);
   }
   bool HasLimit() const { return time_limit_s > 0 || iterations > 0; }
   void Check() const;  // throws UsageError naming the option and its value

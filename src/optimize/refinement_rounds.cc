@@ -105,6 +105,7 @@ Judgement RefinementRounds::JudgeSettled() {
   const bool may_be_matched = best >= options_.schedule.matched_psnr - kMostNoise;
   if (AsksForAll() || !may_be_matched || IsMatched(now, options_.schedule)) return now;
   const uint64_t steps = TrialSteps(parts_.steps.iteration());
+  parts_.motion.DropSums();
   parts_.steps.Try(steps, kRatesOfTrials);
   parts_.steps.CountTried(steps);
   return parts_.pictures.JudgeField();

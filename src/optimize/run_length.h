@@ -12,17 +12,17 @@
 
 namespace tetrec {
 
-// In seconds, and in those that two cores would take for it.
+// How long a run takes, and how long two cores would take for as many rays.
 struct RunLength {
-  double seconds = 0, speed = 1;
-  double seconds_of_two_cores() const { return seconds * speed; }
+  double seconds = 0, seconds_of_two_cores = 0;
 };
 
 // The pixels that afford vertices: those of the subject, and as many as the start mesh takes at
 // least, so that what it drops may be put where errors are.
 uint64_t AffordingPixels(const TrainingSet& set, const TetMesh& start);
 
-// A run without limits may grow to the most vertices.
+// A run without limits may grow to the most vertices. Runs by iterations, and those without limits,
+// are as long on every device, but their steps may have more rays.
 RunLength LengthOf(const OptimizeOptions& options, const DevicePace& pace,
                    uint64_t affording_pixels);
 

@@ -170,6 +170,12 @@ class Trainer {
           fmt::format("{}: contains a field with one row per {}, not per {}; force a fresh run",
                       name, RowName(checkpoint.state.layout.storage), RowName(options_.storage)));
     }
+    if (checkpoint.pace != renderer_->Pace()) {
+      throw DataError(
+          fmt::format("{}: was written on a device of another kind, whose steps have {} rays and "
+                      "not {}; choose that device, or force a fresh run",
+                      name, checkpoint.pace.rays_per_step, renderer_->Pace().rays_per_step));
+    }
     seconds_ = checkpoint.seconds;
     metrics_bytes_ = checkpoint.metrics_bytes;
     steps_.Resume(checkpoint.iteration, checkpoint.rays);
@@ -312,6 +318,7 @@ class Trainer {
     checkpoint.iteration = steps_.iteration();
     checkpoint.seconds = seconds_;
     checkpoint.rays = steps_.rays();
+    checkpoint.pace = renderer_->Pace();
     checkpoint.share_of_rates = steps_.share_of_rates();
     checkpoint.rounds = rounds_.state();
     checkpoint.coarsening = coarsening_.state();

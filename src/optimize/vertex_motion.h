@@ -50,9 +50,11 @@ class VertexMotion {
   void AfterStep(uint64_t steps, double progress, double rate_share);
   // From one motion to the next.
   uint64_t StepsOfMotion() const;
-  // The number of steps whose learning rates a motion after `steps` steps has: as if motions were
-  // kMostSummedBatches steps apart, so that vertices get equally far however rare motions are.
+  // The number of steps whose learning rates a motion after `steps` steps has: of those summed so
+  // far, so that vertices get equally far however rare motions are.
   uint64_t StepsForRates(uint64_t steps) const;
+  // Gradients that wait for their motion are dropped: steps without motion have changed the field.
+  void DropSums() { renderer_.TakePositionGradients(); }
   // True if no gradients are waiting for their motion after `steps` steps: only then is the state
   // all that a resumed run needs.
   bool CanResumeAfter(uint64_t steps, double progress) const;
@@ -70,7 +72,7 @@ class VertexMotion {
 
  private:
   bool IsArticle() const { return options_.move == MoveChoice::kArticle; }
-  // Those of the steps of a motion, the last, whose gradients are summed for it.
+  // How many steps, the last before each motion, have their gradients summed for it.
   uint64_t SummedSteps() const;
   bool IsOn(uint64_t step, double progress) const;
   // Whether step `step` adds to the gradients of a motion.

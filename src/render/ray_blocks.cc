@@ -20,12 +20,13 @@ std::vector<RayBlock> CoveringBlocks(int width, int height, uint32_t view) {
 
 void SortByPlace(std::span<RayBlock> blocks) {
   // Numbers that sort as (view, tile of 32 x 32 pixels, place in it) do, and contain the block:
-  // several times faster to sort than blocks by such tuples.
+  // they sort in half the time that blocks take by such tuples.
   constexpr uint32_t kTileBits = 5, kTile = 1u << kTileBits, kMostTiles = 1u << 11;
   std::vector<uint64_t> places(blocks.size());
   for (size_t i = 0; i < blocks.size(); ++i) {
     const auto& [view, x, y, slot] = blocks[i];
-    TETREC_CHECK(x / kTile < kMostTiles && y / kTile < kMostTiles, "pictures of 65,535 pixels");
+    TETREC_CHECK(x / kTile < kMostTiles && y / kTile < kMostTiles,
+                 "coordinates of blocks are below 65,536");
     const uint32_t tile = y / kTile * kMostTiles + x / kTile;
     const uint32_t in_tile = y % kTile * kTile + x % kTile;
     places[i] = uint64_t{view} << 32 | tile << 2 * kTileBits | in_tile;

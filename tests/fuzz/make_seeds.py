@@ -248,7 +248,7 @@ def checkpoint_bytes(layout, rows):
     remembers of its two views; without a checksum."""
     trials = struct.pack("<5I", 1, 1, 0, 1, 2)  # harmonics unlocked, judged, closed; fine rays; moving vertices
     growth = struct.pack("<Qd4Q3d2Q", 12, 2.5, 5, 2, 0, 10 ** 8, 21.0, 0.5, 0.1, 0, 0)
-    out = b"TETRECKC" + struct.pack("<QdQ", 20, 1.5, 640)
+    out = b"TETRECKC" + struct.pack("<QdQQQdQ", 20, 1.5, 640, 4096, 4, 1, 16)
     out += struct.pack("<IIdQ4dQ", 1, 0, 21.0, 2, 1.5, 16, 0.25, 32, 1) + growth
     out += struct.pack("<IIdQQ4d", 0, 1, 0.5, 10, 2, 1.5, 16, 0.25, 32)  # of coarsening
     out += struct.pack("<3QdQ", 12, 1, 8, 21.0, 100) + trials

@@ -15,14 +15,14 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECKC", u64 iteration, f64 seconds, u64 rays, u32 x 2 and f64 of the
-// rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x 11 of
-// their growth, u32 x 2, f64, u64, u64 and f64 x 2 of the coarsening, u64 x 3 and f64 of the
+// Where the fields start: "TETRECKC", u64 iteration, f64 seconds, u64 rays, u64 x 2, f64 and u64 of
+// the pace, u32 x 2 and f64 of the rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x
+// 11 of their growth, u32 x 2, f64, u64, u64 and f64 x 2 of the coarsening, u64 x 3 and f64 of the
 // convergence, u64 metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64
 // T, then the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the
 // name, the name, and 3 u32 each. Positions follow.
-constexpr size_t kSecondsAt = 16, kFineRaysAt = 284, kMotionAt = 288, kVertexCountAt = 292,
-                 kTetCountAt = 300, kStorageAt = 308,
+constexpr size_t kSecondsAt = 16, kRaysPerStepAt = 32, kFineRaysAt = 316, kMotionAt = 320,
+                 kVertexCountAt = 324, kTetCountAt = 332, kStorageAt = 340,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
@@ -40,6 +40,8 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   checkpoint.iteration = (uint64_t{1} << 40) + 3;
   checkpoint.seconds = 12.375;
   checkpoint.rays = 987654321012345;
+  checkpoint.pace = {
+      .rays_per_step = 65536, .views_per_batch = 16, .speed = 10, .steps_per_motion = 64};
   checkpoint.share_of_rates = 0.01;
   checkpoint.rounds = {4, 1, 23.5, {{1.5, 16.0}, {0.25, 32.0}}, {}};
   checkpoint.rounds.steps.push_back({.iteration = 12, .seconds = 2.5, .psnr = 21.0});
@@ -101,6 +103,7 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.iteration, written.iteration);
     EXPECT_EQ(read.seconds, written.seconds);
     EXPECT_EQ(read.rays, written.rays);
+    EXPECT_EQ(read.pace, written.pace);
     EXPECT_EQ(read.share_of_rates, written.share_of_rates);
     EXPECT_EQ(read.fine_rays, written.fine_rays);
     EXPECT_TRUE(read.rounds == written.rounds);
@@ -248,6 +251,8 @@ TEST(Checkpoint, RefusesHugeCountsBeforeItTakesMemory) {
 
 TEST(Checkpoint, RefusesUnknownStatesOfTrials) {
   const std::vector<uint8_t> good = BytesOf(MakeCheckpoint());
+  ExpectError<DataError>([&] { ParseCheckpoint(With(good, kRaysPerStepAt, uint64_t{0}), "c.bin"); },
+                         {"c.bin", "0 rays per step"});
   ExpectError<DataError>([&] { ParseCheckpoint(With(good, kFineRaysAt, uint32_t{3}), "c.bin"); },
                          {"c.bin", "fine rays", "3"});
   ExpectError<DataError>([&] { ParseCheckpoint(With(good, kMotionAt, uint32_t{3}), "c.bin"); },

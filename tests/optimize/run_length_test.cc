@@ -5,11 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace tetrec {
 namespace {
 
 constexpr uint64_t kPixels = 10'000'000;
-constexpr DevicePace kCores;
+constexpr DevicePace kCores{};
 constexpr DevicePace kFast = {.rays_per_step = 65536, .speed = 10};
 
 OptimizeOptions Limited(double seconds, uint64_t iterations) {
@@ -30,10 +32,25 @@ TEST(RunLength, IsThatOfTheLimitThatIsReachedFirst) {
   EXPECT_EQ(LengthOf(Limited(30, 4000), kCores, kPixels).seconds, 30);
 }
 
+// An almost equal limit of the other kind makes no difference.
+TEST(RunLength, AffordsNoMoreWithASecondLimit) {
+  for (const DevicePace& pace : {kCores, kFast}) {
+    for (const uint64_t iterations : {500u, 11'999u, 12'001u, 1'000'000u}) {
+      const uint64_t both = VerticesOf(Limited(300, iterations), pace);
+      EXPECT_EQ(both, std::min(VerticesOf(Limited(300, 0), pace),
+                               VerticesOf(Limited(0, iterations), pace)));
+    }
+  }
+}
+
 TEST(RunLength, WithoutLimitsIsThatOfAFullyGrownMesh) {
   for (const DevicePace& pace : {kCores, kFast}) {
     EXPECT_NEAR(double(VerticesOf(Limited(0, 0), pace)), kPixels / kPixelsPerVertex, 1);
   }
+  OptimizeOptions small_steps = Limited(0, 0);
+  small_steps.rays_per_step = 4096;
+  EXPECT_EQ(LengthOf(small_steps, kFast, kPixels).seconds,
+            LengthOf(Limited(0, 0), kCores, kPixels).seconds);
 }
 
 TEST(RunLength, OnAFastDeviceAffordsWhatALongerOneDoes) {
@@ -49,6 +66,12 @@ TEST(RunLength, ByIterationsAffordsByItsRays) {
   options.rays_per_step = 65536;
   EXPECT_EQ(VerticesOf(options, kCores), VerticesOf(Limited(0, 4000), kFast));
   EXPECT_EQ(VerticesOf(options, kCores), VerticesOf(Limited(0, 16 * 4000), kCores));
+}
+
+TEST(RunLength, IsTheSameOnEveryDeviceIfDeterministic) {
+  OptimizeOptions options = Limited(0, 4000);
+  options.renderer.deterministic = true;
+  EXPECT_EQ(VerticesOf(options, kFast), VerticesOf(options, kCores));
 }
 
 TEST(RunLength, NeverAffordsMoreThanTheBudget) {

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <random>
 #include <set>
 #include <tuple>
 
@@ -243,6 +244,25 @@ TEST(SortByPlace, PutsBlocksOfOneTileOfOneViewTogether) {
   SortByPlace(blocks);
   const std::vector<RayBlock> expected = {{0, 8, 2}, {0, 4, 30}, {0, 40, 0}, {0, 0, 40}, {1, 0, 0}};
   EXPECT_TRUE(Same(blocks, expected));
+}
+
+TEST(SortByPlace, SortsByViewTileRowAndColumn) {
+  std::mt19937 random(9);
+  std::vector<RayBlock> blocks;
+  for (const uint32_t size : {3u, 40u, 65'536u}) {
+    for (int i = 0; i < 500; ++i) {
+      const uint32_t view = i % 7 == 0 ? uint32_t(random()) : uint32_t(random() % 3);
+      blocks.push_back({view, uint32_t(random() % size), uint32_t(random() % size)});
+    }
+  }
+  std::vector<RayBlock> expected = blocks;
+  std::ranges::sort(expected, {}, [](const RayBlock& block) {
+    return std::tuple(block.view, block.y / 32, block.x / 32, block.y, block.x);
+  });
+  SortByPlace(blocks);
+  EXPECT_TRUE(Same(blocks, expected));
+  std::vector<RayBlock> outside = {{0, 65'536, 0}};
+  EXPECT_THROW(SortByPlace(outside), BugError);
 }
 
 TEST(DrawBlocks, StaysInsideThePictures) {

@@ -91,6 +91,27 @@ TEST(BatchDrawer, DrawsAsManyRaysAndViewsAsKeepTheDeviceBusy) {
   EXPECT_EQ(SmallRun(options).batches.Draw(1).rays(), 64u);
 }
 
+TEST(BatchDrawer, DrawsTilesNoLargerThanThePictures) {
+  OptimizeOptions options = SmallRunOptions();
+  options.rays_per_step.reset();
+  options.renderer.pace = {.rays_per_step = 65536};
+  options.loss.dssim = 0.2;
+  SmallRun run(options);
+  for (const RayBlock& block : run.batches.Draw(1).blocks) {
+    const TargetImage& picture = run.pictures.set().targets[block.view];
+    ASSERT_LE(int(block.x) + kRayBlockWidth, picture.width);
+    ASSERT_LE(int(block.y) + kRayBlockHeight, picture.height);
+  }
+}
+
+TEST(BatchDrawer, DrawsFewRaysOnEveryDeviceIfDeterministic) {
+  OptimizeOptions options = SmallRunOptions();
+  options.rays_per_step.reset();
+  options.renderer.pace = {.rays_per_step = 65536};
+  options.renderer.deterministic = true;
+  EXPECT_EQ(SmallRun(options).batches.rays_per_step(), 4096);
+}
+
 // Blocks of fine rays are halves of the blocks that would have been drawn, inside the same
 // pictures.
 TEST(BatchDrawer, DrawsFineRaysThroughTheSamePixels) {

@@ -94,6 +94,19 @@ TEST(VertexMotion, SumsTheLastStepsBeforeEachMotion) {
   EXPECT_EQ(run.motion.StepsForRates(400), 160u);
 }
 
+TEST(VertexMotion, ForgetsTheSumsThatAreDropped) {
+  MovingRun kept, dropped, last;
+  for (MovingRun* run : {&kept, &dropped, &last}) run->PutMoved(0.06f);
+  kept.Take(16, 0.1);
+  dropped.Take(15, 0.1);
+  dropped.motion.DropSums();
+  dropped.Take(1, 0.1);
+  last.steps.Resume(15, 0);
+  last.Take(1, 0.1);
+  EXPECT_NE(dropped.field.mesh().positions, kept.field.mesh().positions);
+  EXPECT_EQ(dropped.motion.counts().all(), last.motion.counts().all());
+}
+
 TEST(VertexMotion, KeepsTetsBetterWithARegulariser) {
   constexpr double kSharpness = 3;
   const auto badness_after = [](double strength) {
@@ -201,12 +214,20 @@ TEST(VertexMotion, StopsBeforeTheEndOfARun) {
   EXPECT_EQ(off.field.mesh().positions, before);
 }
 
-TEST(VertexMotion, ContinuesAsItWouldHave) {
-  MovingRun whole, first, second;
+class VertexMotionAtAnyPace : public ::testing::TestWithParam<uint64_t> {};
+
+INSTANTIATE_TEST_SUITE_P(, VertexMotionAtAnyPace, ::testing::Values(16, 40));
+
+TEST_P(VertexMotionAtAnyPace, ContinuesAsItWouldHave) {
+  const DevicePace pace{.steps_per_motion = GetParam()};
+  MovingRun whole(MoveChoice::kSafe, pace), first(MoveChoice::kSafe, pace),
+      second(MoveChoice::kSafe, pace);
   for (MovingRun* run : {&whole, &first}) run->PutMoved(0.06f);
-  whole.Take(64, 0.3);
-  first.Take(32, 0.3);
-  ASSERT_TRUE(first.motion.CanResumeAfter(32, 0.3));
+  // If motions are far apart, after one and before gradients are summed for the next.
+  const uint64_t stop = GetParam() == 16 ? 32 : 60;
+  whole.Take(int(stop) + 32, 0.3);
+  first.Take(int(stop), 0.3);
+  ASSERT_TRUE(first.motion.CanResumeAfter(stop, 0.3));
   EXPECT_FALSE(first.motion.CanResumeAfter(31, 0.3));
   EXPECT_TRUE(first.motion.CanResumeAfter(31, 0.9));
   second.steps.Resume(first.steps.iteration(), first.steps.rays());

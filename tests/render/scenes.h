@@ -214,6 +214,11 @@ class RendererTest : public ::testing::Test {
   std::vector<std::unique_ptr<ProbedRenderer>> renderers_;
 };
 
+// Compilers for GPUs fuse multiplications and additions, other ones in each kernel.
+inline bool IsOfSoftware(const ProbedRenderer& renderer) {
+  return renderer.DescribeDevice()["type"] == "software";
+}
+
 inline std::string NameOf(RendererKind kind) {
   return kind == RendererKind::kMarch        ? "March"
          : kind == RendererKind::kPpll       ? "Ppll"

@@ -240,11 +240,10 @@ TEST_P(HarmonicsTest, CoefficientsMoveByTheirFormula) {
   }
 }
 
-// On a GPU, whose compiler fuses other multiplications and additions in other kernels, values are
-// only alike.
+// Elsewhere values are only alike.
 void ExpectSameBitsOnSoftware(const ProbedRenderer& renderer, const std::vector<float>& a,
                               const std::vector<float>& b) {
-  if (renderer.DescribeDevice()["type"] == "software") {
+  if (IsOfSoftware(renderer)) {
     EXPECT_EQ(a, b);
     return;
   }

@@ -174,19 +174,21 @@ std::vector<glm::dvec3> Differences(const std::vector<A>& a, const std::vector<B
   return result;
 }
 
-void ExpectSameGradient(const FieldGradient& gradient, const ReferenceGradient& truth) {
+void ExpectSameGradient(const ProbedRenderer& renderer, const FieldGradient& gradient,
+                        const ReferenceGradient& truth) {
   // Hundreds of rays are added in float, in any order.
   EXPECT_LE(Norm(Differences(gradient.color_srgb, truth.color_srgb)),
             3e-5 * Norm(truth.color_srgb));
   EXPECT_LE(Norm(Differences(gradient.density, truth.density)),
             3e-5 * Norm(Differences(truth.density, std::vector<double>(truth.density.size()))));
   if (gradient.position.empty()) return;
-  // As in position_gradient_test: faces seen at a flat angle magnify rounding, which differs where
-  // a compiler fuses multiplication and addition (1.5e-4 on an H100).
-  EXPECT_LE(Norm(Differences(gradient.position, truth.position)), 3e-4 * Norm(truth.position));
-  EXPECT_LE(
-      Norm(Differences(gradient.absolute_position, truth.absolute_position)),
-      3e-4 * Norm(Differences(truth.absolute_position, std::vector<double>(truth.density.size()))));
+  // As in position_gradient_test: faces seen at a flat angle magnify rounding (to 1.5e-4 on an
+  // H100).
+  const double tolerance = IsOfSoftware(renderer) ? 1e-4 : 3e-4;
+  EXPECT_LE(Norm(Differences(gradient.position, truth.position)), tolerance * Norm(truth.position));
+  EXPECT_LE(Norm(Differences(gradient.absolute_position, truth.absolute_position)),
+            tolerance * Norm(Differences(truth.absolute_position,
+                                         std::vector<double>(truth.density.size()))));
 }
 
 TEST_P(HolesTest, GradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
@@ -204,7 +206,8 @@ TEST_P(HolesTest, GradientsAreThoseOfTheReferenceWithEitherKindOfAtomics) {
           const FieldGradient gradient =
               renderer.Backpropagate(view, std::vector<glm::vec4>(g.begin(), g.end()),
                                      GradientParts::kColorDensityPosition);
-          ExpectSameGradient(gradient, BackpropagateReference(named.field, view, g, stop));
+          ExpectSameGradient(renderer, gradient,
+                             BackpropagateReference(named.field, view, g, stop));
         }
       }
     }
