@@ -15,7 +15,7 @@ namespace {
 constexpr double kFirstMotion = 0.05, kTrial = 0.1;
 // Only a clear loss keeps vertices where they are: a trial shows only the beginning of the gain. On
 // datasets_spec/demo/nerf they lose 0.07 dB in the trial and gain 1.1 dB within 1,000 steps.
-constexpr double kLeastGain = -0.1;  // [dB]
+constexpr double kLeastGain = -0.1;     // [dB]
 constexpr uint64_t kFewestMotions = 3;  // of a trial
 
 }  // namespace
