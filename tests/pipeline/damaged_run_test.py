@@ -179,9 +179,11 @@ class DamagedRunTest(HostileCase):
             "longer": whole + b"0", "zeros": bytes(size), "without a checksum": body,
             "of another version": with_checksum(changed(body, 7, b"A")),
         }
-        forged = {  # of the magic, iteration, seconds and rays; 32 is the number of rounds
+        forged = {  # of the magic, iteration, seconds, rays and pace; 64 is the number of rounds
             "no time": with_checksum(changed(body, 16, b"\xff" * 8)),
-            "too many judging views": with_checksum(changed(body, 48, b"\xff" * 8)),
+            "no rays per step": with_checksum(changed(body, 32, bytes(8))),
+            "of another device": with_checksum(changed(body, 32, (65536).to_bytes(8, "little"))),
+            "too many judging views": with_checksum(changed(body, 80, b"\xff" * 8)),
             **{f"no number at {place}": with_checksum(changed(body, place, b"\xff" * 4))
                for place in (size // 2 // 4 * 4, size * 3 // 4 // 4 * 4)},
         }
@@ -204,6 +206,8 @@ class DamagedRunTest(HostileCase):
                 return self.says(name, result, *(["continues from"] if name == "whole" else []))
             if result.returncode != 3:
                 return "is taken"
+            if name == "of another device":
+                return self.says(name, result, "checkpoint.bin", "65536 rays", "not 4096", "force a fresh run")
             return self.says(name, result, "checkpoint.bin", "force a fresh run" if name in damaged else "")
         self.run_cases(cases(), is_refused, least=20)
 
