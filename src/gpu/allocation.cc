@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 namespace tetrec {
 namespace {
 
@@ -23,31 +21,31 @@ int FindMemoryType(const Device& device, uint32_t allowed, VkMemoryPropertyFlags
 
 Allocation::Allocation(const Device& device, const std::string& name, uint64_t bytes,
                        VkBufferUsageFlags usage,
-                       std::initializer_list<VkMemoryPropertyFlags> wishes)
-    : device_(&device) {
+                       std::initializer_list<VkMemoryPropertyFlags> wishes) {
+  own_.device = &device;
   VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
                           .size = bytes,
                           .usage = usage,
                           .sharingMode = VK_SHARING_MODE_EXCLUSIVE};
-  TETREC_VK(vkCreateBuffer(device.handle, &info, nullptr, &buffer_));
+  TETREC_VK(vkCreateBuffer(device.handle, &info, nullptr, &own_.buffer));
   VkMemoryRequirements needs;
-  vkGetBufferMemoryRequirements(device.handle, buffer_, &needs);
+  vkGetBufferMemoryRequirements(device.handle, own_.buffer, &needs);
   // Memory of the device that the host can reach is scarce on many GPUs.
   int type = -1;
   for (const VkMemoryPropertyFlags wish : wishes) {
     type = FindMemoryType(device, needs.memoryTypeBits, wish);
     if (TakeMemory(needs.size, type)) break;
   }
-  if (memory_ == VK_NULL_HANDLE) {
-    vkDestroyBuffer(device.handle, buffer_, nullptr);
+  if (own_.memory == VK_NULL_HANDLE) {
+    vkDestroyBuffer(device.handle, own_.buffer, nullptr);
     throw EnvironmentError(fmt::format(
         "device '{}' has no memory for buffer '{}' of {} MiB: use fewer tets or smaller images",
         device.properties.deviceName, name, bytes >> 20));
   }
-  TETREC_VK(vkBindBufferMemory(device.handle, buffer_, memory_, 0));
+  TETREC_VK(vkBindBufferMemory(device.handle, own_.buffer, own_.memory, 0));
   const VkMemoryPropertyFlags flags = device.memory.memoryTypes[type].propertyFlags;
   if ((flags & kHostMemory) == kHostMemory) {
-    TETREC_VK(vkMapMemory(device.handle, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_));
+    TETREC_VK(vkMapMemory(device.handle, own_.memory, 0, VK_WHOLE_SIZE, 0, &own_.mapped));
   }
 }
 
@@ -56,20 +54,13 @@ bool Allocation::TakeMemory(uint64_t bytes, int type) {
   const VkMemoryAllocateInfo info{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
                                   .allocationSize = bytes,
                                   .memoryTypeIndex = uint32_t(type)};
-  return vkAllocateMemory(device_->handle, &info, nullptr, &memory_) == VK_SUCCESS;
+  return vkAllocateMemory(own_.device->handle, &info, nullptr, &own_.memory) == VK_SUCCESS;
 }
 
 Allocation::~Allocation() {
-  if (device_ == nullptr) return;
-  vkDestroyBuffer(device_->handle, buffer_, nullptr);
-  vkFreeMemory(device_->handle, memory_, nullptr);
-}
-
-void Allocation::Swap(Allocation& other) noexcept {
-  std::swap(device_, other.device_);
-  std::swap(buffer_, other.buffer_);
-  std::swap(memory_, other.memory_);
-  std::swap(mapped_, other.mapped_);
+  if (own_.device == nullptr) return;
+  vkDestroyBuffer(own_.device->handle, own_.buffer, nullptr);
+  vkFreeMemory(own_.device->handle, own_.memory, nullptr);
 }
 
 }  // namespace tetrec

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <string>
+#include <utility>
 
 namespace tetrec {
 
@@ -23,25 +24,26 @@ class Allocation {
   // EnvironmentError, which names the buffer, if there is none. `name` is for that message only.
   Allocation(const Device& device, const std::string& name, uint64_t bytes,
              VkBufferUsageFlags usage, std::initializer_list<VkMemoryPropertyFlags> wishes);
-  Allocation(Allocation&& other) noexcept { Swap(other); }
+  Allocation(Allocation&& other) noexcept { std::swap(own_, other.own_); }
   Allocation& operator=(Allocation&& other) noexcept {
-    Swap(other);
+    std::swap(own_, other.own_);
     return *this;
   }
   ~Allocation();
 
-  VkBuffer buffer() const { return buffer_; }
-  void* mapped() const { return mapped_; }  // null unless the host can reach it
+  VkBuffer buffer() const { return own_.buffer; }
+  void* mapped() const { return own_.mapped; }  // null unless the host can reach it
 
  private:
-  void Swap(Allocation& other) noexcept;
   // False if there is no memory of this kind, or not enough.
   bool TakeMemory(uint64_t bytes, int type);
 
-  const Device* device_ = nullptr;
-  VkBuffer buffer_ = VK_NULL_HANDLE;
-  VkDeviceMemory memory_ = VK_NULL_HANDLE;
-  void* mapped_ = nullptr;
+  struct {
+    const Device* device = nullptr;
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    void* mapped = nullptr;
+  } own_;
 };
 
 }  // namespace tetrec

@@ -8,8 +8,8 @@
 
 namespace tetrec {
 
-// Memory of the host through which copies go, a part at a time. It is kept, because drivers take
-// longer to make such memory than to copy a few megabytes.
+// Host memory through which copies pass, one part at a time. It is kept because drivers take longer
+// to allocate such memory than to copy a few megabytes.
 class StagingArea {
  public:
   explicit StagingArea(const Device& device);
@@ -26,7 +26,7 @@ class StagingArea {
   CommandRecorder recorder_;
 };
 
-// That of the device, made when it is first asked for.
+// Returns the staging area of the device. The first call creates it.
 StagingArea& StagingOf(const Device& device);
 
 }  // namespace tetrec

@@ -107,7 +107,7 @@ struct OptimizeOptions {
   double time_limit_s = 300;  // of optimisation, with refinement and watching; 0: none
   uint64_t iterations = 0;    // 0: no limit; without any the run ends by itself (convergence.h)
   uint64_t seed = 1;
-  std::optional<int> rays_per_step;  // by default RaysPerStep
+  std::optional<int> rays_per_step;  // by default those of RaysPerStep
   LossOptions loss;
   double color_rate = AdamUpdate().color_rate;      // Adam's first step on colour [display sRGB]
   double density_rate = AdamUpdate().density_rate;  // on its parameter

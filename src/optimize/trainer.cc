@@ -172,7 +172,7 @@ class Trainer {
     }
     if (checkpoint.pace != renderer_->Pace()) {
       throw DataError(
-          fmt::format("{}: was written on a device of another kind, whose steps have {} rays and "
+          fmt::format("{}: was written on another kind of device, whose steps have {} rays, "
                       "not {}; choose that device, or force a fresh run",
                       name, checkpoint.pace.rays_per_step, renderer_->Pace().rays_per_step));
     }

@@ -53,7 +53,7 @@ class VertexMotion {
   // The number of steps whose learning rates a motion after `steps` steps has: of those summed so
   // far, so that vertices get equally far however rare motions are.
   uint64_t StepsForRates(uint64_t steps) const;
-  // Gradients that wait for their motion are dropped: steps without motion have changed the field.
+  // Drops the gradients that wait for a motion, because steps without motion change the field.
   void DropSums() { renderer_.TakePositionGradients(); }
   // True if no gradients are waiting for their motion after `steps` steps: only then is the state
   // all that a resumed run needs.
@@ -72,10 +72,10 @@ class VertexMotion {
 
  private:
   bool IsArticle() const { return options_.move == MoveChoice::kArticle; }
-  // How many steps, the last before each motion, have their gradients summed for it.
+  // The number of steps before each motion whose gradients are summed for it.
   uint64_t SummedSteps() const;
   bool IsOn(uint64_t step, double progress) const;
-  // Whether step `step` adds to the gradients of a motion.
+  // Returns true if the gradients of step `step` are summed for a motion.
   bool IsSummed(uint64_t step, double progress) const;
   void Begin();
   void AddRegulariser(std::vector<glm::dvec3>& sums) const;
