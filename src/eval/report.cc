@@ -253,7 +253,7 @@ std::string Trio(const ReportContent& content, size_t index, const std::string& 
                      E(view.name), Decibel(score.psnr), score.ssim, figures);
 }
 
-std::string Comparison(const ReportContent& content) {
+std::string ComparisonSection(const ReportContent& content) {
   std::vector<size_t> order(content.scores.size());
   std::iota(order.begin(), order.end(), size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
@@ -672,10 +672,10 @@ std::string MakeReport(const ReportContent& content) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
       "<title>Tetrec report: {}</title><style>{}</style></head><body><main>",
       ScriptSource(script), E(content.dataset), kReportStyle);
-  const std::string before = head + Header(content) + Cards(content) + scene + Comparison(content) +
-                             KeyNumbers(content) + ViewScores(content) + Exposures(content) +
-                             Cameras(content) + Convergence(content) + Growth(content) +
-                             Surface(content);
+  const std::string before = head + Header(content) + Cards(content) + scene +
+                             ComparisonSection(content) + KeyNumbers(content) +
+                             ViewScores(content) + Exposures(content) + Cameras(content) +
+                             Convergence(content) + Growth(content) + Surface(content);
   const std::string after =
       Stages(content.run) + Warnings(content) + Commands(content.run) +
       "<footer>Written by tetrec-evaluate. Colours are display sRGB throughout.</footer>"

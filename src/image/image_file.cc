@@ -3,6 +3,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/lower_case.h"
+#include "image/big_endian.h"
 #include "image/depth_map.h"
 #include "image/exr_header.h"
 #include "image/image.h"
@@ -28,9 +29,6 @@ namespace tetrec {
 namespace {
 
 constexpr uint64_t kMaxFileBytes = std::numeric_limits<int>::max();  // OpenCV's limit
-
-uint32_t BigEndian16(const uint8_t* p) { return uint32_t(p[0]) << 8 | p[1]; }
-uint32_t BigEndian32(const uint8_t* p) { return BigEndian16(p) << 16 | BigEndian16(p + 2); }
 
 [[noreturn]] void FailTruncated(const std::string& name, size_t bytes) {
   throw DataError(fmt::format(

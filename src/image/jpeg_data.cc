@@ -2,6 +2,7 @@
 #include "image/jpeg_data.h"
 
 #include "core/error.h"
+#include "image/big_endian.h"
 
 #include <fmt/format.h>
 
@@ -20,8 +21,6 @@
 
 namespace tetrec {
 namespace {
-
-uint32_t BigEndian16(const uint8_t* p) { return uint32_t(p[0]) << 8 | p[1]; }
 
 // Position behind the two bytes of the next marker, 0 if there is none. Skips byte stuffing, fill
 // bytes and restart markers.

@@ -13,10 +13,10 @@ namespace tetrec {
 namespace {
 
 constexpr int kMostHalvings = 4;
-constexpr size_t kTetsPerTask = 8192;
+constexpr size_t kTetsPerCheck = 8192;
 // A bound on the rounding of a determinant of differences of floats, computed in double, as a share
 // of the product of its columns' absolute sums.
-constexpr double kRounding = 1e-14;
+constexpr double kRoundingOfDeterminant = 1e-14;
 
 using Positions = std::vector<glm::vec3>;
 
@@ -33,7 +33,8 @@ Determinant DeterminantOf(const Positions& positions, const glm::uvec4& tet) {
   const glm::dvec3 b = glm::dvec3(positions[tet[2]]) - origin;
   const glm::dvec3 c = glm::dvec3(positions[tet[3]]) - origin;
   const double value = glm::dot(glm::cross(a, b), c);
-  return {value, std::abs(value) > kRounding * AbsoluteSum(a) * AbsoluteSum(b) * AbsoluteSum(c)};
+  return {value, std::abs(value) >
+                     kRoundingOfDeterminant * AbsoluteSum(a) * AbsoluteSum(b) * AbsoluteSum(c)};
 }
 
 bool IsSound(const Positions& before, const Positions& after, const glm::uvec4& tet) {
@@ -51,7 +52,7 @@ bool HasAny(const std::vector<uint8_t>& flags, const glm::uvec4& tet) {
 std::vector<uint8_t> VerticesOfUnsound(const TetMesh& mesh, const Positions& after,
                                        const std::vector<uint8_t>& changed) {
   std::vector<uint8_t> flags(after.size(), 0);
-  ParallelFor(mesh.tets.size(), kTetsPerTask, [&](size_t first, size_t last) {
+  ParallelFor(mesh.tets.size(), kTetsPerCheck, [&](size_t first, size_t last) {
     for (size_t t = first; t < last; ++t) {
       const glm::uvec4& tet = mesh.tets[t];
       if (!HasAny(changed, tet) || IsSound(mesh.positions, after, tet)) continue;

@@ -7,7 +7,7 @@
 namespace tetrec {
 namespace {
 
-constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-12;
+constexpr double kArticleBeta1 = 0.9, kArticleBeta2 = 0.999, kEpsilon = 1e-12;
 
 }  // namespace
 
@@ -18,8 +18,8 @@ bool IsInJointEpoch(uint64_t step, size_t views) {
 std::vector<glm::vec3> ArticleMoves(std::span<const glm::dvec3> gradients, double rate,
                                     MotionState& state) {
   ++state.motions;
-  const double correction1 = 1.0 / (1.0 - std::pow(kBeta1, double(state.motions)));
-  const double correction2 = 1.0 / (1.0 - std::pow(kBeta2, double(state.motions)));
+  const double correction1 = 1.0 / (1.0 - std::pow(kArticleBeta1, double(state.motions)));
+  const double correction2 = 1.0 / (1.0 - std::pow(kArticleBeta2, double(state.motions)));
   std::vector<glm::vec3> moves(gradients.size(), glm::vec3(0.0f));
   for (size_t v = 0; v < moves.size(); ++v) {
     if (state.room[v] <= 0.0f) continue;
@@ -27,8 +27,8 @@ std::vector<glm::vec3> ArticleMoves(std::span<const glm::dvec3> gradients, doubl
       const double gradient = gradients[v][i];
       float& first = state.first_moment[v][i];
       float& second = state.second_moment[v][i];
-      first = float(kBeta1 * first + (1 - kBeta1) * gradient);
-      second = float(kBeta2 * second + (1 - kBeta2) * gradient * gradient);
+      first = float(kArticleBeta1 * first + (1 - kArticleBeta1) * gradient);
+      second = float(kArticleBeta2 * second + (1 - kArticleBeta2) * gradient * gradient);
       moves[v][i] =
           float(-rate * correction1 * first / (std::sqrt(correction2 * second) + kEpsilon));
     }

@@ -8,10 +8,9 @@
 namespace tetrec {
 namespace {
 
-constexpr double kGrowthSteps = kGrowthSeconds * kStepsPerSecond;
 // The first look follows the trials, which leave a field with little noise for a while.
 constexpr double kFirstLook = kGrowthSteps, kLookFactor = 1.25;
-constexpr double kLeastGain = 0.05;  // [dB]
+constexpr double kLeastGain_db = 0.05;
 constexpr uint64_t kMostIdleLooks = 2;
 // The progress that a run tends to while it has not converged: the last correction of the cameras
 // follows it.
@@ -26,7 +25,7 @@ bool Convergence::IsDue(uint64_t steps) const {
 }
 
 void Convergence::Look(uint64_t steps, double psnr, bool may_end) {
-  const bool gained = state_.last_look == 0 || psnr >= state_.best_psnr + kLeastGain;
+  const bool gained = state_.last_look == 0 || psnr >= state_.best_psnr + kLeastGain_db;
   state_.idle_looks = gained || !may_end ? 0 : state_.idle_looks + 1;
   state_.best_psnr = gained ? psnr : state_.best_psnr;
   state_.last_look = steps;

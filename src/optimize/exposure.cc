@@ -15,7 +15,7 @@ constexpr double kKeptSums = 0.85;
 // The share of the way to the fitted exposures that each fit goes.
 constexpr double kDamping = 0.25;
 // Bounds of a fitted gain.
-constexpr double kLeastGain = 0.2, kLargestGain = 5;
+constexpr double kSmallestGain = 0.2, kLargestGain = 5;
 // The pull towards neutral: a share of the view's rays, and as many rays as make a view count.
 constexpr double kGainShare = 1e-3, kOffsetShare = 1e-2, kPriorRays = 100;
 // The spread (root mean square over views and channels of log gain) that is left in collections of
@@ -26,7 +26,7 @@ GainOffset FitChannel(const GainOffsetSums& sums) {
   const GainOffsetPrior prior{kGainShare * sums.ww + kPriorRays,
                               kOffsetShare * sums.ww + kPriorRays};
   GainOffset fit = FitGainOffset(sums, prior).value_or(GainOffset{});
-  fit.gain = std::clamp(fit.gain, kLeastGain, kLargestGain);
+  fit.gain = std::clamp(fit.gain, kSmallestGain, kLargestGain);
   return fit;
 }
 

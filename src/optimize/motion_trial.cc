@@ -15,7 +15,7 @@ namespace {
 constexpr double kFirstMotion = 0.05, kTrial = 0.1;
 // Only a clear loss keeps vertices where they are: a trial shows only the beginning of the gain. On
 // datasets_spec/demo/nerf they lose 0.07 dB in the trial and gain 1.1 dB within 1,000 steps.
-constexpr double kLeastGain = -0.1;     // [dB]
+constexpr double kLeastGainOfMotion_db = -0.1;
 constexpr uint64_t kFewestMotions = 3;  // of a trial
 
 }  // namespace
@@ -50,7 +50,7 @@ bool MotionTrial::Advance(const RunMoment& moment) {
   const double still = TrialPsnr(false, moment);
   field_.PutState(before);
   const double moving = TrialPsnr(true, moment);
-  const bool pays = moving > still + kLeastGain;
+  const bool pays = moving > still + kLeastGainOfMotion_db;
   if (pays) {
     steps_.CountTried(steps);
   } else {

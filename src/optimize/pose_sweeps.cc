@@ -11,7 +11,7 @@ namespace tetrec {
 namespace {
 
 // What the first sweep over the cameras must gain on the judging pictures [dB].
-constexpr double kLeastGain_db = 0.03;
+constexpr double kLeastGainOfSweep_db = 0.03;
 
 bool CorrectsPoses(PoseMode mode, bool were_estimated) {
   return mode == PoseMode::kAuto ? were_estimated : mode == PoseMode::kOn;
@@ -60,7 +60,7 @@ double PoseSweeps::GainOnJudging(double progress) {
 }
 
 double PoseSweeps::KeepIfBetter(double gain, double progress) {
-  const bool is_better = gain >= kLeastGain_db;
+  const bool is_better = gain >= kLeastGainOfSweep_db;
   LogInfo("the judging pictures change by {:+.2f} dB with the corrected cameras: {}", gain,
           is_better ? "they are kept" : "all stay where they were found");
   if (is_better) return gain;

@@ -32,6 +32,7 @@ struct ScheduleOptions {
 // The length of a run that growth refers to [s], and the steps that a second is taken for in runs
 // by iterations.
 inline constexpr double kGrowthSeconds = 120, kStepsPerSecond = 40;
+inline constexpr double kGrowthSteps = kGrowthSeconds * kStepsPerSecond;
 
 // No run affords more vertices than one per so many pixels that show the subject.
 inline constexpr double kPixelsPerVertex = 16;

@@ -260,7 +260,6 @@ class Trainer {
 
   // The growth of the run (schedule.h).
   double Growth() const {
-    constexpr double kGrowthSteps = kGrowthSeconds * kStepsPerSecond;
     if (!options_.HasLimit()) return ProgressOf(0, kGrowthSteps);
     return ProgressOf(std::min(options_.time_limit_s, kGrowthSeconds),
                       std::min(double(options_.iterations), kGrowthSteps));

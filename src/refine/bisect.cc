@@ -12,11 +12,11 @@
 namespace tetrec {
 namespace {
 
-struct Edge {
+struct MeasuredEdge {
   double squared_length;
   uint32_t a, b;  // a < b
   // A total order, so that no chain of longer and longer edges is endless.
-  bool operator<(const Edge& other) const {
+  bool operator<(const MeasuredEdge& other) const {
     return std::tie(squared_length, a, b) < std::tie(other.squared_length, other.a, other.b);
   }
 };
@@ -47,44 +47,45 @@ class Bisection {
   // Follows longer and longer edges from a tet to one that is the longest of all tets around it,
   // and halves that.
   bool BisectTerminal(uint32_t tet) {
-    std::optional<Edge> longest = LongestEdge(tet);
+    std::optional<MeasuredEdge> longest = LongestEdge(tet);
     while (longest) {
       const std::vector<uint32_t> around = TetsAround(*longest);
-      const std::optional<Edge> longer = LongerEdge(around, *longest);
+      const std::optional<MeasuredEdge> longer = LongerEdge(around, *longest);
       if (!longer) return Halve(*longest, around);
       longest = longer;
     }
     return false;
   }
 
-  std::optional<Edge> LongerEdge(const std::vector<uint32_t>& tets, const Edge& edge) {
+  std::optional<MeasuredEdge> LongerEdge(const std::vector<uint32_t>& tets,
+                                         const MeasuredEdge& edge) {
     for (const uint32_t t : tets) {
-      const std::optional<Edge> other = LongestEdge(t);
+      const std::optional<MeasuredEdge> other = LongestEdge(t);
       if (other && edge < *other) return other;
     }
     return std::nullopt;
   }
 
-  std::optional<Edge> LongestEdge(uint32_t tet) {
-    std::optional<Edge> longest;
+  std::optional<MeasuredEdge> LongestEdge(uint32_t tet) {
+    std::optional<MeasuredEdge> longest;
     for (const auto& ends : kTetEdges) {
-      const Edge edge = EdgeBetween(mesh_.tet(tet)[ends[0]], mesh_.tet(tet)[ends[1]]);
+      const MeasuredEdge edge = EdgeBetween(mesh_.tet(tet)[ends[0]], mesh_.tet(tet)[ends[1]]);
       if ((!longest || *longest < edge) && KeepsBoundary(edge)) longest = edge;
     }
     return longest;
   }
 
-  Edge EdgeBetween(uint32_t a, uint32_t b) const {
+  MeasuredEdge EdgeBetween(uint32_t a, uint32_t b) const {
     const glm::dvec3 way = glm::dvec3(mesh_.position(b)) - glm::dvec3(mesh_.position(a));
     return {glm::dot(way, way), std::min(a, b), std::max(a, b)};
   }
 
-  std::vector<uint32_t> TetsAround(const Edge& edge) const {
+  std::vector<uint32_t> TetsAround(const MeasuredEdge& edge) const {
     return mesh_.TetsAround(edge.a, edge.b);
   }
 
   // The third vertices of the boundary's faces at an edge: two, or none if it is inside.
-  std::vector<uint32_t> BoundaryAt(const Edge& edge) const {
+  std::vector<uint32_t> BoundaryAt(const MeasuredEdge& edge) const {
     if (!is_on_boundary_[edge.a] || !is_on_boundary_[edge.b]) return {};
     std::map<uint32_t, int> faces;
     for (const uint32_t t : TetsAround(edge)) {
@@ -101,7 +102,7 @@ class Bisection {
   }
 
   // The middle is exactly in the boundary's faces at the edge.
-  bool KeepsBoundary(const Edge& edge) const {
+  bool KeepsBoundary(const MeasuredEdge& edge) const {
     for (const uint32_t third : BoundaryAt(edge)) {
       if (Orientation(mesh_.position(edge.a), mesh_.position(edge.b), mesh_.position(third),
                       mesh_.Middle(edge.a, edge.b)) != 0) {
@@ -111,7 +112,7 @@ class Bisection {
     return true;
   }
 
-  bool Halve(const Edge& edge, const std::vector<uint32_t>& around) {
+  bool Halve(const MeasuredEdge& edge, const std::vector<uint32_t>& around) {
     if (edge.squared_length < min_edge_ * min_edge_) return false;
     const bool is_on_boundary = !BoundaryAt(edge).empty();
     if (!mesh_.Halve(edge.a, edge.b, around)) return false;

@@ -21,7 +21,7 @@ namespace {
 constexpr double kLeastQuality = 0.02;
 // A place is darkened if the opacity over the mean edge of its tet rises by this. It is stricter
 // than after a new triangulation (darkened.cc), because it costs nothing to leave a vertex.
-constexpr double kDarker = 0.05;
+constexpr double kMostDarkening = 0.05;
 // Among collapses that change the pictures equally little, the one with better tets wins.
 constexpr double kWeightOfQuality = 1e-6;
 // Estimates of errors are needed for those neighbours only that promise the least.
@@ -31,7 +31,7 @@ constexpr uint32_t kNoVertex = 0xFFFFFFFFu;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The tets around a vertex as they are, or as they would be after a collapse.
-using Star = std::vector<glm::uvec4>;
+using StarTets = std::vector<glm::uvec4>;
 
 // Barycentric weights of a point; NaN in a tet whose volume is 0 in double.
 glm::dvec4 WeightsOf(const TetCorners& corners, const glm::dvec3& point) {
@@ -112,8 +112,8 @@ class Collapsing {
     return neighbors;
   }
 
-  Star StarAfter(uint32_t v, uint32_t onto) const {
-    Star star;
+  StarTets StarAfter(uint32_t v, uint32_t onto) const {
+    StarTets star;
     for (const uint32_t t : mesh_.TetsAt(v)) {
       if (!Contains(mesh_.tet(t), onto)) {
         star.push_back(WithVertexReplaced(mesh_.tet(t), v, onto));
@@ -132,7 +132,7 @@ class Collapsing {
 
   // The worst quality of a star, or none if that is below `least` or a tet is not positively
   // oriented.
-  std::optional<double> QualityOf(const Star& star, double least) const {
+  std::optional<double> QualityOf(const StarTets& star, double least) const {
     double worst = 1;
     for (const glm::uvec4& tet : star) {
       worst = std::min(worst, ParthasarathyQuality(CornersOf(mesh_.positions(), tet)));
@@ -148,7 +148,7 @@ class Collapsing {
   }
 
   // The values that a star shows at a point, in the tet that contains it.
-  glm::dvec4 ValueAt(const Star& star, const glm::dvec3& point) const {
+  glm::dvec4 ValueAt(const StarTets& star, const glm::dvec3& point) const {
     double best = -kInfinity;
     glm::dvec4 value(0.0);
     for (const glm::uvec4& tet : star) {
@@ -180,7 +180,7 @@ class Collapsing {
     const double least_quality = std::min(kLeastQuality, WorstQuality(v));
     std::vector<std::pair<double, uint32_t>> ranked;
     for (const uint32_t onto : neighbors) {
-      const Star star = StarAfter(v, onto);
+      const StarTets star = StarAfter(v, onto);
       const std::optional<double> quality = QualityOf(star, least_quality);
       if (!quality) continue;
       const glm::dvec4 value = ValueAt(star, glm::dvec3(mesh_.position(v)));
@@ -199,9 +199,9 @@ class Collapsing {
     Choice best;
     size_t compared = 0;
     for (const uint32_t onto : RankedNeighbors(v)) {
-      const Star after = StarAfter(v, onto);
+      const StarTets after = StarAfter(v, onto);
       const double darkening = stays_clear ? DarkeningBy(v, after) : 0.0;
-      if (darkening_[v] + darkening > kDarker) continue;
+      if (darkening_[v] + darkening > kMostDarkening) continue;
       const double error = ErrorOf(v, after);
       if (error < best.error) best = {onto, error, darkening};
       if (++compared == kComparedNeighbors) break;
@@ -211,7 +211,7 @@ class Collapsing {
 
   // The squared error that the pictures gain, from the light that rays lose in each tet around a
   // vertex and from what the tet's centroid shows then.
-  double ErrorOf(uint32_t v, const Star& after) const {
+  double ErrorOf(uint32_t v, const StarTets& after) const {
     double error = 0;
     for (const uint32_t t : mesh_.TetsAt(v)) {
       if (!(light_[t] > 0)) continue;
@@ -224,8 +224,8 @@ class Collapsing {
 
   // The largest rise of the opacity at the vertex and at the centroids of the tets around it, those
   // that go and those that replace them: each may miss what the others show.
-  double DarkeningBy(uint32_t v, const Star& after) const {
-    Star before;
+  double DarkeningBy(uint32_t v, const StarTets& after) const {
+    StarTets before;
     for (const uint32_t t : mesh_.TetsAt(v)) before.push_back(mesh_.tet(t));
     double most = 0;
     const auto compare = [&](double length, double was, double is) {

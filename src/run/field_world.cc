@@ -12,9 +12,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kSchema = 1;
+constexpr int kWorldSchema = 1;
 // A rotation written with six digits still passes.
-constexpr double kRotationTolerance = 1e-5;
+constexpr double kAxesTolerance = 1e-5;
 
 json FlatRows(const glm::dmat3& matrix) {
   json numbers = json::array();
@@ -33,7 +33,7 @@ glm::dmat3 ReadRotation(const CheckedJson& field) {
   } else {
     field.Fail(fmt::format("has {} items; expected 9 numbers or 3 rows", field.Size()));
   }
-  return CheckedRotation(rotation, kRotationTolerance, field);
+  return CheckedRotation(rotation, kAxesTolerance, field);
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ glm::dmat3 ReadRotation(const CheckedJson& field) {
 void WriteFieldWorld(const std::filesystem::path& path, const FieldWorld& world) {
   json cameras = json::array();
   for (const glm::dvec3& center : world.cameras_in_world) cameras.push_back(ToJson(center));
-  const json value = {{"schema", kSchema},
+  const json value = {{"schema", kWorldSchema},
                       {"input_from_world",
                        {{"scale", world.input_from_world.scale},
                         {"rotation", FlatRows(world.input_from_world.rotation)},
@@ -55,7 +55,7 @@ void WriteFieldWorld(const std::filesystem::path& path, const FieldWorld& world)
 
 FieldWorld ParseFieldWorld(const json& value, const std::string& name) {
   const CheckedJson file(value, name);
-  file.Field("schema").IntegerIn(kSchema, kSchema);
+  file.Field("schema").IntegerIn(kWorldSchema, kWorldSchema);
   FieldWorld world;
   const CheckedJson similarity = file.Field("input_from_world");
   world.input_from_world = {similarity.Field("scale").NumberIn(1e-12, 1e12),

@@ -9,16 +9,16 @@
 namespace tetrec {
 namespace {
 
-constexpr int kSchema = 1;
+constexpr int kNamesSchema = 1;
 
 }  // namespace
 
 nlohmann::json NamedViewsFile(nlohmann::json views) {
-  return {{"schema", kSchema}, {"views", std::move(views)}};
+  return {{"schema", kNamesSchema}, {"views", std::move(views)}};
 }
 
 std::vector<CheckedJson> NamedViews(const CheckedJson& file) {
-  file.Field("schema").IntegerIn(kSchema, kSchema);
+  file.Field("schema").IntegerIn(kNamesSchema, kNamesSchema);
   const CheckedJson views = file.Field("views");
   std::vector<CheckedJson> items;
   std::set<std::string> names;

@@ -17,7 +17,7 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr int kMostRaysPerPixel = 1 << 16, kMaxSide_px = 1 << 16;
-constexpr double kLargestShift_px = 1e6;
+constexpr double kLargestRefinedShift_px = 1e6;
 
 fs::path PathInside(const fs::path& folder, const CheckedJson& field) {
   const std::string relative = field.Text();
@@ -46,7 +46,7 @@ RenderedView ReadView(const fs::path& folder, const CheckedJson& item) {
   view.normals = OptionalPathInside(folder, item, "normals");
   view.refined = OptionalPathInside(folder, item, "refined");
   if (item.Has("refined_shift_px") && !item.Field("refined_shift_px").IsNull()) {
-    view.refined_shift_px = item.Field("refined_shift_px").NumberIn(0, kLargestShift_px);
+    view.refined_shift_px = item.Field("refined_shift_px").NumberIn(0, kLargestRefinedShift_px);
   }
   return view;
 }

@@ -13,12 +13,12 @@ namespace tetrec {
 namespace {
 
 constexpr char kMagic[] = "TETRECD1";
-constexpr uint32_t kMaxSide_px = 1 << 16;
+constexpr uint32_t kMaxDepthMapSide_px = 1 << 16;
 
 void CheckCamera(const Camera& camera, const std::string& name) {
   const bool has_size = camera.width > 0 && camera.height > 0 &&
-                        uint32_t(camera.width) <= kMaxSide_px &&
-                        uint32_t(camera.height) <= kMaxSide_px;
+                        uint32_t(camera.width) <= kMaxDepthMapSide_px &&
+                        uint32_t(camera.height) <= kMaxDepthMapSide_px;
   const bool has_focus = camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) &&
                          std::isfinite(camera.fy) && std::isfinite(camera.cx) &&
                          std::isfinite(camera.cy);
@@ -81,9 +81,9 @@ StereoDepth ParseStereoDepth(std::span<const uint8_t> bytes, const std::string& 
   map.view = reader.Read<uint32_t>("the view");
   const uint32_t width = reader.Read<uint32_t>("the width");
   const uint32_t height = reader.Read<uint32_t>("the height");
-  if (width > kMaxSide_px || height > kMaxSide_px) {
+  if (width > kMaxDepthMapSide_px || height > kMaxDepthMapSide_px) {
     throw DataError(fmt::format("{}: {} x {} pixels; expected at most {} per side", name, width,
-                                height, kMaxSide_px));
+                                height, kMaxDepthMapSide_px));
   }
   map.camera.width = int(width);
   map.camera.height = int(height);

@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kMinRegisteredShare = 0.8;
 constexpr size_t kMinPoints = 100;
-constexpr double kMaxError_px = 1.5;  // proportionally more for photos larger than kErrorSize_px
+constexpr double kMaxMeanError_px =
+    1.5;  // proportionally more for photos larger than kErrorSize_px
 constexpr double kErrorSize_px = 1600;
 constexpr double kMinTrackLength = 2.5;
 
@@ -55,7 +56,7 @@ ModelQuality JudgeModel(const ColmapModel& model, const std::vector<std::string>
   double longest = 0;
   for (const auto& [id, camera] : model.cameras)
     longest = std::max(longest, double(std::max(camera.width, camera.height)));
-  const double max_error_px = kMaxError_px * std::max(1.0, longest / kErrorSize_px);
+  const double max_error_px = kMaxMeanError_px * std::max(1.0, longest / kErrorSize_px);
   if (quality.mean_error_px > max_error_px) {
     throw DataError(fmt::format(
         "the mean reprojection error is {:.2f} px; expected at most {:.2f}; if zoom or camera were "

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr size_t kMinTrack = 3;
-constexpr double kMaxError_px = 2;
+constexpr double kMaxPointError_px = 2;
 constexpr int kMaxFeatures = 8192;  // per image; more than images of 800 px have
 
 // The training views as COLMAP sees them: images CAMERA/VIEW.png, numbered so that the names sort
@@ -135,7 +135,7 @@ Triangulation Filtered(const ColmapModel& model, const Scene& scene, const ViewA
   Triangulation result;
   result.found = model.points.size();
   for (const auto& [id, point] : model.points) {
-    if (point.track.size() < kMinTrack || point.error_px > kMaxError_px) {
+    if (point.track.size() < kMinTrack || point.error_px > kMaxPointError_px) {
       ++result.weak;
     } else if (IsSeenThrough(scene, alphas, point.position)) {
       ++result.transparent;

@@ -32,4 +32,8 @@ std::string HtmlRow(const std::vector<std::string>& cells, size_t texts, const c
   return row + "</tr>\n";
 }
 
+std::string Decibel(const std::optional<double>& value) {
+  return value ? fmt::format("{:.2f}", *value) : "–";
+}
+
 }  // namespace tetrec

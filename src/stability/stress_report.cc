@@ -16,10 +16,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
 
-std::string Decibel(const std::optional<double>& value) {
-  return value ? fmt::format("{:.2f}", *value) : "–";
-}
-
 // A bar of the loss, at full length from 12 dB on.
 std::string LossBar(const StressResult& result) {
   if (!result.lost_db) return "";

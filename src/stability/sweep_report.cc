@@ -104,10 +104,6 @@ std::string DrawCharts(const std::vector<SweepResult>& results, SweptParameter p
   return "<div class=\"plots\">" + html + "</div>";
 }
 
-std::string Decibel(const std::optional<double>& value) {
-  return value ? fmt::format("{:.2f}", *value) : "–";
-}
-
 std::string Table(const std::vector<SweepResult>& results) {
   std::string table = "<div class=\"scroll\"><table>";
   table += HtmlRow({"Parameter", "Method", "What the program said", "Value", "PSNR [dB]",

@@ -30,7 +30,7 @@ constexpr double kJump_px = 8;
 constexpr double kFinest = 1.0 / 256, kExact = 0.01;
 constexpr int kMostSteps = 8;
 constexpr double kKeep = 1e-3;  // of an edge, between a cut and the edge's ends
-constexpr size_t kGrain = 256;
+constexpr size_t kValuesPerTask = 256;
 
 // Linear between the four pixel centres around a position, or that of the nearest centre where
 // these show more than one surface. Infinite where the ray is never stopped.
@@ -139,13 +139,13 @@ double SolidityAt(const glm::dvec3& point_in_world, std::span<const SeenDepth> v
 
 LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views) {
   std::vector<float> solidity(mesh.positions.size());
-  ParallelFor(solidity.size(), kGrain, [&](size_t begin, size_t end) {
+  ParallelFor(solidity.size(), kValuesPerTask, [&](size_t begin, size_t end) {
     for (size_t v = begin; v < end; ++v) {
       solidity[v] = float(SolidityAt(glm::dvec3(mesh.positions[v]), views));
     }
   });
   LevelSet set = MarchTetrahedra(mesh, solidity, 0);
-  ParallelFor(set.cuts.size(), kGrain, [&](size_t begin, size_t end) {
+  ParallelFor(set.cuts.size(), kValuesPerTask, [&](size_t begin, size_t end) {
     for (size_t c = begin; c < end; ++c) {
       EdgeCut& cut = set.cuts[c];
       const glm::dvec3 solid(mesh.positions[cut.inside]), free(mesh.positions[cut.outside]);
@@ -160,7 +160,7 @@ LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views) {
 
 LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double largest_gap) {
   std::vector<uint8_t> is_seen(set.positions.size(), 0);
-  ParallelFor(is_seen.size(), kGrain, [&](size_t begin, size_t end) {
+  ParallelFor(is_seen.size(), kValuesPerTask, [&](size_t begin, size_t end) {
     for (size_t v = begin; v < end; ++v) {
       is_seen[v] = std::any_of(views.begin(), views.end(), [&](const SeenDepth& view) {
         const std::optional<double> behind = BandsBehind(glm::dvec3(set.positions[v]), view);

@@ -22,7 +22,7 @@ namespace {
 constexpr size_t kGroups = 4;
 // A ray that ends farther behind the nearest one around it than this many footprints meets the
 // background.
-constexpr float kJumpFootprints = 8;
+constexpr float kBackgroundFootprints = 8;
 constexpr size_t kRaysPerPixel = kRaysPerSide * kRaysPerSide;
 constexpr float kShareOfRay = 1.0f / float(kRaysPerPixel);
 
@@ -209,7 +209,7 @@ class Differences {
     const float nearest = picture.NearestDepth(x, y);
     const auto moves = [&](size_t index) {
       const float depth = picture.seen().depth[index];
-      return depth - nearest < kJumpFootprints * float(photo.Footprint(double(depth)));
+      return depth - nearest < kBackgroundFootprints * float(photo.Footprint(double(depth)));
     };
     int moving_rays = 0;
     picture.ForEachHit(x, y, [&](int, size_t index) { moving_rays += moves(index); });

@@ -14,7 +14,7 @@ namespace tetrec {
 namespace {
 
 constexpr int kVertexRounds = 20;  // in which vertices follow the normals
-constexpr size_t kGrain = 4096;
+constexpr size_t kVerticesPerTask = 4096;
 
 std::vector<glm::dvec3> FilteredNormals(const TriangleMesh& mesh, const VertexFans& fans,
                                         const SmoothOptions& options) {
@@ -28,7 +28,7 @@ std::vector<glm::dvec3> FilteredNormals(const TriangleMesh& mesh, const VertexFa
   const double per_squared = -0.5 / (options.edge_width * options.edge_width);
   for (int round = 0; round < options.rounds; ++round) {
     std::vector<glm::dvec3> filtered = normals;
-    ParallelFor(normals.size(), kGrain, [&](size_t begin, size_t end) {
+    ParallelFor(normals.size(), kVerticesPerTask, [&](size_t begin, size_t end) {
       for (size_t t = begin; t < end; ++t) {
         glm::dvec3 sum(0.0);
         for (int k = 0; k < 3; ++k) {
@@ -61,7 +61,7 @@ TriangleMesh SmoothByNormals(TriangleMesh mesh, const SmoothOptions& options) {
     for (const glm::uvec3& t : mesh.triangles) {
       centers.push_back((positions[t.x] + positions[t.y] + positions[t.z]) / 3.0);
     }
-    ParallelFor(positions.size(), kGrain, [&](size_t begin, size_t end) {
+    ParallelFor(positions.size(), kVerticesPerTask, [&](size_t begin, size_t end) {
       for (size_t v = begin; v < end; ++v) {
         if (border[v] || fans.At(v).empty()) continue;
         glm::dvec3 move(0.0);

@@ -19,8 +19,8 @@ namespace {
 
 constexpr int kHalvings = 1;          // of a vertex's move before it is undone
 constexpr uint32_t kMostCells = 128;  // along each axis
-constexpr size_t kGrain = 1024;       // cells that one core compares
-constexpr int kMaxRounds = 100;       // each takes vertices back, so a few suffice
+constexpr size_t kCellsPerTask = 1024;
+constexpr int kMaxRounds = 100;  // each takes vertices back, so a few suffice
 
 int SharedVertices(const glm::uvec3& a, const glm::uvec3& b) {
   int shared = 0;
@@ -56,7 +56,7 @@ class Crossings {
     if (crosses.empty() || !(cell_size_ > 0)) return crosses;
     const std::vector<Entry> entries = SortedEntries(of_interest);
     const std::vector<size_t> cells = BeginningsOf(entries);
-    ParallelFor(cells.size() - 1, kGrain, [&](size_t from, size_t to) {
+    ParallelFor(cells.size() - 1, kCellsPerTask, [&](size_t from, size_t to) {
       for (size_t i = from; i < to; ++i) {
         MarkCrossings(std::span(entries).subspan(cells[i], cells[i + 1] - cells[i]), of_interest,
                       crosses);

@@ -1,17 +1,14 @@
 // Triangles are drawn into the texture with a rim.
 #include "surface/texels.h"
 
+#include "surface/side_of_line.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace tetrec {
 namespace {
-
-double Side(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& p) {
-  const glm::dvec2 along = b - a, to = p - a;
-  return along.x * to.y - along.y * to.x;
-}
 
 glm::dvec2 PointAt(const std::array<glm::dvec2, 3>& corners, const glm::dvec3& weights) {
   return weights.x * corners[0] + weights.y * corners[1] + weights.z * corners[2];
@@ -20,11 +17,11 @@ glm::dvec2 PointAt(const std::array<glm::dvec2, 3>& corners, const glm::dvec3& w
 }  // namespace
 
 glm::dvec3 NearestWeights(const std::array<glm::dvec2, 3>& corners, const glm::dvec2& p) {
-  const double area = Side(corners[0], corners[1], corners[2]);
+  const double area = SideOfLine(corners[0], corners[1], corners[2]);
   if (area != 0) {
-    const glm::dvec3 inside{Side(corners[1], corners[2], p) / area,
-                            Side(corners[2], corners[0], p) / area,
-                            Side(corners[0], corners[1], p) / area};
+    const glm::dvec3 inside{SideOfLine(corners[1], corners[2], p) / area,
+                            SideOfLine(corners[2], corners[0], p) / area,
+                            SideOfLine(corners[0], corners[1], p) / area};
     if (inside.x >= 0 && inside.y >= 0 && inside.z >= 0) return inside;
   }
   glm::dvec3 best(1.0, 0.0, 0.0);

@@ -1,6 +1,7 @@
 // Charts grow over triangles that face the same way, without overlap in their plane.
 #include "surface/texture_charts.h"
 
+#include "surface/side_of_line.h"
 #include "surface/vertex_normals.h"
 
 #include <algorithm>
@@ -46,19 +47,14 @@ std::vector<glm::uvec3> NeighborsOf(const TriangleMesh& mesh) {
 
 using Corners = std::array<glm::dvec2, 3>;
 
-// Exactly 0 if p is a or b, so that neighbours never count as overlapping.
-double Side(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& p) {
-  const glm::dvec2 along = b - a, to = p - a;
-  return along.x * to.y - along.y * to.x;
-}
-
-double Area(const Corners& t) { return 0.5 * Side(t[0], t[1], t[2]); }
+double Area(const Corners& t) { return 0.5 * SideOfLine(t[0], t[1], t[2]); }
 
 // An edge of a counter-clockwise triangle has all of the other one on its outside.
 bool IsSeparatedByEdge(const Corners& t, const Corners& other) {
   for (size_t k = 0; k < 3; ++k) {
-    if (std::all_of(other.begin(), other.end(),
-                    [&](const glm::dvec2& p) { return Side(t[k], t[(k + 1) % 3], p) <= 0; })) {
+    if (std::all_of(other.begin(), other.end(), [&](const glm::dvec2& p) {
+          return SideOfLine(t[k], t[(k + 1) % 3], p) <= 0;
+        })) {
       return true;
     }
   }

@@ -10,7 +10,7 @@
 namespace tetrec {
 namespace {
 
-RadianceField OneTet() {
+RadianceField OneTetWithExtraValues() {
   RadianceField field;
   field.mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   field.mesh.tets = {{0, 1, 2, 3}};
@@ -23,7 +23,7 @@ RadianceField OneTet() {
 }
 
 TEST(FieldState, HasTheParametersOfAFieldRowByRow) {
-  const RadianceField field = OneTet();
+  const RadianceField field = OneTetWithExtraValues();
   const FieldState state = StateOf(field);
   ASSERT_EQ(state.layout, WithExtra({}));
   ASSERT_EQ(state.rows(), 4u);
@@ -36,7 +36,7 @@ TEST(FieldState, HasTheParametersOfAFieldRowByRow) {
 }
 
 TEST(FieldState, KeepsTheSignsOfSignedDensity) {
-  RadianceField field = OneTet();
+  RadianceField field = OneTetWithExtraValues();
   field.density = {-4, 0, 1, 50};
   const FieldState state = StateOf(field, SignedDensity(0.5f));
   EXPECT_EQ(state.parameters[9 + kDensityOffset], 0.0f);
@@ -49,7 +49,7 @@ TEST(FieldState, KeepsTheSignsOfSignedDensity) {
 }
 
 TEST(FieldState, BecomesTheFieldAgain) {
-  const RadianceField field = OneTet();
+  const RadianceField field = OneTetWithExtraValues();
   const RadianceField back = FieldOf(field.mesh, StateOf(field));
   EXPECT_EQ(back.storage, field.storage);
   EXPECT_EQ(back.color_srgb, field.color_srgb);
@@ -60,7 +60,7 @@ TEST(FieldState, BecomesTheFieldAgain) {
 }
 
 TEST(Prolong, InterpolatesValuesNotParameters) {
-  FieldState state = StateOf(OneTet());
+  FieldState state = StateOf(OneTetWithExtraValues());
   for (size_t i = 0; i < state.first_moment.size(); ++i) state.first_moment[i] = float(i);
   for (size_t i = 0; i < state.second_moment.size(); ++i) state.second_moment[i] = 100 + float(i);
   const FieldState result = Prolong(state, {.inserted = {{1, 3, 0.25f}}, .kept = {2, 4}});
@@ -86,7 +86,7 @@ TEST(Prolong, InterpolatesValuesNotParameters) {
 }
 
 TEST(Prolong, InsertsRowsBetweenInsertedOnes) {
-  const FieldState state = StateOf(OneTet());
+  const FieldState state = StateOf(OneTetWithExtraValues());
   // Row 5 is 3/4 row 0, 1/4 row 2.
   const Prolongation twice{.inserted = {{0, 2, 0.5f}, {0, 4, 0.5f}}, .kept = {5, 1}};
   const FieldState result = Prolong(state, twice);

@@ -17,7 +17,7 @@ class StagingTest : public VulkanTest {
   StagingTest() : VulkanTest({.maps_buffers = false}) {}
 };
 
-std::vector<uint32_t> Counted(size_t count) {
+std::vector<uint32_t> CountedFromOne(size_t count) {
   std::vector<uint32_t> values(count);
   std::iota(values.begin(), values.end(), 1u);
   return values;
@@ -25,13 +25,13 @@ std::vector<uint32_t> Counted(size_t count) {
 
 // 40 MB: three parts of the staging area, the last one smaller.
 TEST_F(StagingTest, CopiesMoreThanTheStagingAreaHolds) {
-  const std::vector<uint32_t> values = Counted(10'000'019);
+  const std::vector<uint32_t> values = CountedFromOne(10'000'019);
   Buffer buffer = MakeBuffer(device(), "values", values);
   EXPECT_EQ(buffer.DownloadAs<uint32_t>(values.size()), values);
 }
 
 TEST_F(StagingTest, CopiesPartsOfABuffer) {
-  Buffer buffer = MakeBuffer(device(), "values", Counted(1000));
+  Buffer buffer = MakeBuffer(device(), "values", CountedFromOne(1000));
   const std::vector<uint32_t> part = {70, 80};
   buffer.Upload(part.data(), 8, 40);
   std::vector<uint32_t> back(4);
@@ -42,7 +42,7 @@ TEST_F(StagingTest, CopiesPartsOfABuffer) {
 }
 
 TEST_F(StagingTest, KernelsReadWhatTheHostWritesAndWriteWhatItReads) {
-  struct AffinePush {
+  struct Push {
     uint32_t count, factor;
   };
   constexpr uint32_t kCount = 1000;
@@ -52,10 +52,10 @@ TEST_F(StagingTest, KernelsReadWhatTheHostWritesAndWriteWhatItReads) {
   const Buffer out(device(), "out", 4 * kCount, VK_FORMAT_UNDEFINED, BufferHome::kHostReads);
   CommandRecorder recorder(device());
   for (const uint32_t factor : {3u, 4u}) {
-    in.Upload(Counted(kCount));
+    in.Upload(CountedFromOne(kCount));
     recorder.Begin();
-    recorder.Dispatch(affine, {{0, in}, {1, between}}, AffinePush{kCount, factor}, kCount);
-    recorder.Dispatch(affine, {{0, between}, {1, out}}, AffinePush{kCount, 5}, kCount);
+    recorder.Dispatch(affine, {{0, in}, {1, between}}, Push{kCount, factor}, kCount);
+    recorder.Dispatch(affine, {{0, between}, {1, out}}, Push{kCount, 5}, kCount);
     recorder.EndAndSubmit();
     recorder.Wait();
     const auto result = out.DownloadAs<uint32_t>(kCount);

@@ -16,7 +16,7 @@
 namespace tetrec {
 namespace {
 
-TetMesh RandomMesh(int points, uint32_t seed) {
+TetMesh MeshOfRandomPoints(int points, uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(-1, 1);
   std::vector<glm::vec3> all;
@@ -41,11 +41,11 @@ std::string WhyNotConvex(const TetMesh& mesh) {
 }
 
 TEST(Boundary, OfADelaunayMeshIsConvex) {
-  for (int points : {4, 5, 20, 500}) EXPECT_EQ(WhyNotConvex(RandomMesh(points, 3)), "");
+  for (int points : {4, 5, 20, 500}) EXPECT_EQ(WhyNotConvex(MeshOfRandomPoints(points, 3)), "");
 }
 
 TEST(Boundary, AnyTetTakenOutOfTheMiddleMakesItNotConvex) {
-  const TetMesh mesh = RandomMesh(60, 4);
+  const TetMesh mesh = MeshOfRandomPoints(60, 4);
   for (uint32_t hole = 0; hole < mesh.tets.size(); ++hole) {
     const glm::uvec4& n = mesh.neighbors[hole];
     if (n.x == kNoTet || n.y == kNoTet || n.z == kNoTet || n.w == kNoTet) continue;
@@ -70,7 +70,7 @@ void ExpectHolds(const BoxTree& tree, uint32_t node, const glm::vec3& p) {
 
 TEST(BoxTree, EveryFaceIsInOneLeafAndInsideAllBoxesAboveIt) {
   for (int points : {4, 7, 300}) {
-    const TetMesh full = RandomMesh(points, 5);
+    const TetMesh full = MeshOfRandomPoints(points, 5);
     const TetMesh mesh = Kept(full, [](uint32_t t) { return t % 3 != 1; });
     std::vector<BoundaryFace> faces = BoundaryFaces(mesh);
     const size_t count = faces.size();
@@ -105,7 +105,7 @@ bool Holds(const TetMesh& mesh, uint32_t t, const glm::dvec3& p) {
 }
 
 TEST(FindTet, FindsTheTetInAMeshWithHolesFromAnyStart) {
-  const TetMesh mesh = Kept(RandomMesh(200, 6), [](uint32_t t) { return t % 3 != 1; });
+  const TetMesh mesh = Kept(MeshOfRandomPoints(200, 6), [](uint32_t t) { return t % 3 != 1; });
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-1.2, 1.2);
   int inside = 0;

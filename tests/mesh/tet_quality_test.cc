@@ -72,7 +72,7 @@ TEST(ParthasarathyGradient, AgreesWithFiniteDifferencesAtAnySize) {
 }
 
 // Two tets over one face, the second one flat.
-TetMesh TwoTets() {
+TetMesh OneFlatTet() {
   TetMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2f, 0.2f, 0.75f}, {0.3f, 0.3f, -0.0625f}};
   mesh.tets = {{0, 1, 2, 3}, {0, 2, 1, 4}};
@@ -84,7 +84,7 @@ TEST(QualityRegulariser, HasTheGradientOfItsValue) {
   for (const QualityRegulariser& regulariser :
        {QualityRegulariser{2.0, 10.0}, QualityRegulariser{10.0, 100.0},
         QualityRegulariser{0.1, 1.0}}) {
-    const TetMesh mesh = TwoTets();
+    const TetMesh mesh = OneFlatTet();
     const std::vector<glm::dvec3> gradients = RegulariserGradients(mesh, regulariser);
     for (size_t v = 0; v < 5; ++v) {
       for (int k = 0; k < 3; ++k) {
@@ -103,7 +103,7 @@ TEST(QualityRegulariser, HasTheGradientOfItsValue) {
 }
 
 TEST(QualityRegulariser, PullsAFlatTetOpenAndFeelsNoOverflow) {
-  TetMesh mesh = TwoTets();
+  TetMesh mesh = OneFlatTet();
   const QualityRegulariser regulariser{1.0, 1e4};
   EXPECT_TRUE(std::isfinite(RegulariserOf(mesh, regulariser)));
   mesh.positions[4].z = 0.5f;  // inside out

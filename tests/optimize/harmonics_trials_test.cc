@@ -13,13 +13,13 @@ OptimizeOptions WithChoice(HarmonicsChoice choice) {
   return options;
 }
 
-struct TrialRun : SmallRun {
-  explicit TrialRun(HarmonicsChoice choice) : SmallRun(WithChoice(choice)) {}
+struct HarmonicsTrialRun : SmallRun {
+  explicit HarmonicsTrialRun(HarmonicsChoice choice) : SmallRun(WithChoice(choice)) {}
   HarmonicsTrials trials{options, field, pictures, steps};
 };
 
 TEST(HarmonicsTrials, UnlockTheChosenDegreeAndNoMore) {
-  TrialRun run(HarmonicsChoice::kDegree1);
+  HarmonicsTrialRun run(HarmonicsChoice::kDegree1);
   EXPECT_FALSE(run.trials.Advance(0.0));
   EXPECT_EQ(run.field.harmonics_degree(), 0);
   EXPECT_TRUE(run.trials.Advance(0.5));
@@ -30,7 +30,7 @@ TEST(HarmonicsTrials, UnlockTheChosenDegreeAndNoMore) {
 
 // The photos show colours that do not depend on the view.
 TEST(HarmonicsTrials, DropADegreeThatGainsNothing) {
-  TrialRun run(HarmonicsChoice::kAuto);
+  HarmonicsTrialRun run(HarmonicsChoice::kAuto);
   run.steps.CountTried(kFewestTrialSteps);
   ASSERT_TRUE(run.trials.Advance(0.2));
   EXPECT_EQ(run.field.harmonics_degree(), 1);
@@ -43,7 +43,7 @@ TEST(HarmonicsTrials, DropADegreeThatGainsNothing) {
 }
 
 TEST(HarmonicsTrials, UnlockNothingWhereNothingCanJudge) {
-  TrialRun run(HarmonicsChoice::kAuto);
+  HarmonicsTrialRun run(HarmonicsChoice::kAuto);
   run.steps.CountTried(kFewestTrialSteps);
   run.pictures.EndJudgingIfDue(1.0);
   EXPECT_TRUE(run.trials.Advance(1.0));
@@ -53,7 +53,7 @@ TEST(HarmonicsTrials, UnlockNothingWhereNothingCanJudge) {
 
 // The trial would be longer than the run.
 TEST(HarmonicsTrials, UnlockNothingInARunOfFewSteps) {
-  TrialRun run(HarmonicsChoice::kAuto);
+  HarmonicsTrialRun run(HarmonicsChoice::kAuto);
   run.steps.CountTried(kFewestTrialSteps - 1);
   EXPECT_TRUE(run.trials.Advance(0.5));
   EXPECT_EQ(run.field.harmonics_degree(), 0);

@@ -17,8 +17,8 @@ OptimizeOptions WithRates(double factor) {
 }
 
 // A start that is almost right.
-struct TrialRun : SmallRun {
-  explicit TrialRun(const OptimizeOptions& run_options) : SmallRun(run_options) {
+struct RateTrialRun : SmallRun {
+  explicit RateTrialRun(const OptimizeOptions& run_options) : SmallRun(run_options) {
     PutField(0.3);
     TakeWarnings();
   }
@@ -26,7 +26,7 @@ struct TrialRun : SmallRun {
 };
 
 TEST(RateTrial, LeavesRatesThatGain) {
-  TrialRun run(WithRates(1));
+  RateTrialRun run(WithRates(1));
   const double start = run.pictures.JudgeField().psnr;
   EXPECT_TRUE(run.trial.Advance());
   EXPECT_EQ(run.steps.share_of_rates(), 1);
@@ -38,7 +38,7 @@ TEST(RateTrial, LeavesRatesThatGain) {
 
 TEST(RateTrial, DividesRatesThatSpoilTheStart) {
   for (const double factor : {100.0, 10'000.0}) {
-    TrialRun run(WithRates(factor));
+    RateTrialRun run(WithRates(factor));
     const double start = run.pictures.JudgeField().psnr;
     EXPECT_TRUE(run.trial.Advance());
     EXPECT_LE(run.steps.share_of_rates(), 0.11) << factor;
@@ -52,9 +52,9 @@ TEST(RateTrial, DividesRatesThatSpoilTheStart) {
 }
 
 TEST(RateTrial, GoesOnAsARunWithTheLowerRates) {
-  TrialRun high(WithRates(100));
+  RateTrialRun high(WithRates(100));
   high.trial.Advance();
-  TrialRun low(WithRates(100 * high.steps.share_of_rates()));
+  RateTrialRun low(WithRates(100 * high.steps.share_of_rates()));
   low.steps.Try(20, 0);
   const std::vector<float> expected = low.field.ReadState().parameters;
   const std::vector<float> found = high.field.ReadState().parameters;
@@ -63,18 +63,18 @@ TEST(RateTrial, GoesOnAsARunWithTheLowerRates) {
 }
 
 TEST(RateTrial, IsNotHeldLaterOrWhereItWouldTakeTooMuchOfTheRun) {
-  TrialRun begun(WithRates(1000));
+  RateTrialRun begun(WithRates(1000));
   begun.steps.CountTried(1);
   EXPECT_FALSE(begun.trial.Advance());
   OptimizeOptions brief = WithRates(1000);
   brief.iterations = 59;
-  TrialRun run(brief);
+  RateTrialRun run(brief);
   EXPECT_FALSE(run.trial.Advance());
   EXPECT_EQ(run.steps.share_of_rates(), 1);
 }
 
 TEST(RateTrial, IsNotHeldWhereNothingJudges) {
-  TrialRun run(WithRates(1000));
+  RateTrialRun run(WithRates(1000));
   run.pictures.EndJudgingIfDue(1.0);
   EXPECT_FALSE(run.trial.Advance());
 }

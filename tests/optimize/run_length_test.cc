@@ -10,7 +10,7 @@
 namespace tetrec {
 namespace {
 
-constexpr uint64_t kPixels = 10'000'000;
+constexpr uint64_t kSubjectPixels = 10'000'000;
 constexpr DevicePace kCores{};
 constexpr DevicePace kFast = {.rays_per_step = 65536, .speed = 10};
 
@@ -22,14 +22,14 @@ OptimizeOptions Limited(double seconds, uint64_t iterations) {
 }
 
 uint64_t VerticesOf(const OptimizeOptions& options, const DevicePace& pace) {
-  return MaxVertices(options, LengthOf(options, pace, kPixels), kPixels, kNoBudget);
+  return MaxVertices(options, LengthOf(options, pace, kSubjectPixels), kSubjectPixels, kNoBudget);
 }
 
 TEST(RunLength, IsThatOfTheLimitThatIsReachedFirst) {
-  EXPECT_EQ(LengthOf(Limited(300, 0), kCores, kPixels).seconds, 300);
-  EXPECT_EQ(LengthOf(Limited(0, 4000), kCores, kPixels).seconds, 4000 / kStepsPerSecond);
-  EXPECT_EQ(LengthOf(Limited(300, 4000), kCores, kPixels).seconds, 4000 / kStepsPerSecond);
-  EXPECT_EQ(LengthOf(Limited(30, 4000), kCores, kPixels).seconds, 30);
+  EXPECT_EQ(LengthOf(Limited(300, 0), kCores, kSubjectPixels).seconds, 300);
+  EXPECT_EQ(LengthOf(Limited(0, 4000), kCores, kSubjectPixels).seconds, 4000 / kStepsPerSecond);
+  EXPECT_EQ(LengthOf(Limited(300, 4000), kCores, kSubjectPixels).seconds, 4000 / kStepsPerSecond);
+  EXPECT_EQ(LengthOf(Limited(30, 4000), kCores, kSubjectPixels).seconds, 30);
 }
 
 // An almost equal limit of the other kind makes no difference.
@@ -45,12 +45,12 @@ TEST(RunLength, AffordsNoMoreWithASecondLimit) {
 
 TEST(RunLength, WithoutLimitsIsThatOfAFullyGrownMesh) {
   for (const DevicePace& pace : {kCores, kFast}) {
-    EXPECT_NEAR(double(VerticesOf(Limited(0, 0), pace)), kPixels / kPixelsPerVertex, 1);
+    EXPECT_NEAR(double(VerticesOf(Limited(0, 0), pace)), kSubjectPixels / kPixelsPerVertex, 1);
   }
   OptimizeOptions small_steps = Limited(0, 0);
   small_steps.rays_per_step = 4096;
-  EXPECT_EQ(LengthOf(small_steps, kFast, kPixels).seconds,
-            LengthOf(Limited(0, 0), kCores, kPixels).seconds);
+  EXPECT_EQ(LengthOf(small_steps, kFast, kSubjectPixels).seconds,
+            LengthOf(Limited(0, 0), kCores, kSubjectPixels).seconds);
 }
 
 TEST(RunLength, OnAFastDeviceAffordsWhatALongerOneDoes) {
@@ -76,17 +76,18 @@ TEST(RunLength, IsTheSameOnEveryDeviceIfDeterministic) {
 
 TEST(RunLength, NeverAffordsMoreThanTheBudget) {
   const OptimizeOptions options = Limited(300, 0);
-  const RunLength length = LengthOf(options, kFast, kPixels);
-  EXPECT_LE(double(MaxVertices(options, length, kPixels, 65'000)), 65'000 / kTetsPerVertex);
+  const RunLength length = LengthOf(options, kFast, kSubjectPixels);
+  EXPECT_LE(double(MaxVertices(options, length, kSubjectPixels, 65'000)), 65'000 / kTetsPerVertex);
 }
 
 // Growth ends at kGrowthSeconds, later rounds lead on to what the whole run affords.
 TEST(RunLength, RoundsGrowAsFarAsTheDeviceAffordsInTheirTime) {
   const OptimizeOptions options = Limited(600, 0);
   for (const DevicePace& pace : {kCores, kFast}) {
-    const RunLength length = LengthOf(options, pace, kPixels);
-    const uint64_t most = MaxVertices(options, length, kPixels, kNoBudget);
-    const std::vector<PlannedRound> plan = PlanRounds(options, length, 10'000, most, kPixels);
+    const RunLength length = LengthOf(options, pace, kSubjectPixels);
+    const uint64_t most = MaxVertices(options, length, kSubjectPixels, kNoBudget);
+    const std::vector<PlannedRound> plan =
+        PlanRounds(options, length, 10'000, most, kSubjectPixels);
     uint64_t of_growth = 0;
     for (const PlannedRound& round : plan) {
       if (!round.is_late) of_growth = round.vertices;

@@ -10,15 +10,15 @@ namespace {
 TEST(EdgeHat, HasTheMeanOfManySamplesAlongASegment) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> weight(0.0, 0.5);
-  constexpr int kSamples = 20000;
+  constexpr int kParts = 20000;
   for (int i = 0; i < 50; ++i) {
     const double a0 = weight(random), b0 = weight(random), a1 = weight(random), b1 = weight(random);
     double sum = 0.0;
-    for (int k = 0; k < kSamples; ++k) {
-      const double share = (k + 0.5) / kSamples;
+    for (int k = 0; k < kParts; ++k) {
+      const double share = (k + 0.5) / kParts;
       sum += HatAt(a0 + share * (a1 - a0), b0 + share * (b1 - b0));
     }
-    EXPECT_NEAR(MeanHat(a0, b0, a1, b1), sum / kSamples, 1e-6);
+    EXPECT_NEAR(MeanHat(a0, b0, a1, b1), sum / kParts, 1e-6);
   }
 }
 

@@ -9,6 +9,12 @@
 
 namespace reference {
 
+// The error of `got` as a share of `want`, or as it is where nothing is wanted.
+inline double RelativeError(double got, long double want) {
+  if (want == 0) return std::abs(got);
+  return static_cast<double>(std::abs(got - want) / std::abs(want));
+}
+
 // Gauss-Legendre nodes and weights on [0, 1], by Newton's method on the Legendre polynomial.
 template <int kNodes>
 struct GaussLegendre {

@@ -12,7 +12,7 @@
 
 namespace {
 
-constexpr int kSamples = 100'000;
+constexpr int kAdjointSamples = 100'000;
 using Jet = ceres::Jet<double, 2>;
 
 struct Derivatives {
@@ -45,7 +45,7 @@ double MeanDepth(const reference::SegmentSample& sample) {
 }
 
 TEST(SegmentAdjoint, AgreesWithQuadratureUnderTheIntegralSign) {
-  for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples, 21)) {
+  for (const reference::SegmentSample& sample : reference::DrawSegments(kAdjointSamples, 21)) {
     const reference::SegmentIntegral want = reference::IntegrateSegment(sample.s0, sample.s1);
     const auto in_float = tetrec::IntegrateSegmentWithDerivatives<float>(sample.s0, sample.s1);
     const auto in_double = tetrec::IntegrateSegmentWithDerivatives<double>(sample.s0, sample.s1);
@@ -68,7 +68,7 @@ Derivatives Differentiate(const tetrec::SegmentWeights<Jet>& weights) {
 // The forward function of thin segments, differentiated by Jets. The adjoint integrates the same by
 // parts, so both differ by the error of the nodes, 2.5e-6 at the switch and 0 for the thinnest.
 TEST(SegmentAdjoint, AgreesWithJetsThroughTheQuadratureSide) {
-  for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples, 24)) {
+  for (const reference::SegmentSample& sample : reference::DrawSegments(kAdjointSamples, 24)) {
     const double tau = MeanDepth(sample);
     if (!tetrec::IsThinSegment<double>(sample.s0, sample.s1)) continue;
     const auto forward = tetrec::IntegrateSegment(Jet(sample.s0, 0), Jet(sample.s1, 1));
@@ -84,7 +84,7 @@ TEST(SegmentAdjoint, AgreesWithJetsThroughTheQuadratureSide) {
 // test compares segments whose ends differ by half or more and that still let light pass; the
 // others are covered by the quadrature above and by the exact closed form below.
 TEST(SegmentAdjoint, AgreesWithJetsThroughTheFits) {
-  for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples, 25)) {
+  for (const reference::SegmentSample& sample : reference::DrawSegments(kAdjointSamples, 25)) {
     const double tau = MeanDepth(sample);
     if (tetrec::IsThinSegment<double>(sample.s0, sample.s1) || tau > 10) continue;
     if (std::abs(sample.s0 - sample.s1) < 0.5f * std::max(sample.s0, sample.s1)) continue;
@@ -133,7 +133,7 @@ tetrec::SegmentWeights<Jet> ExactClosedForm(const Jet& s0, const Jet& s1) {
 }
 
 TEST(SegmentAdjoint, AgreesWithJetsThroughTheExactClosedForm) {
-  for (const reference::SegmentSample& sample : reference::DrawSegments(kSamples / 20, 26)) {
+  for (const reference::SegmentSample& sample : reference::DrawSegments(kAdjointSamples / 20, 26)) {
     const double tau = MeanDepth(sample);
     if (tetrec::IsThinSegment<double>(sample.s0, sample.s1) || tau > 10) continue;
     if (std::abs(sample.s0 - sample.s1) < 0.1f * std::max(sample.s0, sample.s1)) continue;

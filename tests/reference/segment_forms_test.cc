@@ -13,10 +13,11 @@
 
 namespace {
 
+using reference::RelativeError;
 using reference::SegmentSample;
 using Jet = ceres::Jet<double, 2>;
 
-constexpr int kSamples = 20'000;
+constexpr int kFormSamples = 20'000;
 constexpr int kParts[] = {1, 2, 3, 4, 16, 64};
 
 struct Weights {
@@ -38,11 +39,6 @@ Weights SplitByQuadrature(int parts, long double s0, long double s1) {
   return sum;
 }
 
-double RelativeError(double got, long double want) {
-  if (want == 0) return std::abs(got);
-  return static_cast<double>(std::abs(got - want) / std::abs(want));
-}
-
 // n parts round the transmittance n times, by 1e-7 each and in the worst case all the same way.
 double FloatTolerance(int parts) { return 1e-6 + 1e-7 * parts; }
 
@@ -50,7 +46,7 @@ double FloatTolerance(int parts) { return 1e-6 + 1e-7 * parts; }
 constexpr double kDoubleTolerance = 2e-9;
 
 TEST(MeanSegment, AgreesWithQuadratureOfTheMeanDensity) {
-  for (const SegmentSample& sample : reference::DrawSegments(kSamples, 31)) {
+  for (const SegmentSample& sample : reference::DrawSegments(kFormSamples, 31)) {
     const Weights want = SplitByQuadrature(1, sample.s0, sample.s1);
     const auto in_float = tetrec::IntegrateMeanSegment<float>(sample.s0, sample.s1);
     const auto in_double = tetrec::IntegrateMeanSegment<double>(sample.s0, sample.s1);
@@ -64,7 +60,7 @@ TEST(MeanSegment, AgreesWithQuadratureOfTheMeanDensity) {
 
 TEST(SplitSegment, AgreesWithQuadratureOfItsParts) {
   for (const int parts : kParts) {
-    for (const SegmentSample& sample : reference::DrawSegments(kSamples / (10 * parts), 32)) {
+    for (const SegmentSample& sample : reference::DrawSegments(kFormSamples / (10 * parts), 32)) {
       const Weights want = SplitByQuadrature(parts, sample.s0, sample.s1);
       const auto in_float = tetrec::IntegrateSplitSegment<float>(parts, sample.s0, sample.s1);
       const auto in_double = tetrec::IntegrateSplitSegment<double>(parts, sample.s0, sample.s1);
@@ -78,7 +74,7 @@ TEST(SplitSegment, AgreesWithQuadratureOfItsParts) {
 }
 
 TEST(SplitSegment, OnePartIsTheMeanDensity) {
-  for (const SegmentSample& sample : reference::DrawSegments(kSamples, 33)) {
+  for (const SegmentSample& sample : reference::DrawSegments(kFormSamples, 33)) {
     const auto split =
         tetrec::IntegrateSplitSegmentWithDerivatives<double>(1, sample.s0, sample.s1);
     const auto mean = tetrec::IntegrateMeanSegmentWithDerivatives<double>(sample.s0, sample.s1);
@@ -140,7 +136,7 @@ TEST(AllIntegrals, AreTheSameForEqualDensities) {
 
 TEST(AllIntegrals, HaveWeightsThatAddUpToTheOpacity) {
   for (const int parts : kParts) {
-    for (const SegmentSample& sample : reference::DrawSegments(kSamples / 10, 34)) {
+    for (const SegmentSample& sample : reference::DrawSegments(kFormSamples / 10, 34)) {
       const double opacity = -std::expm1(-0.5 * (double{sample.s0} + double{sample.s1}));
       for (const int integral : {kIntegralExact, kIntegralMean, kIntegralSplit}) {
         const auto got = tetrec::IntegrateSegmentBy<float>(integral, parts, sample.s0, sample.s1);
@@ -205,14 +201,14 @@ void ExpectDerivativesOfJets(int integral, int parts, const SegmentSample& sampl
 }
 
 TEST(MeanSegment, DerivativesAreThoseOfJetsThroughTheForward) {
-  for (const SegmentSample& sample : reference::DrawSegments(kSamples, 35)) {
+  for (const SegmentSample& sample : reference::DrawSegments(kFormSamples, 35)) {
     ExpectDerivativesOfJets(kIntegralMean, 1, sample);
   }
 }
 
 TEST(SplitSegment, DerivativesAreThoseOfJetsThroughTheForward) {
   for (const int parts : kParts) {
-    for (const SegmentSample& sample : reference::DrawSegments(kSamples / 10, 36)) {
+    for (const SegmentSample& sample : reference::DrawSegments(kFormSamples / 10, 36)) {
       ExpectDerivativesOfJets(kIntegralSplit, parts, sample);
     }
   }
@@ -223,7 +219,7 @@ TEST(SplitSegment, DerivativesAreThoseOfJetsThroughTheForward) {
 TEST(AllIntegrals, DerivativesInFloatAreThoseInDouble) {
   for (const int integral : {kIntegralMean, kIntegralSplit}) {
     for (const int parts : kParts) {
-      for (const SegmentSample& sample : reference::DrawSegments(kSamples / 10, 37)) {
+      for (const SegmentSample& sample : reference::DrawSegments(kFormSamples / 10, 37)) {
         const auto in_float =
             tetrec::IntegrateSegmentByWithDerivatives<float>(integral, parts, sample.s0, sample.s1);
         const auto in_double = tetrec::IntegrateSegmentByWithDerivatives<double>(

@@ -9,15 +9,12 @@
 
 namespace {
 
+using reference::RelativeError;
+
 constexpr int kSamples = 100'000;
 constexpr double kExtremes[] = {0.0,  1e-40, 1e-30,     1e-20, 1e-10,     1e-7, 1e-5, 1e-3, 0.1,
                                 0.5,  1.0,   1.4999999, 1.5,   1.5000001, 3.0,  10.0, 22.0, 44.0,
                                 80.0, 100.0, 1e3,       1e4,   1e6,       1e9,  1e12, 1e15};
-
-double RelativeError(double got, long double want) {
-  if (want == 0) return std::abs(got);
-  return static_cast<double>(std::abs(got - want) / std::abs(want));
-}
 
 struct Worst {
   double error = 0;

@@ -23,7 +23,7 @@ FieldState StateOfValues(const TetMesh& mesh, const std::function<float(const gl
   return state;
 }
 
-RefineScores Scores(const TetMesh& mesh, float light, double squared_error = 1.0) {
+RefineScores ScoresOfLight(const TetMesh& mesh, float light, double squared_error = 1.0) {
   RefineScores scores;
   scores.of_tets.assign(mesh.tets.size(), 1.0f);
   scores.squared_error = squared_error;
@@ -67,7 +67,7 @@ TEST(CollapseSpare, LeavesASoundMeshInManyRandomCases) {
 TEST(CollapseSpare, KeepsTheRowsOfTheVerticesThatAreLeft) {
   const TetMesh mesh = JitteredBox(5);
   const FieldState state = RandomState(mesh, FieldStorage::kVertex);
-  const RefineResult result = Coarsened(mesh, state, Scores(mesh, 1.0f), 30);
+  const RefineResult result = Coarsened(mesh, state, ScoresOfLight(mesh, 1.0f), 30);
   ASSERT_GT(result.dropped_flat, 20u);
   ASSERT_TRUE(result.of_vertices.inserted.empty());
   for (size_t v = 0; v < result.mesh.positions.size(); ++v) {
@@ -86,7 +86,7 @@ TEST(CollapseSpare, LeavesAnAffineFieldAsItIs) {
   FieldState state = StateOfValues(
       mesh, [](const glm::vec3& p) { return 0.5f + 0.1f * p.x - 0.2f * p.y; },
       [](const glm::vec3& p) { return 3.0f + p.z; });
-  const RefineResult result = Coarsened(mesh, state, Scores(mesh, 1.0f));
+  const RefineResult result = Coarsened(mesh, state, ScoresOfLight(mesh, 1.0f));
   EXPECT_GT(2 * result.dropped_flat, mesh.positions.size());
   ExpectSameField(mesh, state, result.mesh, result.state);
 }
@@ -95,7 +95,7 @@ TEST(CollapseSpare, TakesMostVerticesAroundWhichNoRayLosesLight) {
   const TetMesh mesh = JitteredBox();
   const FieldState state = StateOfValues(
       mesh, [](const glm::vec3&) { return 0.5f; }, [](const glm::vec3&) { return 1e-3f; });
-  RefineScores scores = Scores(mesh, 1.0f, 0.0);
+  RefineScores scores = ScoresOfLight(mesh, 1.0f, 0.0);
   std::vector<uint8_t> is_seen(mesh.positions.size(), 0);
   for (size_t t = 0; t < mesh.tets.size(); ++t) {
     if (mesh.positions[mesh.tets[t][0]].x > 0.0f) {
@@ -128,7 +128,7 @@ TEST(CollapseSpare, TakesMostVerticesAroundWhichNoRayLosesLight) {
 TEST(CollapseSpare, LeavesVerticesThatMustStay) {
   const TetMesh mesh = JitteredBox();
   const FieldState state = RandomState(mesh, FieldStorage::kVertex);
-  RefineScores scores = Scores(mesh, 0.0f);
+  RefineScores scores = ScoresOfLight(mesh, 0.0f);
   for (const glm::vec3& p : mesh.positions) scores.is_kept.push_back(p.x > 0.0f);
   const RefineResult result = Coarsened(mesh, state, scores);
   EXPECT_GT(result.dropped_empty, 50u);
@@ -143,7 +143,7 @@ TEST(CollapseSpare, KeepsClearSpaceClear) {
   const FieldState state = StateOfValues(
       mesh, [](const glm::vec3&) { return 0.5f; },
       [](const glm::vec3& p) { return p.x > 0.5f ? 1000.0f : 1e-3f; });
-  const RefineResult result = Coarsened(mesh, state, Scores(mesh, 0.0f));
+  const RefineResult result = Coarsened(mesh, state, ScoresOfLight(mesh, 0.0f));
   EXPECT_GT(result.dropped_empty, 100u);
   Random random(2);
   int clear = 0, darkened = 0;
@@ -164,7 +164,7 @@ TEST(CollapseSpare, CostsNoMoreThanTheGivenShareOfTheError) {
   const FieldState state = RandomState(mesh, FieldStorage::kVertex);
   uint64_t before = 0;
   for (const double share : {0.0, 1.0, 30.0}) {
-    const RefineResult result = Coarsened(mesh, state, Scores(mesh, 1.0f), share);
+    const RefineResult result = Coarsened(mesh, state, ScoresOfLight(mesh, 1.0f), share);
     EXPECT_GE(result.dropped_flat, before + uint64_t(share)) << share;
     before = result.dropped_flat;
     if (share == 0.0) {
@@ -182,7 +182,7 @@ TEST(CollapseSpare, TakesFirstWhatIsNeededLeast) {
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
     if (mesh.positions[v].x > 0) state.parameters[4 * v] = noise.parameters[4 * v];
   }
-  const RefineResult result = Coarsened(mesh, state, Scores(mesh, 1.0f), 1.0);
+  const RefineResult result = Coarsened(mesh, state, ScoresOfLight(mesh, 1.0f), 1.0);
   uint64_t noisy_left = 0, noisy = 0;
   for (const glm::vec3& p : result.mesh.positions) noisy_left += p.x > 0;
   for (const glm::vec3& p : mesh.positions) noisy += p.x > 0;

@@ -34,8 +34,6 @@ FieldState StateOf(const TetMesh& mesh, const std::vector<float>& densities) {
   return state;
 }
 
-bool IsCorner(const glm::vec3& p) { return glm::abs(p) == glm::vec3(1.0f); }
-
 // What a mesh becomes without some of its vertices.
 struct Rest {
   TetMesh mesh;

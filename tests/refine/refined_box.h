@@ -33,6 +33,9 @@ inline TetMesh JitteredBox(int cells = 7, uint64_t seed = 1) {
   return BuildDelaunay(points).mesh;
 }
 
+// True for vertices of the hull of a box that is not refined.
+inline bool IsCorner(const glm::vec3& p) { return glm::abs(p) == glm::vec3(1.0f); }
+
 // A regular grid of side x side x side points in the box, cut into tets.
 inline TetMesh GridBox(int side) {
   std::vector<glm::vec3> points;

@@ -29,9 +29,6 @@ RefineScores Scores(const TetMesh& mesh, float error, float light) {
   return scores;
 }
 
-// True for vertices of the hull.
-bool IsCorner(const glm::vec3& p) { return glm::abs(p) == glm::vec3(1.0f); }
-
 RefineOptions DropAll() {
   RefineOptions options;
   options.drop_share = 1.0;

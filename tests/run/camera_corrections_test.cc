@@ -10,7 +10,7 @@
 namespace tetrec {
 namespace {
 
-nlohmann::json Example() {
+nlohmann::json ExampleCorrections() {
   return nlohmann::json::parse(R"({
     "schema": 1,
     "views": [{"name": "a.jpg", "rotation_deg": 0.5, "move": 0.01, "shift_px": 2.5,
@@ -23,9 +23,10 @@ nlohmann::json Example() {
 
 TEST(CameraCorrections, WhatWasWrittenIsReadBack) {
   const ScratchFolder folder;
-  const std::vector<CameraCorrection> corrections = ParseCameraCorrections(Example(), "c.json");
+  const std::vector<CameraCorrection> corrections =
+      ParseCameraCorrections(ExampleCorrections(), "c.json");
   WriteCameraCorrections(folder / kCameraCorrectionsFile, corrections);
-  EXPECT_EQ(ReadJson(folder / kCameraCorrectionsFile), Example());
+  EXPECT_EQ(ReadJson(folder / kCameraCorrectionsFile), ExampleCorrections());
   const std::vector<CameraCorrection> again =
       ReadCameraCorrections(folder / kCameraCorrectionsFile);
   ASSERT_EQ(again.size(), 2u);
@@ -38,7 +39,8 @@ TEST(CameraCorrections, WhatWasWrittenIsReadBack) {
 
 TEST(CameraCorrections, WhatCouldNotBeReadIsNotWritten) {
   const ScratchFolder folder;
-  std::vector<CameraCorrection> corrections = ParseCameraCorrections(Example(), "c.json");
+  std::vector<CameraCorrection> corrections =
+      ParseCameraCorrections(ExampleCorrections(), "c.json");
   corrections[1].cam_from_world.rotation[0][0] = -1;  // mirrors
   ExpectError<DataError>(
       [&] { WriteCameraCorrections(folder / kCameraCorrectionsFile, corrections); },
@@ -49,7 +51,7 @@ TEST(CameraCorrections, WhatCouldNotBeReadIsNotWritten) {
 TEST(CameraCorrections, NamesTheBadField) {
   const auto refused = [](const std::string& path, const nlohmann::json& value,
                           const std::string& reason) {
-    nlohmann::json file = Example();
+    nlohmann::json file = ExampleCorrections();
     file[nlohmann::json::json_pointer(path)] = value;
     ExpectError<DataError>([&] { ParseCameraCorrections(file, "cameras.json"); },
                            {"cameras.json: " + reason});

@@ -10,7 +10,7 @@
 namespace tetrec {
 namespace {
 
-nlohmann::json Example() {
+nlohmann::json ExampleWorld() {
   return nlohmann::json::parse(R"({
     "schema": 1,
     "input_from_world": {"scale": 2, "rotation": [0, -1, 0, 1, 0, 0, 0, 0, 1], "translation": [1, 2, 3]},
@@ -20,10 +20,10 @@ nlohmann::json Example() {
 }
 
 TEST(FieldWorld, ReadsRotationsRowByRow) {
-  const FieldWorld world = ParseFieldWorld(Example(), "world.json");
+  const FieldWorld world = ParseFieldWorld(ExampleWorld(), "world.json");
   EXPECT_EQ(world.input_from_world * glm::dvec3(1, 0, 0), glm::dvec3(1, 4, 3));
   EXPECT_EQ(world.cameras_in_world.at(0), glm::dvec3(4, 5, 6));
-  nlohmann::json nested = Example();
+  nlohmann::json nested = ExampleWorld();
   nested["input_from_world"]["rotation"] = {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}};
   EXPECT_EQ(ParseFieldWorld(nested, "world.json").input_from_world * glm::dvec3(1, 0, 0),
             glm::dvec3(1, 4, 3));
@@ -31,9 +31,9 @@ TEST(FieldWorld, ReadsRotationsRowByRow) {
 
 TEST(FieldWorld, WhatWasWrittenIsReadBack) {
   const ScratchFolder folder;
-  const FieldWorld world = ParseFieldWorld(Example(), "world.json");
+  const FieldWorld world = ParseFieldWorld(ExampleWorld(), "world.json");
   WriteFieldWorld(folder / kFieldWorldFile, world);
-  EXPECT_EQ(ReadJson(folder / kFieldWorldFile), Example());
+  EXPECT_EQ(ReadJson(folder / kFieldWorldFile), ExampleWorld());
   const FieldWorld again = ReadFieldWorld(folder / kFieldWorldFile);
   EXPECT_EQ(again.input_from_world.scale, world.input_from_world.scale);
   EXPECT_EQ(again.input_from_world.rotation, world.input_from_world.rotation);
@@ -46,7 +46,7 @@ TEST(FieldWorld, WhatWasWrittenIsReadBack) {
 
 TEST(FieldWorld, WhatCouldNotBeReadIsNotWritten) {
   const ScratchFolder folder;
-  FieldWorld world = ParseFieldWorld(Example(), "world.json");
+  FieldWorld world = ParseFieldWorld(ExampleWorld(), "world.json");
   world.cameras_in_world.push_back({0, NAN, 0});
   ExpectError<DataError>([&] { WriteFieldWorld(folder / kFieldWorldFile, world); },
                          {"world.json", "cameras_in_world[1][1]"});
@@ -56,7 +56,7 @@ TEST(FieldWorld, WhatCouldNotBeReadIsNotWritten) {
 TEST(FieldWorld, NamesTheBadField) {
   const auto refused = [](const std::string& path, const nlohmann::json& value,
                           const std::string& reason) {
-    nlohmann::json world = Example();
+    nlohmann::json world = ExampleWorld();
     world[nlohmann::json::json_pointer(path)] = value;
     ExpectError<DataError>([&] { ParseFieldWorld(world, "world.json"); },
                            {"world.json: " + reason});
@@ -74,7 +74,7 @@ TEST(FieldWorld, NamesTheBadField) {
   refused("/cameras_in_world", 3, "cameras_in_world is 3; expected an array");
   refused("/cameras_in_world/0", {1, 2}, "cameras_in_world[0] has 2 items; expected 3 numbers");
   refused("/scene", 3, "scene is 3; expected text");
-  nlohmann::json world = Example();
+  nlohmann::json world = ExampleWorld();
   world.erase("input_from_world");
   ExpectError<DataError>([&] { ParseFieldWorld(world, "world.json"); },
                          {"world.json: input_from_world is missing"});

@@ -10,7 +10,7 @@
 namespace tetrec {
 namespace {
 
-std::vector<GrowthStep> Example() {
+std::vector<GrowthStep> ExampleGrowth() {
   return {
       {150, 3.5, 1000, 6000, 4000, 300000000, 24.5, 0.0, 0.0, GrowthDecision::kRefine},
       {900, 20.25, 1500, 9100, 3000, 310000000, 26.0, 1.5, 0.125, GrowthDecision::kRefine},
@@ -26,8 +26,8 @@ std::vector<GrowthStep> Example() {
 
 TEST(MeshGrowth, WhatWasWrittenIsReadBack) {
   const ScratchFolder folder;
-  WriteMeshGrowth(folder / kMeshGrowthFile, Example());
-  EXPECT_TRUE(ReadMeshGrowth(folder / kMeshGrowthFile) == Example());
+  WriteMeshGrowth(folder / kMeshGrowthFile, ExampleGrowth());
+  EXPECT_TRUE(ReadMeshGrowth(folder / kMeshGrowthFile) == ExampleGrowth());
   const nlohmann::json value = ReadJson(folder / kMeshGrowthFile);
   EXPECT_EQ(value["steps"][1]["reason"], "refined");
   EXPECT_TRUE(value["steps"][7]["psnr"].is_null());
@@ -37,7 +37,7 @@ TEST(MeshGrowth, WhatWasWrittenIsReadBack) {
 
 TEST(MeshGrowth, WhatIsWrongIsNamed) {
   const ScratchFolder folder;
-  WriteMeshGrowth(folder / kMeshGrowthFile, Example());
+  WriteMeshGrowth(folder / kMeshGrowthFile, ExampleGrowth());
   const nlohmann::json good = ReadJson(folder / kMeshGrowthFile);
   const auto refused = [&](const char* pointer, const nlohmann::json& value, const char* what) {
     nlohmann::json bad = good;

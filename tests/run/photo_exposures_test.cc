@@ -10,7 +10,7 @@
 namespace tetrec {
 namespace {
 
-nlohmann::json Example() {
+nlohmann::json ExampleExposures() {
   return nlohmann::json::parse(R"({
     "schema": 1,
     "views": [{"name": "a.jpg", "gain": [1.2, 1, 0.8], "offset": [0, 0.01, -0.01]},
@@ -19,9 +19,10 @@ nlohmann::json Example() {
 
 TEST(PhotoExposures, WhatWasWrittenIsReadBack) {
   const ScratchFolder folder;
-  const std::vector<PhotoExposure> exposures = ParsePhotoExposures(Example(), "exposure.json");
+  const std::vector<PhotoExposure> exposures =
+      ParsePhotoExposures(ExampleExposures(), "exposure.json");
   WritePhotoExposures(folder / kPhotoExposuresFile, exposures);
-  EXPECT_EQ(ReadJson(folder / kPhotoExposuresFile), Example());
+  EXPECT_EQ(ReadJson(folder / kPhotoExposuresFile), ExampleExposures());
   const std::vector<PhotoExposure> again = ReadPhotoExposures(folder / kPhotoExposuresFile);
   ASSERT_EQ(again.size(), 2u);
   EXPECT_EQ(again[1].name, "b.jpg");
@@ -31,7 +32,7 @@ TEST(PhotoExposures, WhatWasWrittenIsReadBack) {
 
 TEST(PhotoExposures, WhatCouldNotBeReadIsNotWritten) {
   const ScratchFolder folder;
-  std::vector<PhotoExposure> exposures = ParsePhotoExposures(Example(), "exposure.json");
+  std::vector<PhotoExposure> exposures = ParsePhotoExposures(ExampleExposures(), "exposure.json");
   exposures[1].gain.g = NAN;
   ExpectError<DataError>([&] { WritePhotoExposures(folder / kPhotoExposuresFile, exposures); },
                          {"exposure.json", "views[1].gain[1]"});
@@ -41,7 +42,7 @@ TEST(PhotoExposures, WhatCouldNotBeReadIsNotWritten) {
 TEST(PhotoExposures, NamesTheBadField) {
   const auto refused = [](const std::string& path, const nlohmann::json& value,
                           const std::string& reason) {
-    nlohmann::json file = Example();
+    nlohmann::json file = ExampleExposures();
     file[nlohmann::json::json_pointer(path)] = value;
     ExpectError<DataError>([&] { ParsePhotoExposures(file, "exposure.json"); },
                            {"exposure.json: " + reason});
@@ -56,7 +57,7 @@ TEST(PhotoExposures, NamesTheBadField) {
   refused("/views/0/gain/2", 1e9, "views[0].gain[2] is 1000000000.0; expected");
   refused("/views/0/offset/0", "x", "views[0].offset[0] is \"x\"; expected a number");
   refused("/views/0/offset/0", 11, "views[0].offset[0] is 11; expected");
-  nlohmann::json file = Example();
+  nlohmann::json file = ExampleExposures();
   file["views"][0].erase("offset");
   ExpectError<DataError>([&] { ParsePhotoExposures(file, "exposure.json"); },
                          {"exposure.json: views[0].offset is missing"});

@@ -10,7 +10,7 @@
 namespace tetrec {
 namespace {
 
-nlohmann::json Example() {
+nlohmann::json ExampleViews() {
   return nlohmann::json::parse(R"({
     "schema": 1, "background": "white", "rays_per_pixel": 4, "split": "test",
     "resolution": [64, 48],
@@ -29,7 +29,7 @@ TEST(RenderedViews, WhatWasWrittenIsReadBackForBothKindsOfMasks) {
   const ScratchFolder folder;
   const std::filesystem::path path = folder / kRenderedViewsFile;
   for (const bool seen : {false, true}) {
-    nlohmann::json example = Example();
+    nlohmann::json example = ExampleViews();
     for (nlohmann::json& view : example["views"]) {
       if (!seen) continue;
       view["seen"] = view["mask"];
@@ -58,7 +58,7 @@ TEST(RenderedViews, WhatWasWrittenIsReadBackForBothKindsOfMasks) {
 TEST(RenderedViews, WhatCouldNotBeReadIsNotWritten) {
   const ScratchFolder folder;
   const std::filesystem::path path = folder / kRenderedViewsFile;
-  RenderedViews rendered = ParseRenderedViews(Example(), path);
+  RenderedViews rendered = ParseRenderedViews(ExampleViews(), path);
   rendered.views[1].render = rendered.views[0].render;
   ExpectError<DataError>([&] { WriteRenderedViews(path, rendered); },
                          {"views.json: views[1].render is \"renders/test_r_0.png\""});
@@ -73,7 +73,7 @@ TEST(RenderedViews, WhatCouldNotBeReadIsNotWritten) {
 TEST(RenderedViews, NamesTheBadField) {
   const auto refused = [&](const std::string& pointer, const nlohmann::json& value,
                            const std::string& message) {
-    nlohmann::json bad = Example();
+    nlohmann::json bad = ExampleViews();
     bad[nlohmann::json::json_pointer(pointer)] = value;
     ExpectError<DataError>([&] { ParseRenderedViews(bad, "4_views/views.json"); },
                            {"views.json: " + message});

@@ -24,10 +24,10 @@ constexpr uint32_t kLongestShellSort = 1024;
 // Per fragment. Sorting stays below this up to the lengths that llvmpipe can sort; walking back
 // takes up to 10 rounds, and one round and 8 sums for each of 3 vertices that leave.
 constexpr uint32_t kSortRounds = 30;
-constexpr LoopCost kWalkCost{.rounds = 10 + 3, .sums = 3 * 8};
+constexpr LoopCost kSegmentCost{.rounds = 10 + 3, .sums = 3 * 8};
 
 uint32_t LongestList(const Device& device, const RendererOptions& options) {
-  return std::min(MostLoopRounds(device) / kSortRounds, MostItems(device, options, kWalkCost));
+  return std::min(MostLoopRounds(device) / kSortRounds, MostItems(device, options, kSegmentCost));
 }
 
 // Every face once, as its place in the tet with the lower index.

@@ -25,7 +25,7 @@ using gpu_types::ScanPush;
 constexpr uint64_t kBytesPerItem = 20;
 
 // The cost of walking over an item, with 8 sums for each of 4 vertices that leave.
-constexpr LoopCost kWalkCost{.rounds = 16, .sums = 4 * 8};
+constexpr LoopCost kItemCost{.rounds = 16, .sums = 4 * 8};
 
 uint32_t CeilDivide(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 
@@ -77,7 +77,7 @@ ProjectionIntegrator::ProjectionIntegrator(const Device& device, const RendererO
       keys_(Keys::kCentroid),
       order_(options.order),
       fragment_memory_(options.fragment_memory),
-      longest_walk_(MostItems(device, options, kWalkCost)),
+      longest_walk_(MostItems(device, options, kItemCost)),
       prefix_sum_(device),
       sort_(device),
       zero_(device) {
