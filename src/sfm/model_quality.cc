@@ -15,9 +15,8 @@ namespace {
 
 constexpr double kMinRegisteredShare = 0.8;
 constexpr size_t kMinPoints = 100;
-constexpr double kMaxMeanError_px =
-    1.5;  // proportionally more for photos larger than kErrorSize_px
-constexpr double kErrorSize_px = 1600;
+// Proportionally more for photos larger than kErrorSize_px.
+constexpr double kMaxMeanError_px = 1.5, kErrorSize_px = 1600;
 constexpr double kMinTrackLength = 2.5;
 
 }  // namespace
