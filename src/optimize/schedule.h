@@ -29,8 +29,8 @@ struct ScheduleOptions {
   uint64_t min_round_steps = 150;
 };
 
-// The length of a run that growth refers to [s], and the steps that a second is taken for in runs
-// by iterations.
+// The length of a run that growth refers to [s], the steps that a second is taken for in runs by
+// iterations, and that length in steps.
 inline constexpr double kGrowthSeconds = 120, kStepsPerSecond = 40;
 inline constexpr double kGrowthSteps = kGrowthSeconds * kStepsPerSecond;
 

@@ -16,7 +16,6 @@
 namespace tetrec {
 namespace {
 
-constexpr float kHalfSide = 1.0f;
 // Bounds the sum of the rounding errors of exp and log of a density (log below 3: 2e-7 relative),
 // of the point itself and of the blend, each in float on values below 8.
 constexpr float kRounding = 8e-6f;
@@ -123,8 +122,6 @@ Edge EdgeThrough(const TetMesh& mesh, const glm::vec3& point) {
   return best;
 }
 
-bool IsCornerOfHull(const glm::vec3& p) { return glm::abs(p) == glm::vec3(kHalfSide); }
-
 // Vertices without a visible density in any of their tets, except for corners of the box.
 std::vector<uint8_t> EmptyInside(const TetMesh& mesh, const FieldState& state, float visible_log) {
   std::vector<uint8_t> empty(mesh.positions.size(), 1);
@@ -133,7 +130,7 @@ std::vector<uint8_t> EmptyInside(const TetMesh& mesh, const FieldState& state, f
     for (int i = 0; i < 4; ++i) seen |= state.parameters[4 * tet[i] + 3] > visible_log;
     for (int i = 0; i < 4 && seen; ++i) empty[tet[i]] = 0;
   }
-  for (size_t v = 0; v < empty.size(); ++v) empty[v] &= !IsCornerOfHull(mesh.positions[v]);
+  for (size_t v = 0; v < empty.size(); ++v) empty[v] &= !IsCorner(mesh.positions[v]);
   return empty;
 }
 
@@ -170,7 +167,7 @@ TEST(InsertVertices, SplitsTheLongestEdgeOfTheWorstTetFirst) {
   int tried = 0;
   for (size_t worst = 0; worst < mesh.tets.size() && tried < 10; worst += 97) {
     const Edge longest = LongestEdge(mesh, mesh.tets[worst]);
-    if (IsCornerOfHull(mesh.positions[longest.a]) && IsCorner(mesh.positions[longest.b])) continue;
+    if (IsCorner(mesh.positions[longest.a]) && IsCorner(mesh.positions[longest.b])) continue;
     ++tried;
     std::vector<float> error(mesh.tets.size(), 1.0f);
     error[worst] = 1.5f;
@@ -215,7 +212,7 @@ TEST(InsertVertices, KeepsTheBoxWholeRoundAfterRound) {
     const TetMeshQuality quality = MeasureQuality(mesh);
     EXPECT_EQ(quality.boundary_faces, 12u);
     EXPECT_NEAR(quality.total_volume, 8.0, 8e-11);  // a sum of some thousand doubles
-    EXPECT_EQ(std::count_if(mesh.positions.begin(), mesh.positions.end(), IsCornerOfHull), 8);
+    EXPECT_EQ(std::count_if(mesh.positions.begin(), mesh.positions.end(), IsCorner), 8);
     EXPECT_EQ(state.parameters.size(), 4 * mesh.positions.size());
     EXPECT_EQ(state.first_moment.size(), 4 * mesh.positions.size());
     EXPECT_EQ(state.second_moment.size(), 4 * mesh.positions.size());
@@ -292,8 +289,7 @@ TEST(InsertVertices, LeavesTheCornersWhereAllIsEmpty) {
       Refine(mesh, state, std::vector<float>(mesh.tets.size(), 0.0f), options);
   CheckTetMesh(result.mesh);
   EXPECT_EQ(result.mesh.positions.size(), 8u);
-  EXPECT_TRUE(
-      std::all_of(result.mesh.positions.begin(), result.mesh.positions.end(), IsCornerOfHull));
+  EXPECT_TRUE(std::all_of(result.mesh.positions.begin(), result.mesh.positions.end(), IsCorner));
 }
 
 TEST(InsertVertices, SplitsNoEdgeShorterThanTheLeast) {
