@@ -11,10 +11,14 @@ struct GrowthLines {
   PlotSeries judged, below, above, result;
 };
 
+bool WasTakenBack(GrowthDecision decision) {
+  return decision == GrowthDecision::kTooCoarse || decision == GrowthDecision::kTooFine;
+}
+
 GrowthLines LinesOf(const std::vector<GrowthStep>& steps) {
   GrowthLines lines;
   for (const GrowthStep& step : steps) {
-    if (!(step.psnr > 0) || step.decision == GrowthDecision::kTooCoarse) continue;
+    if (!(step.psnr > 0) || WasTakenBack(step.decision)) continue;
     for (PlotSeries* series : {&lines.judged, &lines.below, &lines.above}) {
       series->x.push_back(double(step.tets));
     }

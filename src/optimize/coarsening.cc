@@ -69,7 +69,7 @@ bool Coarsening::Advance(double seconds, const RunMoment& moment) {
     return false;
   }
   const uint64_t steps = StepsOfTrial();
-  const Waiting finer = Save(finer_file_);
+  const WaitingField finer = Save(finer_file_);
   if (!DropLeastNeeded()) {
     state_.ended = 1;
     PutBack(finer);
@@ -110,20 +110,17 @@ uint64_t Coarsening::StepsOfTrial() const {
   const double vertices = state_.kept_share * double(parts_.field.mesh().positions.size());
   const double longer = std::sqrt(std::max(double(state_.finest_vertices) / vertices, 1.0));
   const uint64_t steps = TrialSteps(parts_.steps.iteration());
-  const uint64_t end = parts_.steps.iteration() +
-                       uint64_t(std::clamp(double(steps) * longer, double(steps), kMostSteps));
-  const uint64_t period = parts_.motion.StepsOfMotion();
-  return (end + period - 1) / period * period - parts_.steps.iteration();
+  return parts_.motion.StepsToAMotion(
+      parts_.steps.iteration(),
+      uint64_t(std::clamp(double(steps) * longer, double(steps), kMostSteps)));
 }
 
-Coarsening::Waiting Coarsening::Save(const std::filesystem::path& file) const {
-  SaveField(file, parts_.field);
-  return {file, parts_.motion.state()};
+WaitingField Coarsening::Save(const std::filesystem::path& file) const {
+  return WaitingField(file, parts_.field, parts_.motion);
 }
 
-void Coarsening::PutBack(const Waiting& waiting) {
-  RestoreField(waiting.file, parts_.field);
-  parts_.motion.Resume(waiting.motion);
+void Coarsening::PutBack(const WaitingField& waiting) {
+  waiting.PutBack(parts_.field, parts_.motion);
 }
 
 void Coarsening::LookAtFinest(const RunMoment& moment) {
@@ -164,9 +161,9 @@ void Coarsening::RaiseReference(std::vector<ErrorSum> views) {
 
 // Lets the finer mesh learn as many steps as the coarser one, which steps alone may have made as
 // good. Whichever is better is the field then.
-bool Coarsening::FinerLearnsMore(const Waiting& finer, std::span<const ErrorSum> coarser,
+bool Coarsening::FinerLearnsMore(const WaitingField& finer, std::span<const ErrorSum> coarser,
                                  uint64_t steps, const RunMoment& moment) {
-  const Waiting waiting = Save(coarser_file_);
+  const WaitingField waiting = Save(coarser_file_);
   PutBack(finer);
   parts_.steps.Try(steps, kRatesOfTrials, moment);
   RaiseReference(parts_.pictures.JudgeField().views);

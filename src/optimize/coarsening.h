@@ -1,6 +1,7 @@
 // Coarsening once the mesh has grown: it keeps no more vertices than the pictures need.
 #pragma once
 
+#include "optimize/field_on_disk.h"
 #include "optimize/judging.h"
 #include "optimize/optimize_options.h"
 #include "optimize/refinement_rounds.h"
@@ -55,20 +56,14 @@ class Coarsening {
   bool Advance(double seconds, const RunMoment& moment);
 
  private:
-  // A field that waits on disk while another one learns.
-  struct Waiting {
-    std::filesystem::path file;
-    MotionState motion;
-  };
-
   uint64_t StepsOfTrial() const;
-  Waiting Save(const std::filesystem::path& file) const;
-  void PutBack(const Waiting& waiting);
+  WaitingField Save(const std::filesystem::path& file) const;
+  void PutBack(const WaitingField& waiting);
   void LookAtFinest(const RunMoment& moment);
   bool DropLeastNeeded();
   bool IsAsGood(std::span<const ErrorSum> views) const;
   void RaiseReference(std::vector<ErrorSum> views);
-  bool FinerLearnsMore(const Waiting& finer, std::span<const ErrorSum> coarser, uint64_t steps,
+  bool FinerLearnsMore(const WaitingField& finer, std::span<const ErrorSum> coarser, uint64_t steps,
                        const RunMoment& moment);
   void Record(GrowthStep step, const Judgement& judgement, bool stays);
 

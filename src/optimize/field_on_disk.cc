@@ -21,4 +21,15 @@ void RestoreField(const std::filesystem::path& file, FittedField& field) {
   field.Put(std::move(checkpoint.mesh), WithHarmonics(checkpoint.state, field.harmonics_degree()));
 }
 
+WaitingField::WaitingField(std::filesystem::path file, const FittedField& field,
+                           const VertexMotion& motion)
+    : file_(std::move(file)), motion_(motion.state()) {
+  SaveField(file_, field);
+}
+
+void WaitingField::PutBack(FittedField& field, VertexMotion& motion) const {
+  RestoreField(file_, field);
+  motion.Resume(motion_);
+}
+
 }  // namespace tetrec

@@ -67,8 +67,7 @@ bool MotionTrial::Advance(const RunMoment& moment) {
 uint64_t MotionTrial::StepsOfTrial() const {
   const uint64_t steps = TrialSteps(steps_.iteration()), period = motion_.StepsOfMotion();
   if (period <= kMostSummedBatches) return steps;
-  const uint64_t end = steps_.iteration() + std::max(steps, kFewestMotions * period);
-  return (end + period - 1) / period * period - steps_.iteration();
+  return motion_.StepsToAMotion(steps_.iteration(), std::max(steps, kFewestMotions * period));
 }
 
 void MotionTrial::LetCoarserMeshMove() {

@@ -51,7 +51,7 @@ bool RateTrial::Advance() {
 
 double RateTrial::TrialPsnr(double share) {
   steps_.UseShareOfRates(share);
-  steps_.Try(kTrialSteps, 0);
+  steps_.Try(kTrialSteps, AtProgress(0));
   return pictures_.JudgeField().psnr;
 }
 

@@ -4,6 +4,7 @@
 #include "core/log.h"
 #include "core/process_memory.h"
 #include "core/progress.h"
+#include "core/stop_request.h"
 #include "core/timer.h"
 #include "optimize/checkpoint.h"
 #include "optimize/error_look.h"
@@ -22,6 +23,11 @@ namespace {
 
 // What the judging pictures may gain by a few steps at low rates [dB].
 constexpr double kMostNoise = 5;
+
+// A trial of a finer mesh late in a run takes this part of the steps so far, because what a step
+// teaches falls with the steps; and no more than some, because on a GPU steps are many.
+constexpr uint64_t kStepsPerTriedStep = 8, kMostStepsOfTrial = 2000;
+constexpr uint64_t kStepsBetweenLooks = 16;  // for a request to stop
 
 // Late rounds refine the mesh in place. By then, vertices have moved far from a Delaunay mesh, so
 // that a new triangulation changes tets everywhere: the demo's training pictures lost 4.3 dB and
@@ -63,11 +69,17 @@ bool RefinementRounds::IsTaught() const {
          parts_.steps.iteration() - last_iteration_ >= options_.schedule.min_round_steps;
 }
 
-void RefinementRounds::Advance(double seconds) {
+void RefinementRounds::Advance(double seconds, const RunMoment& moment) {
+  const RoundsState before = state_;
   GrowthStep step = StepOf(seconds, parts_.steps.iteration(), parts_.field.mesh());
   const bool refines = parts_.pictures.learns_all() || IsWorthRefining(step);
   state_.steps.push_back(step);
-  if (refines) RefineOnce();
+  if (!refines) return;
+  if (!NeedsTrial()) {
+    RefineOnce();
+  } else if (!TryRefining(seconds, moment)) {
+    state_ = before;
+  }
 }
 
 // Judges the field that the last round led to.
@@ -113,6 +125,12 @@ Judgement RefinementRounds::JudgeSettled() {
 
 bool RefinementRounds::AsksForAll() const {
   return options_.budget == BudgetChoice::kFull || options_.schedule.rounds;
+}
+
+// Early rounds gain far more than the noise of high rates, and late ones less than what learning
+// gains meanwhile.
+bool RefinementRounds::NeedsTrial() const {
+  return plan_[state_.rounds].is_late && !parts_.pictures.learns_all() && !AsksForAll();
 }
 
 GrowthDecision RefinementRounds::Decide(const Judgement& now, const JudgedGain& gain) const {
@@ -224,6 +242,82 @@ void RefinementRounds::RefineOnce() {
       WithThousands(result.put_back), WithThousands(result.patches),
       result.refused > 0 ? fmt::format(", {} splits refused", WithThousands(result.refused)) : "",
       look_seconds, timer.seconds() - look_seconds);
+}
+
+// Returns false if the run is asked to stop meanwhile. The field is then as before.
+bool RefinementRounds::TryRefining(double seconds, const RunMoment& moment) {
+  const uint64_t iteration = parts_.steps.iteration(), steps = StepsOfTrial();
+  parts_.motion.DropSums();
+  const WaitingField unrefined(files_.coarser, parts_.field, parts_.motion);
+  RefineOnce();
+  if (state_.ended != 0) return true;
+  const GrowthStep finer_step = StepOf(seconds, iteration, parts_.field.mesh());
+  const std::optional<Judgement> finer = Learn(iteration, steps, moment);
+  std::optional<WaitingField> refined;
+  if (finer) refined.emplace(files_.finer, parts_.field, parts_.motion);
+  unrefined.PutBack(parts_.field, parts_.motion);
+  const std::optional<Judgement> coarser =
+      finer ? Learn(iteration, steps, moment) : std::optional<Judgement>();
+  if (!coarser) {
+    if (finer) unrefined.PutBack(parts_.field, parts_.motion);
+    parts_.steps.Resume(iteration, parts_.steps.rays());
+    return false;
+  }
+  const JudgedGain gain = GainBetween(coarser->views, finer->views);
+  const bool pays = gain.gain > gain.standard_error;
+  LogInfo(
+      "judging pictures after {} steps: {:.2f} dB with {} vertices, {:.2f} dB with {}; gain "
+      "{:+.2f} dB, standard error {:.2f}: {}",
+      steps, finer->psnr, WithThousands(finer_step.vertices), coarser->psnr,
+      WithThousands(parts_.field.mesh().positions.size()), gain.gain, gain.standard_error,
+      pays ? "the finer mesh stays" : "the mesh is fine enough");
+  if (pays) {
+    refined->PutBack(parts_.field, parts_.motion);
+  } else {
+    StayCoarser(finer_step, *finer, gain);
+  }
+  return true;
+}
+
+// A trial ends with a motion, because gradients that wait for one are lost when a run is stopped.
+uint64_t RefinementRounds::StepsOfTrial() const {
+  const uint64_t iteration = parts_.steps.iteration();
+  return parts_.motion.StepsToAMotion(
+      iteration, std::clamp(iteration / kStepsPerTriedStep, kMostTrialSteps, kMostStepsOfTrial));
+}
+
+// Takes steps from `from` on, at last by low rates, and judges. None if the run is asked to stop
+// meanwhile.
+std::optional<Judgement> RefinementRounds::Learn(uint64_t from, uint64_t steps,
+                                                 const RunMoment& moment) {
+  parts_.steps.Resume(from, parts_.steps.rays());
+  const uint64_t settling = steps / 4;
+  if (!LearnPart(steps - settling, moment, moment)) return {};
+  if (!LearnPart(settling, kRatesOfTrials, moment)) return {};
+  return parts_.pictures.JudgeField();
+}
+
+// Returns false if the run is asked to stop meanwhile.
+bool RefinementRounds::LearnPart(uint64_t steps, const RunMoment& as_at, const RunMoment& moment) {
+  for (uint64_t left = steps; left > 0;) {
+    if (StopRequested()) return false;
+    const uint64_t part = std::min(left, kStepsBetweenLooks);
+    parts_.steps.Try(part, as_at, moment);
+    parts_.steps.CountTried(part);
+    left -= part;
+  }
+  return true;
+}
+
+void RefinementRounds::StayCoarser(GrowthStep finer, const Judgement& judgement,
+                                   const JudgedGain& gain) {
+  finer.psnr = judgement.psnr;
+  finer.gain = gain.gain;
+  finer.gain_standard_error = gain.standard_error;
+  finer.decision = GrowthDecision::kTooFine;
+  state_.steps.push_back(finer);
+  --state_.rounds;
+  state_.ended = 1;
 }
 
 }  // namespace tetrec

@@ -45,7 +45,8 @@ struct RefinedParts {
 // Fields that wait on disk.
 struct RoundsFiles {
   std::filesystem::path best;
-  std::filesystem::path unrefined;  // while a refinement may turn out too large for the budget
+  std::filesystem::path unrefined;       // while a refinement may turn out too large for the budget
+  std::filesystem::path coarser, finer;  // while the other one learns
 };
 
 class RefinementRounds {
@@ -65,9 +66,11 @@ class RefinementRounds {
   // Refines the mesh. If the judging pictures lost since the round before, the run returns to the
   // field before that one and refines no more; nor does it once growth has gained no more than the
   // standard error, by one late round or by two rounds in a row, or once the judging pictures are
-  // matched, unless the options ask for all.
+  // matched, unless the options ask for all. A late round stays only if the finer mesh then gains
+  // more than the standard error over the mesh before, once each has learned as long.
+  // A run that is asked to stop meanwhile is as if no round had been due.
   // `seconds`: of the run so far, for the record.
-  void Advance(double seconds);
+  void Advance(double seconds, const RunMoment& moment);
   // An entry about a mesh that another part of the run decided about.
   void Record(const GrowthStep& step) { state_.steps.push_back(step); }
   // The judging pictures gained by something else than the field [dB].
@@ -79,6 +82,7 @@ class RefinementRounds {
  private:
   bool IsTaught() const;
   bool AsksForAll() const;
+  bool NeedsTrial() const;
   Judgement JudgeSettled();
   GrowthDecision Decide(const Judgement& now, const JudgedGain& gain) const;
   bool LastRoundGained() const;
@@ -88,6 +92,11 @@ class RefinementRounds {
   void SaveBest(double psnr);
   void ReturnToBest(double psnr);
   void RefineOnce();
+  bool TryRefining(double seconds, const RunMoment& moment);
+  uint64_t StepsOfTrial() const;
+  std::optional<Judgement> Learn(uint64_t from, uint64_t steps, const RunMoment& moment);
+  bool LearnPart(uint64_t steps, const RunMoment& as_at, const RunMoment& moment);
+  void StayCoarser(GrowthStep finer, const Judgement& judgement, const JudgedGain& gain);
 
   const OptimizeOptions& options_;
   std::vector<PlannedRound> plan_;

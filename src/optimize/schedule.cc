@@ -33,7 +33,7 @@ int UsualRounds(double factor) {
 }
 
 int LateRounds(double factor, double length) {
-  return std::max(UsualRounds(factor),
+  return std::max(int(std::lround(std::log(factor) / std::log(kUsualGrowth))),
                   int(std::lround(std::log(length) / std::log(kLengthPerLateRound))));
 }
 

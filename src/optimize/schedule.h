@@ -42,7 +42,7 @@ struct RunMoment {
   double progress = 0, growth = 0;
 };
 // The moment of a run that is not long.
-inline RunMoment AtProgress(double progress) { return {progress, progress}; }
+constexpr RunMoment AtProgress(double progress) { return {progress, progress}; }
 
 // The learning rates after `steps` steps, as a share of the first ones. They fall with the steps,
 // because what is new must still be learned, and in the last quarter of the run fast, so that the

@@ -87,7 +87,9 @@ class Trainer {
             options,
             PlanRounds(options, length_, start.positions.size(), max_vertices_, affording_pixels_),
             {field_, motion_, pictures_, batches_, steps_, *renderer_},
-            {stage.Scratch("best.bin"), stage.Scratch("unrefined.bin")}, max_tets_),
+            {stage.Scratch("best.bin"), stage.Scratch("unrefined.bin"),
+             stage.Scratch("coarser.bin"), stage.Scratch("finer.bin")},
+            max_tets_),
         coarsening_(options, {field_, motion_, pictures_, batches_, steps_, *renderer_}, rounds_,
                     stage.Scratch("finer.bin"), stage.Scratch("coarser.bin")),
         checkpoint_path_(stage.Scratch(kCheckpointFile)) {}
@@ -216,7 +218,7 @@ class Trainer {
       }
       const double growth = Growth();
       if (rounds_.IsDue(growth)) {
-        rounds_.Advance(seconds_);
+        rounds_.Advance(seconds_, {done, growth});
         continue;
       }
       if (coarsening_.IsDue(done)) {

@@ -13,9 +13,10 @@ StepResult TrainingSteps::Take(const RunMoment& moment, bool sums_exposures) {
   return TakeStep(iteration_++, moment, moment, sums_exposures);
 }
 
-void TrainingSteps::Try(uint64_t count, double as_at, std::optional<RunMoment> motion_as_at) {
+void TrainingSteps::Try(uint64_t count, const RunMoment& as_at,
+                        std::optional<RunMoment> motion_as_at) {
   for (uint64_t iteration = iteration_; iteration < iteration_ + count; ++iteration) {
-    TakeStep(iteration, AtProgress(as_at), motion_as_at, false);
+    TakeStep(iteration, as_at, motion_as_at, false);
   }
 }
 

@@ -16,8 +16,8 @@ namespace tetrec {
 inline constexpr uint64_t kFewestTrialSteps = 40, kMostTrialSteps = 100;
 uint64_t TrialSteps(uint64_t iteration);
 
-// The progress whose learning rates trials take: at those of their own time, noise would decide.
-inline constexpr double kRatesOfTrials = 0.95;
+// The moment whose learning rates trials take: at those of their own time, noise would decide.
+inline constexpr RunMoment kRatesOfTrials = AtProgress(0.95);
 
 class TrainingSteps {
  public:
@@ -43,10 +43,10 @@ class TrainingSteps {
   // (TrainingRenderer::Step).
   StepResult Take(const RunMoment& moment, bool sums_exposures);
   // Takes the next `count` steps without counting them: the same steps can be taken again, from
-  // another state of the field. Rates, rays per pixel and background are those of progress `as_at`;
-  // vertices move, if they do, as at the moment `motion_as_at`, or stay, because another state of
-  // the field does not bring them back.
-  void Try(uint64_t count, double as_at, std::optional<RunMoment> motion_as_at = {});
+  // another state of the field. Rates, rays per pixel and background are those of the moment
+  // `as_at`; vertices move, if they do, as at the moment `motion_as_at`, or stay, because another
+  // state of the field does not bring them back.
+  void Try(uint64_t count, const RunMoment& as_at, std::optional<RunMoment> motion_as_at = {});
   void CountTried(uint64_t count) { iteration_ += count; }
 
   // Of the rates of colour, density and harmonics, from the next step on (rate_trial.h).

@@ -33,6 +33,11 @@ uint64_t VertexMotion::StepsOfMotion() const {
   return IsArticle() ? 1 : renderer_.Pace().steps_per_motion;
 }
 
+uint64_t VertexMotion::StepsToAMotion(uint64_t step, uint64_t fewest) const {
+  const uint64_t period = StepsOfMotion();
+  return (step + fewest + period - 1) / period * period - step;
+}
+
 uint64_t VertexMotion::SummedSteps() const { return std::min(StepsOfMotion(), kMostSummedBatches); }
 
 bool VertexMotion::IsSummed(uint64_t step, double progress) const {

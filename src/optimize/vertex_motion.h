@@ -50,6 +50,8 @@ class VertexMotion {
   void AfterStep(uint64_t steps, double progress, double rate_share);
   // From one motion to the next.
   uint64_t StepsOfMotion() const;
+  // As few steps after step `step` as end with a motion, but not fewer than `fewest`.
+  uint64_t StepsToAMotion(uint64_t step, uint64_t fewest) const;
   // The number of steps whose learning rates a motion after `steps` steps has: of those summed so
   // far, so that vertices get equally far however rare motions are.
   uint64_t StepsForRates(uint64_t steps) const;

@@ -16,8 +16,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<const char*, 8> kDecisions = {
-    "refine", "return", "fine-enough", "end", "budget", "matched", "coarsen", "too-coarse"};
+constexpr std::array<const char*, 9> kDecisions = {"refine",  "return",     "fine-enough",
+                                                   "end",     "budget",     "matched",
+                                                   "coarsen", "too-coarse", "too-fine"};
 constexpr double kLargest = 1e18;
 
 GrowthDecision ReadDecision(const CheckedJson& field) {
@@ -75,6 +76,8 @@ std::string ReasonOf(const GrowthStep& step) {
              "standard error";
     case GrowthDecision::kTooCoarse:
       return "tried and taken back: this coarser mesh lost more than the standard error";
+    case GrowthDecision::kTooFine:
+      return "tried and taken back: this finer mesh gained no more than the standard error";
   }
   return "";
 }

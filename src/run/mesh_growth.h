@@ -22,6 +22,7 @@ enum class GrowthDecision : uint64_t {
   kMatched,     // the mesh stays as it is, because the pictures are matched
   kCoarsen,     // this coarser mesh took the place of the one before
   kTooCoarse,   // this coarser mesh was tried, and the one before stayed
+  kTooFine,     // this finer mesh was tried, and the one before stayed
 };
 
 inline constexpr uint64_t kNotCounted = ~uint64_t{0};

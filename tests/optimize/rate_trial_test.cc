@@ -55,7 +55,7 @@ TEST(RateTrial, GoesOnAsARunWithTheLowerRates) {
   RateTrialRun high(WithRates(100));
   high.trial.Advance();
   RateTrialRun low(WithRates(100 * high.steps.share_of_rates()));
-  low.steps.Try(20, 0);
+  low.steps.Try(20, AtProgress(0));
   const std::vector<float> expected = low.field.ReadState().parameters;
   const std::vector<float> found = high.field.ReadState().parameters;
   ASSERT_EQ(found.size(), expected.size());

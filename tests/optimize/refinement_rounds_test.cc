@@ -1,16 +1,25 @@
 #include "optimize/refinement_rounds.h"
 
 #include "core/random.h"
+#include "core/stop_request.h"
 #include "optimize/small_run.h"
 #include "scratch_folder.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
 #include <vector>
 
 namespace tetrec {
 namespace {
+
+RoundsFiles FilesIn(const std::filesystem::path& folder) {
+  return {folder / "best.bin", folder / "unrefined.bin", folder / "coarser.bin",
+          folder / "finer.bin"};
+}
 
 class RefinementRoundsTest : public ::testing::Test {
  protected:
@@ -21,7 +30,7 @@ class RefinementRoundsTest : public ::testing::Test {
       run_.options,
       plan_,
       {run_.field, run_.motion, run_.pictures, run_.batches, run_.steps, *run_.renderer},
-      {folder_ / "best.bin", folder_ / "unrefined.bin"}};
+      FilesIn(folder_.path())};
   size_t vertices() const { return run_.field.mesh().positions.size(); }
 };
 
@@ -36,12 +45,12 @@ TEST_F(RefinementRoundsTest, AreDueOneAfterAnother) {
 
 TEST_F(RefinementRoundsTest, GoOnWithAFieldThatGained) {
   run_.PutField(0.2);
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   const double first = rounds_.state().best_psnr;
   const size_t refined = vertices();
   EXPECT_GT(refined, WavyBox(0.2).mesh.positions.size());
   run_.PutField(0.4);
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   EXPECT_EQ(rounds_.state().rounds, 2u);
   EXPECT_GT(rounds_.state().best_psnr, first);
 }
@@ -50,13 +59,13 @@ TEST_F(RefinementRoundsTest, EndLateWhereTheJudgingPicturesGainNothing) {
   float density = 0.2f;
   for (uint32_t round = 1; round <= 3; ++round) {
     run_.PutField(density += 0.05f);
-    rounds_.Advance(0.0);
+    rounds_.Advance(0.0, AtProgress(0.5));
     ASSERT_EQ(rounds_.state().rounds, round);
   }
   run_.PutField(density);
   const size_t before = vertices();
   ASSERT_TRUE(rounds_.IsDue(1.2));
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   EXPECT_EQ(vertices(), before);
   EXPECT_EQ(rounds_.state().rounds, 3u);
   EXPECT_FALSE(rounds_.IsDue(2.0));
@@ -72,12 +81,12 @@ TEST_F(RefinementRoundsTest, EndLateWhereTheJudgingPicturesGainNothing) {
 TEST_F(RefinementRoundsTest, EndEarlyOnceTwoInARowGainNothing) {
   for (uint32_t round = 1; round <= 2; ++round) {
     run_.PutField(0.3);
-    rounds_.Advance(0.0);
+    rounds_.Advance(0.0, AtProgress(0.5));
     ASSERT_EQ(rounds_.state().rounds, round);
   }
   run_.PutField(0.3);
   const size_t before = vertices();
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   EXPECT_EQ(vertices(), before);
   EXPECT_TRUE(rounds_.IsOver());
   EXPECT_EQ(rounds_.state().steps.back().decision, GrowthDecision::kFineEnough);
@@ -87,7 +96,7 @@ TEST_F(RefinementRoundsTest, EndOnceTheJudgingPicturesAreMatched) {
   const size_t before = vertices();
   const Judgement judgement = run_.pictures.JudgeField();
   run_.options.schedule.matched_psnr = judgement.psnr - judgement.standard_error - 0.01;
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   EXPECT_EQ(vertices(), before);
   EXPECT_TRUE(rounds_.IsOver());
   EXPECT_EQ(rounds_.state().steps.back().decision, GrowthDecision::kMatched);
@@ -100,13 +109,13 @@ TEST_F(RefinementRoundsTest, JudgeSettledOnceAJudgementHasSettled) {
   run_.options.schedule.matched_psnr = psnr + 5.03;
   rounds_.Resume({.rounds = 1, .best_psnr = psnr + 0.05});
   const uint64_t before = run_.steps.iteration();
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   EXPECT_GT(run_.steps.iteration(), before);
 }
 
 // A judgement by other rays would look like a gain or a loss of the round.
 TEST_F(RefinementRoundsTest, CompareWithTheFieldThatWasJudgedAnew) {
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   ASSERT_EQ(rounds_.state().rounds, 1u);
   run_.PutField(0.5);
   run_.pictures.JudgeBy(2);
@@ -116,7 +125,7 @@ TEST_F(RefinementRoundsTest, CompareWithTheFieldThatWasJudgedAnew) {
   const std::vector<float> best = run_.field.ReadState().parameters;
   run_.PutField(0.2);
   ASSERT_LT(run_.pictures.JudgeField().psnr, anew.psnr - 1);
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   EXPECT_EQ(rounds_.state().steps.back().decision, GrowthDecision::kReturn);
   EXPECT_LT(rounds_.state().steps.back().gain, -1);
   EXPECT_EQ(run_.field.ReadState().parameters, best);
@@ -126,7 +135,7 @@ TEST_F(RefinementRoundsTest, ContinueWhereThePicturesAreMatchedIfTheOptionsAskFo
   run_.options.schedule.matched_psnr = 1;
   run_.options.budget = BudgetChoice::kFull;
   const size_t before = vertices();
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   EXPECT_GT(vertices(), before);
 }
 
@@ -143,10 +152,10 @@ TEST_F(RefinementRoundsTest, AreAllDoneWhereTheOptionsAskForThem) {
     RefinementRounds rounds(
         run.options, plan_,
         {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
-        {folder / "best.bin", folder / "unrefined.bin"});
+        FilesIn(folder.path()));
     for (uint32_t round = 1; round <= plan_.size(); ++round) {
       run.PutField(0.3);
-      rounds.Advance(0.0);
+      rounds.Advance(0.0, AtProgress(0.5));
       EXPECT_EQ(rounds.state().rounds, round);
     }
   }
@@ -167,9 +176,9 @@ TEST_F(RefinementRoundsTest, NeverExceedTheBudget) {
       RefinementRounds rounds(
           run.options, {{0.1, 2000}, {0.2, 4000}},
           {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
-          {folder / "best.bin", folder / "unrefined.bin"}, bound);
+          FilesIn(folder.path()), bound);
       while (!rounds.IsOver()) {
-        rounds.Advance(0.0);
+        rounds.Advance(0.0, AtProgress(0.5));
         EXPECT_LE(run.field.mesh().tets.size(), bound);
         CheckTetMesh(run.field.mesh());
       }
@@ -181,12 +190,12 @@ TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {
   run_.steps.Take(AtProgress(0.0), false);  // so that there are moments
   const std::vector<glm::vec3> positions = run_.field.mesh().positions;
   const FieldState best = run_.field.ReadState();
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   ASSERT_GT(vertices(), positions.size());
   FieldState worse = run_.field.ReadState();
   for (float& parameter : worse.parameters) parameter = 0.0f;
   run_.field.PutState(worse);
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   const FieldState now = run_.field.ReadState();
   EXPECT_TRUE(run_.field.mesh().positions == positions);
   EXPECT_TRUE(now.parameters == best.parameters);
@@ -198,7 +207,7 @@ TEST_F(RefinementRoundsTest, TakeBackAFieldThatLost) {
 TEST_F(RefinementRoundsTest, DropWhatNoRaySeesAndRecordIt) {
   run_.PutField(0.2);
   const size_t tets = run_.field.mesh().tets.size();
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   const GrowthStep& step = rounds_.state().steps.back();
   EXPECT_GT(step.empty_tets, tets / 10);
   EXPECT_LT(step.empty_tets, tets);
@@ -208,9 +217,9 @@ TEST_F(RefinementRoundsTest, DropWhatNoRaySeesAndRecordIt) {
 
 TEST_F(RefinementRoundsTest, TakeNothingBackWhereNothingJudges) {
   run_.pictures.EndJudgingIfDue(1.0);
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   run_.PutField(0.0);
-  rounds_.Advance(0.0);
+  rounds_.Advance(0.0, AtProgress(0.5));
   EXPECT_EQ(rounds_.state().rounds, 2u);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "best.bin"));
 }
@@ -218,14 +227,14 @@ TEST_F(RefinementRoundsTest, TakeNothingBackWhereNothingJudges) {
 // A run after its first round.
 struct RefinedRun {
   explicit RefinedRun(const OptimizeOptions& options, bool has_moved = false, bool is_late = false)
-      : run(options),
+      : run(options, 20),
         rounds(run.options, {{0.1, 2000, is_late}},
                {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
-               {folder / "best.bin", folder / "unrefined.bin"}) {
+               FilesIn(folder.path())) {
     run.PutField(0.2);
     if (has_moved) MoveVertices();
     const std::vector<glm::vec3> before = run.field.mesh().positions;
-    rounds.Advance(0.0);
+    rounds.Advance(0.0, AtProgress(0.5));
     EXPECT_FALSE(run.field.mesh().positions == before);
     CheckTetMesh(run.field.mesh());
   }
@@ -253,9 +262,87 @@ struct RefinedRun {
 // Vertices that have moved are no longer those of a Delaunay mesh, so that a new triangulation
 // changes tets everywhere.
 TEST(RefinementRounds, LateOnesTriangulateNothingAnew) {
-  const double early = RefinedRun(SmallRunOptions(), true, false).Change();
+  OptimizeOptions options = SmallRunOptions();
+  options.budget = BudgetChoice::kFull;  // without a trial, which would teach
+  const double early = RefinedRun(options, true, false).Change();
   EXPECT_GT(early, 0.05);
-  EXPECT_LT(RefinedRun(SmallRunOptions(), true, true).Change(), 0.5 * early);
+  EXPECT_LT(RefinedRun(options, true, true).Change(), 0.5 * early);
+}
+
+// Before a late round, on a mesh of `side` vertices a side, of which photos show 9. Many views
+// judge, so that the standard error is small.
+struct LateRun {
+  explicit LateRun(int side)
+      : run(Options(), 20),
+        rounds(run.options, {{1.2, 2 * uint64_t(side * side * side), true}},
+               {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
+               FilesIn(folder.path())) {
+    run.PutField(0.4, side);
+    run.motion.Use(true);
+    run.steps.Resume(kStepsBefore, 1000);
+  }
+  static OptimizeOptions Options() {
+    OptimizeOptions options = SmallRunOptions();
+    options.rays_per_step = 512;
+    return options;
+  }
+  void Advance() { rounds.Advance(7.0, {0.3, 1.2}); }
+  size_t vertices() const { return run.field.mesh().positions.size(); }
+
+  // An eighth of the first, up to the next motion.
+  static constexpr uint64_t kStepsBefore = 960, kStepsOfTrial = 128;
+  ScratchFolder folder;
+  SmallRun run;
+  RefinementRounds rounds;
+};
+
+TEST(LateRound, StaysWhereTheFinerMeshLearnsMore) {
+  LateRun late(5);
+  late.Advance();
+  EXPECT_GT(late.vertices(), 125u);
+  EXPECT_EQ(late.rounds.state().rounds, 1u);
+  EXPECT_EQ(late.rounds.state().ended, 0u);
+  EXPECT_EQ(late.run.steps.iteration(), LateRun::kStepsBefore + LateRun::kStepsOfTrial);
+  ASSERT_EQ(late.rounds.state().steps.size(), 1u);
+  EXPECT_EQ(late.rounds.state().steps[0].decision, GrowthDecision::kRefine);
+  EXPECT_EQ(late.rounds.state().steps[0].vertices, 125u);
+}
+
+// The mesh of the photos has nothing left to gain.
+TEST(LateRound, IsTakenBackWhereTheFinerMeshLearnsNoMore) {
+  LateRun late(9);
+  const size_t before = late.vertices();
+  const double psnr = late.run.pictures.JudgeField().psnr;
+  late.Advance();
+  EXPECT_EQ(late.vertices(), before);
+  EXPECT_TRUE(late.rounds.IsOver());
+  EXPECT_EQ(late.rounds.state().rounds, 0u);
+  EXPECT_EQ(late.run.steps.iteration(), LateRun::kStepsBefore + LateRun::kStepsOfTrial);
+  EXPECT_NE(late.run.pictures.JudgeField().psnr, psnr);  // it has learned
+  const std::vector<GrowthStep>& steps = late.rounds.state().steps;
+  ASSERT_EQ(steps.size(), 2u);
+  EXPECT_EQ(steps[0].decision, GrowthDecision::kRefine);
+  EXPECT_EQ(steps[1].decision, GrowthDecision::kTooFine);
+  EXPECT_EQ(steps[1].seconds, 7.0);
+  EXPECT_GT(steps[1].vertices, before);
+  EXPECT_LE(steps[1].gain, steps[1].gain_standard_error);
+  CheckTetMesh(late.run.field.mesh());
+}
+
+TEST(LateRound, IsUndoneByAStop) {
+  const auto stopped = [] {
+    CatchStopSignals();
+    LateRun late(5);
+    const std::vector<float> before = late.run.field.ReadState().parameters;
+    std::raise(SIGINT);
+    late.Advance();
+    const bool is_as_before = late.run.field.ReadState().parameters == before &&
+                              late.vertices() == 125 &&
+                              late.run.steps.iteration() == LateRun::kStepsBefore &&
+                              late.rounds.state() == RoundsState{} && late.rounds.IsDue(1.2);
+    std::exit(is_as_before ? 0 : 1);
+  };
+  EXPECT_EXIT(stopped(), ::testing::ExitedWithCode(0), "");
 }
 
 // The picture of the judging views does not change by a split, so it does not change by a round.

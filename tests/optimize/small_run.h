@@ -60,9 +60,9 @@ struct SmallRun {
   SmallRun(const SmallRun&) = delete;
   SmallRun& operator=(const SmallRun&) = delete;
 
-  // The true field if its contrast is 0.4.
-  void PutField(double contrast) {
-    RadianceField box = WavyBox(contrast);
+  // The true field if its contrast is 0.4 and its mesh has 9 vertices a side.
+  void PutField(double contrast, int side = 9) {
+    RadianceField box = WavyBox(contrast, 20.0f, side);
     const FieldState state = StateOf(box);
     field.Put(std::move(box.mesh), state);
   }

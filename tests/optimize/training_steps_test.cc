@@ -13,7 +13,7 @@ TEST(TrainingSteps, ThatWereTriedAreTakenAgainWithTheSameResult) {
   SmallRun run;
   run.PutField(0.2);
   const FieldState before = run.field.ReadState();
-  run.steps.Try(3, 0.1);
+  run.steps.Try(3, AtProgress(0.1));
   const FieldState tried = run.field.ReadState();
   EXPECT_TRUE(tried.parameters != before.parameters);
   EXPECT_EQ(run.steps.iteration(), 0u);

@@ -12,13 +12,13 @@
 
 namespace tetrec {
 
-// A box [-1, 1]^3 whose colours are waves in space; its mesh does not show in its pictures.
-inline RadianceField WavyBox(double contrast, float density = 20.0f) {
+// A box [-1, 1]^3 of side^3 vertices whose colours are waves in space; the mesh of 9^3 does not
+// show in its pictures.
+inline RadianceField WavyBox(double contrast, float density = 20.0f, int side = 9) {
   std::vector<glm::vec3> points;
-  constexpr int kSide = 9;
-  for (int i = 0; i < kSide * kSide * kSide; ++i) {
-    const glm::ivec3 at(i % kSide, i / kSide % kSide, i / (kSide * kSide));
-    points.push_back(glm::vec3(at) * (2.0f / (kSide - 1)) - 1.0f);
+  for (int i = 0; i < side * side * side; ++i) {
+    const glm::ivec3 at(i % side, i / side % side, i / (side * side));
+    points.push_back(glm::vec3(at) * (2.0f / float(side - 1)) - 1.0f);
   }
   RadianceField field;
   field.mesh = BuildDelaunay(points).mesh;

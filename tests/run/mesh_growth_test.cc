@@ -21,6 +21,7 @@ std::vector<GrowthStep> ExampleGrowth() {
       {2700, 65.0, 1100, 6500, kNotCounted, 320000000, 42.25, -0.25, 0.25,
        GrowthDecision::kCoarsen},
       {2800, 68.0, 300, 1600, kNotCounted, 320000000, 39.0, -3.5, 0.25, GrowthDecision::kTooCoarse},
+      {2900, 72.0, 2900, 17500, kNotCounted, 320000000, 42.0, 0.0, 0.25, GrowthDecision::kTooFine},
       {3000, 80.0, 2200, 13000, 2500, 320000000, 0.0, 0.0, 0.0, GrowthDecision::kEnd}};
 }
 
@@ -30,8 +31,8 @@ TEST(MeshGrowth, WhatWasWrittenIsReadBack) {
   EXPECT_TRUE(ReadMeshGrowth(folder / kMeshGrowthFile) == ExampleGrowth());
   const nlohmann::json value = ReadJson(folder / kMeshGrowthFile);
   EXPECT_EQ(value["steps"][1]["reason"], "refined");
-  EXPECT_TRUE(value["steps"][7]["psnr"].is_null());
-  EXPECT_EQ(value["steps"][7]["empty_tets"], 2500);
+  EXPECT_TRUE(value["steps"][8]["psnr"].is_null());
+  EXPECT_EQ(value["steps"][8]["empty_tets"], 2500);
   EXPECT_TRUE(value["steps"][2]["empty_tets"].is_null());
 }
 
