@@ -31,6 +31,7 @@
 #include "optimize/training_steps.h"
 #include "optimize/vertex_motion.h"
 #include "optimize/watch.h"
+#include "optimize/weak_colors.h"
 #include "render/create_renderer.h"
 #include "render/kernel_table.h"
 #include "render/picture.h"
@@ -107,6 +108,7 @@ class Trainer {
           "stopped at iteration {} after {:.0f} s; the same command continues from here",
           steps_.iteration(), seconds_));
     }
+    if (ColorsMayHaveDrifted()) SettleWeakColors();
     Report(history.End(Figures(Done())));
     end_of_growth_ = StepOf(seconds_, steps_.iteration(), field_.mesh());
     end_of_growth_.decision = GrowthDecision::kEnd;
@@ -257,7 +259,34 @@ class Trainer {
   // The progress of the run, in [0, 1].
   double Done() const {
     if (!options_.HasLimit()) return convergence_.Progress(steps_.iteration());
-    return ProgressOf(options_.time_limit_s, double(options_.iterations));
+    return ProgressOf(SecondsOfSteps(), double(options_.iterations));
+  }
+
+  // Until the limit, or until the look at weak colours must begin. 0: there is no limit.
+  double SecondsOfSteps() const {
+    if (!ColorsMayHaveDrifted()) return options_.time_limit_s;
+    const double passes = double(steps_.rays()) / double(pictures_.set().pixels);
+    return options_.time_limit_s * (1 - 1 / passes);
+  }
+
+  // Measured on photos only: with alpha, a random background shows what is empty.
+  bool ColorsMayHaveDrifted() const {
+    return !scene_.has_alpha && options_.storage == FieldStorage::kVertex &&
+           !batches_.DrawsTiles() && steps_.rays() >= kRaysPerPixelOfDrift * pictures_.set().pixels;
+  }
+
+  void SettleWeakColors() {
+    const Timer timer;
+    const std::vector<float> evidence =
+        LookAtColorEvidence(*renderer_, pictures_.set(), batches_, options_.seed);
+    FieldState state = field_.ReadState();
+    SmoothWeakColors(field_.mesh(), evidence, state);
+    field_.PutState(std::move(state));
+    const auto weak = std::ranges::count_if(evidence, [](float e) { return e < kPriorEvidence; });
+    stage_.Count("weak_colors", uint64_t(weak));
+    LogInfo(
+        "{} vertices, whose colours hardly any ray determines, follow their neighbours; {:.1f} s",
+        WithThousands(uint64_t(weak)), timer.seconds());
   }
 
   // The growth of the run (schedule.h).
