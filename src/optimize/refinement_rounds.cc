@@ -25,7 +25,7 @@ namespace {
 constexpr double kMostNoise = 5;
 
 // A trial of a finer mesh late in a run takes this part of the steps so far, because what a step
-// teaches falls with the steps; and no more than some, because on a GPU steps are many.
+// teaches falls with the steps; but at most 2,000, because on a GPU steps are many.
 constexpr uint64_t kStepsPerTriedStep = 8, kMostStepsOfTrial = 2000;
 constexpr uint64_t kStepsBetweenLooks = 16;  // for a request to stop
 
@@ -71,6 +71,7 @@ bool RefinementRounds::IsTaught() const {
 
 void RefinementRounds::Advance(double seconds, const RunMoment& moment) {
   const RoundsState before = state_;
+  const uint64_t last_iteration = last_iteration_;
   GrowthStep step = StepOf(seconds, parts_.steps.iteration(), parts_.field.mesh());
   const bool refines = parts_.pictures.learns_all() || IsWorthRefining(step);
   state_.steps.push_back(step);
@@ -79,6 +80,7 @@ void RefinementRounds::Advance(double seconds, const RunMoment& moment) {
     RefineOnce();
   } else if (!TryRefining(seconds, moment)) {
     state_ = before;
+    last_iteration_ = last_iteration;
   }
 }
 
@@ -246,7 +248,8 @@ void RefinementRounds::RefineOnce() {
 
 // Returns false if the run is asked to stop meanwhile. The field is then as before.
 bool RefinementRounds::TryRefining(double seconds, const RunMoment& moment) {
-  const uint64_t iteration = parts_.steps.iteration(), steps = StepsOfTrial();
+  const uint64_t iteration = parts_.steps.iteration(), rays = parts_.steps.rays();
+  const uint64_t steps = StepsOfTrial();
   parts_.motion.DropSums();
   const WaitingField unrefined(files_.coarser, parts_.field, parts_.motion);
   RefineOnce();
@@ -260,7 +263,7 @@ bool RefinementRounds::TryRefining(double seconds, const RunMoment& moment) {
       finer ? Learn(iteration, steps, moment) : std::optional<Judgement>();
   if (!coarser) {
     if (finer) unrefined.PutBack(parts_.field, parts_.motion);
-    parts_.steps.Resume(iteration, parts_.steps.rays());
+    parts_.steps.Resume(iteration, rays);
     return false;
   }
   const JudgedGain gain = GainBetween(coarser->views, finer->views);

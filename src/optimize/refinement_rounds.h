@@ -63,12 +63,15 @@ class RefinementRounds {
   bool IsDue(double growth) const;
   // True if the mesh is refined no more.
   bool IsOver() const { return state_.ended != 0 || state_.rounds >= plan_.size(); }
+  // True if the next round, which is due, is a trial.
+  bool NeedsTrial() const;
   // Refines the mesh. If the judging pictures lost since the round before, the run returns to the
   // field before that one and refines no more; nor does it once growth has gained no more than the
   // standard error, by one late round or by two rounds in a row, or once the judging pictures are
   // matched, unless the options ask for all. A late round stays only if the finer mesh then gains
   // more than the standard error over the mesh before, once each has learned as long.
-  // A run that is asked to stop meanwhile is as if no round had been due.
+  // If the run is asked to stop meanwhile, the round is taken back, and is due again; steps that
+  // settled the field before a judgement stay.
   // `seconds`: of the run so far, for the record.
   void Advance(double seconds, const RunMoment& moment);
   // An entry about a mesh that another part of the run decided about.
@@ -82,7 +85,6 @@ class RefinementRounds {
  private:
   bool IsTaught() const;
   bool AsksForAll() const;
-  bool NeedsTrial() const;
   Judgement JudgeSettled();
   GrowthDecision Decide(const Judgement& now, const JudgedGain& gain) const;
   bool LastRoundGained() const;

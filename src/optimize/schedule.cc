@@ -26,6 +26,7 @@ constexpr double kVerticesOfGrowth = 110e3, kExponentOfVertices = 0.3;
 
 constexpr double kUsualGrowth = 4.0 / 3.0;
 constexpr int kFewestRounds = 3, kMostRounds = 9;
+constexpr double kLeastLateFactor = 1.05;     // less is not worth a late round
 constexpr double kLengthPerLateRound = 2.24;  // two late rounds in ten minutes
 
 int UsualRounds(double factor) {
@@ -33,7 +34,7 @@ int UsualRounds(double factor) {
 }
 
 int LateRounds(double factor, double length) {
-  return std::max(int(std::lround(std::log(factor) / std::log(kUsualGrowth))),
+  return std::max(factor > kLeastLateFactor ? UsualRounds(factor) : 0,
                   int(std::lround(std::log(length) / std::log(kLengthPerLateRound))));
 }
 

@@ -67,9 +67,9 @@ struct PlannedRound {
 // kGrowthSeconds, further ones to `max_vertices`, each after the same multiple of the time before
 // it. Unless the options give their number, there are 3 to 9 early rounds, enough to multiply the
 // vertices by 4/3 each at most where that many suffice: errors that are looked at more often place
-// vertices better, but every look takes time. Late rounds are as many as their vertices take, and
-// at least about one for each factor of 2.24 in time. A given number of rounds is spread over the
-// whole run.
+// vertices better, but every look takes time. Late rounds are as many as their vertices take, if
+// these are 5 % more or more, and at least about one for each factor of 2.24 in time. A given
+// number of rounds is spread over the whole run.
 std::vector<PlannedRound> PlanGrowth(const ScheduleOptions& options, uint64_t vertices,
                                      uint64_t growth_vertices, uint64_t max_vertices,
                                      double length);

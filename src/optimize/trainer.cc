@@ -219,7 +219,10 @@ class Trainer {
         continue;
       }
       const double growth = Growth();
-      if (rounds_.IsDue(growth)) {
+      // What a stop takes back must be the state of a run that can be resumed.
+      const bool may_be_taken_back = rounds_.IsDue(growth) && rounds_.NeedsTrial();
+      if (rounds_.IsDue(growth) &&
+          (!may_be_taken_back || motion_.CanResumeAfter(steps_.iteration(), done))) {
         rounds_.Advance(seconds_, {done, growth});
         continue;
       }
@@ -262,11 +265,13 @@ class Trainer {
     return ProgressOf(SecondsOfSteps(), double(options_.iterations));
   }
 
-  // Until the limit, or until the look at weak colours must begin. 0: there is no limit.
+  // Until the limit, or until the look at weak colours must begin, for which time is set aside
+  // little by little, so that progress does not jump. 0: there is no limit.
   double SecondsOfSteps() const {
     if (!ColorsMayHaveDrifted()) return options_.time_limit_s;
     const double passes = double(steps_.rays()) / double(pictures_.set().pixels);
-    return options_.time_limit_s * (1 - 1 / passes);
+    const double aside = std::min((passes / double(kRaysPerPixelOfDrift) - 1) * 3, 1.0);
+    return options_.time_limit_s * (1 - aside / passes);
   }
 
   // Measured on photos only: with alpha, a random background shows what is empty.
@@ -282,6 +287,7 @@ class Trainer {
     FieldState state = field_.ReadState();
     SmoothWeakColors(field_.mesh(), evidence, state);
     field_.PutState(std::move(state));
+    seconds_ += timer.seconds();
     const auto weak = std::ranges::count_if(evidence, [](float e) { return e < kPriorEvidence; });
     stage_.Count("weak_colors", uint64_t(weak));
     LogInfo(

@@ -14,6 +14,7 @@ namespace {
 // Gradients are squared part by part, so that few rays of a part share a vertex: parts for each
 // pixel per vertex.
 constexpr double kPartsPerPixelOfVertex = 3;
+constexpr size_t kMostParts = 64;  // each takes a few batches at least, and reads all gradients
 // With more than so many times kPriorEvidence, a colour stays: it would change by less than a
 // hundredth of its distance to the neighbours.
 constexpr double kStrong = 100;
@@ -117,8 +118,8 @@ std::vector<float> LookAtColorEvidence(TrainingRenderer& renderer, const Trainin
   std::vector<float> evidence(renderer.mesh().positions.size(), 0.0f);
   renderer.TakeGradients();
   const double pixels = double(blocks.size() * kRaysPerBlock);
-  const size_t parts =
-      1 + size_t(kPartsPerPixelOfVertex * pixels / double(std::max<size_t>(evidence.size(), 1)));
+  const double pixels_of_vertex = pixels / double(std::max<size_t>(evidence.size(), 1));
+  const size_t parts = std::min(kMostParts, 1 + size_t(kPartsPerPixelOfVertex * pixels_of_vertex));
   for (size_t part = 0; part < parts; ++part) {
     const size_t begin = blocks.size() * part / parts, end = blocks.size() * (part + 1) / parts;
     const std::span<RayBlock> some(blocks.begin() + begin, blocks.begin() + end);

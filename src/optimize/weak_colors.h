@@ -14,8 +14,8 @@
 
 namespace tetrec {
 
-// A look at the evidence takes as long as the steps that learn each pixel once. It is worth that
-// after so many times as many rays.
+// A look at the evidence takes about as long as the steps that learn each pixel once. It is worth
+// that after so many times as many rays.
 inline constexpr uint64_t kRaysPerPixelOfDrift = 30;
 
 // (V) For each vertex the sum, over the rays of all training pixels, of the squared share that its
@@ -25,10 +25,10 @@ inline constexpr uint64_t kRaysPerPixelOfDrift = 30;
 std::vector<float> LookAtColorEvidence(TrainingRenderer& renderer, const TrainingSet& set,
                                        const BatchDrawer& batches, uint64_t seed);
 
-// Lets the colours and harmonics of vertices with little evidence follow their neighbours: their
-// squared change times the evidence, and kPriorEvidence times the squared distance to the mean of
-// the neighbours, are least together. Neighbours count by their nearness and their own evidence.
-// The field has its values at vertices.
+// Lets the colours and harmonics of vertices with little evidence follow their neighbours: each
+// becomes the mean of what it was, weighted by its evidence, and of the mean of its neighbours,
+// weighted by kPriorEvidence, in some sweeps over all vertices. Neighbours count by their nearness
+// and their own evidence. The field has its values at vertices.
 void SmoothWeakColors(const TetMesh& mesh, std::span<const float> evidence, FieldState& state);
 
 // How much of a ray the neighbours count for. Pictures differ from the field by some 0.02 [display

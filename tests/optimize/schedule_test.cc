@@ -85,8 +85,8 @@ TEST(PlanGrowth, HasLateRoundsWhereNoMoreVerticesAreAffordable) {
 // A round by a few hundredths would not be worth its trial.
 TEST(PlanGrowth, HasNoLateRoundsWhereHardlyMoreVerticesAreAffordable) {
   const size_t early = PlanGrowth({}, 70000, 110000, 110000, 1.0).size();
-  EXPECT_EQ(PlanGrowth({}, 70000, 110000, 116000, 1.2).size(), early);
-  EXPECT_EQ(PlanGrowth({}, 70000, 110000, 140000, 1.2).size(), early + 1);
+  EXPECT_EQ(PlanGrowth({}, 70000, 110000, 113000, 1.1).size(), early);
+  EXPECT_EQ(PlanGrowth({}, 70000, 110000, 116000, 1.2).size(), early + 1);
 }
 
 TEST(PlanGrowth, LeadsToTheBudgetByEqualFactors) {
