@@ -1,8 +1,11 @@
 // Random numbers that are the same with every standard library, whose distributions are not.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <random>
+#include <span>
+#include <utility>
 
 namespace tetrec {
 
@@ -42,6 +45,15 @@ class RandomNumbers {
  private:
   Engine engine_;
 };
+
+// Moves `count` of the items, drawn at random, none twice, to the front, in the order of their
+// drawing (Fisher and Yates).
+template <class Item, class Engine>
+void DrawInFront(std::span<Item> items, size_t count, RandomNumbers<Engine>& random) {
+  for (size_t i = 0; i < count; ++i) {
+    std::swap(items[i], items[i + random.Below(uint32_t(items.size() - i))]);
+  }
+}
 
 // The optimiser's generator: Random(seed, stream).
 using Random = RandomNumbers<SplitMix64>;

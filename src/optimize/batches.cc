@@ -64,6 +64,17 @@ glm::vec3 BatchDrawer::Background(uint64_t iteration) const {
                                                          : DrawColor(options_.seed, iteration);
 }
 
+size_t BatchDrawer::CountOfBatch(std::span<const RayBlock> blocks, size_t most) const {
+  if (!few_views_) return std::min(most, blocks.size());
+  size_t count = 0, views = 0;
+  while (count < most && count < blocks.size()) {
+    views += count == 0 || blocks[count].view != blocks[count - 1].view;
+    if (views > pace_.views_per_batch) break;
+    ++count;
+  }
+  return count;
+}
+
 // Fills blocks_; returns the shape of its tiles, if it consists of tiles.
 TileShape BatchDrawer::DrawBlocksOrTiles(uint64_t iteration) {
   const size_t count = size_t(rays_per_step()) / kRaysPerBlock;

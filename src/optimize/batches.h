@@ -6,6 +6,7 @@
 #include "render/training_renderer.h"
 
 #include <filesystem>
+#include <span>
 
 namespace tetrec {
 
@@ -23,10 +24,12 @@ class BatchDrawer {
   // DrawsTiles.
   TrainingBatch Draw(uint64_t iteration, int samples = 1);
   int rays_per_step() const { return options_.RaysPerStep(pace_); }
-  size_t views_per_batch() const { return pace_.views_per_batch; }
-  // If `few`, each batch draws its rays from at most views_per_batch() views.
+  // If `few`, each batch draws its rays from at most as many views as the device's pace has.
   void UseFewViews(bool few) { few_views_ = few; }
   bool few_views() const { return few_views_; }
+  // How many of the first of `blocks`, at most `most`, one batch takes that keeps to few views,
+  // too.
+  size_t CountOfBatch(std::span<const RayBlock> blocks, size_t most) const;
   // Behind field and targets: random, also where scores look at errors, or the scene's own if that
   // is chosen. TrainingSteps takes the latter late in a run by BackgroundChoice::kAuto.
   glm::vec3 Background(uint64_t iteration) const;

@@ -16,18 +16,6 @@ namespace {
 
 constexpr size_t kBatch = 4096;  // blocks
 
-// How many of the blocks from `first` on make a batch of no more than `most_views` views.
-size_t CountOfFewViews(std::span<const RayBlock> blocks, size_t first, size_t most_views) {
-  size_t count = 0, views = 0;
-  while (count < kBatch && first + count < blocks.size()) {
-    const size_t at = first + count;
-    views += count == 0 || blocks[at].view != blocks[at - 1].view;
-    if (views > most_views) break;
-    ++count;
-  }
-  return count;
-}
-
 // As many of all blocks as `tets` tets need to be judged, drawn at random, view by view.
 std::vector<RayBlock> DrawJudgingBlocks(const TrainingSet& set, const OptimizeOptions& options,
                                         uint64_t tets, uint64_t iteration) {
@@ -40,9 +28,7 @@ std::vector<RayBlock> DrawJudgingBlocks(const TrainingSet& set, const OptimizeOp
             WithThousands(kMostScoredRays), WithThousands(wanted * kRaysPerBlock));
     wanted = kMostScoredRays / kRaysPerBlock;
   }
-  for (size_t i = 0; i < wanted; ++i) {
-    std::swap(blocks[i], blocks[i + random.Below(uint32_t(blocks.size() - i))]);
-  }
+  DrawInFront(std::span(blocks), wanted, random);
   blocks.resize(wanted);
   SortByPlace(blocks);
   return blocks;
@@ -54,8 +40,7 @@ void ForEachBatch(std::span<const RayBlock> blocks, const BatchDrawer& batches, 
                   const Add& add) {
   for (size_t first = 0, count = 0; first < blocks.size(); first += count) {
     TrainingBatch batch;
-    count = batches.few_views() ? CountOfFewViews(blocks, first, batches.views_per_batch())
-                                : std::min(kBatch, blocks.size() - first);
+    count = batches.CountOfBatch(blocks.subspan(first), kBatch);
     batch.blocks = blocks.subspan(first, count);
     batch.background_srgb = batches.Background(iteration + first);
     add(batch);

@@ -6,7 +6,6 @@
 #include "render/ray_blocks.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace tetrec {
 namespace {
@@ -21,33 +20,13 @@ constexpr double kStrong = 100;
 constexpr double kLeastWeight = 1e-3;  // of a neighbour without evidence
 constexpr int kSweeps = 30;
 
-std::vector<RayBlock> InRandomOrder(std::vector<RayBlock> blocks, uint64_t seed) {
-  Random random(seed, 0xE71Dull);
-  for (size_t i = 0; i + 1 < blocks.size(); ++i) {
-    std::swap(blocks[i], blocks[i + random.Below(uint32_t(blocks.size() - i))]);
-  }
-  return blocks;
-}
-
-// How many of the blocks from `first` on a batch takes.
-size_t CountOfBatch(std::span<const RayBlock> blocks, size_t first, const BatchDrawer& batches) {
-  const size_t most = size_t(batches.rays_per_step()) / kRaysPerBlock;
-  size_t count = 0, views = 0;
-  while (count < most && first + count < blocks.size()) {
-    const size_t at = first + count;
-    views += count == 0 || blocks[at].view != blocks[at - 1].view;
-    if (batches.few_views() && views > batches.views_per_batch()) break;
-    ++count;
-  }
-  return count;
-}
-
 // Adds to `evidence` what the rays of one part say.
 void AddEvidence(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
                  const BatchDrawer& batches, std::vector<float>& evidence) {
   const uint64_t rays = blocks.size() * kRaysPerBlock;
+  const size_t most = size_t(batches.rays_per_step()) / kRaysPerBlock;
   for (size_t first = 0, count = 0; first < blocks.size(); first += count) {
-    count = CountOfBatch(blocks, first, batches);
+    count = batches.CountOfBatch(blocks.subspan(first), most);
     TrainingBatch batch;
     batch.blocks = blocks.subspan(first, count);
     batch.loss = LossKind::kL1;
@@ -114,7 +93,9 @@ std::vector<int> SmoothedComponents(const FieldLayout& layout) {
 
 std::vector<float> LookAtColorEvidence(TrainingRenderer& renderer, const TrainingSet& set,
                                        const BatchDrawer& batches, uint64_t seed) {
-  std::vector<RayBlock> blocks = InRandomOrder(set.blocks.List(), seed);
+  std::vector<RayBlock> blocks = set.blocks.List();
+  Random random(seed, 0xE71Dull);
+  DrawInFront(std::span(blocks), blocks.size(), random);
   std::vector<float> evidence(renderer.mesh().positions.size(), 0.0f);
   renderer.TakeGradients();
   const double pixels = double(blocks.size() * kRaysPerBlock);

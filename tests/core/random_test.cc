@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 namespace tetrec {
@@ -37,6 +38,20 @@ TEST(Random, BelowReachesEveryNumberAndNoMore) {
   std::vector<int> seen(7, 0);
   for (int i = 0; i < 1000; ++i) ++seen.at(random.Below(7));
   EXPECT_GT(*std::min_element(seen.begin(), seen.end()), 0);
+}
+
+TEST(Random, DrawsInFrontEachItemAsOften) {
+  constexpr int kTurns = 3000;
+  Random random(5);
+  std::vector<int> drawn(6, 0);
+  for (int turn = 0; turn < kTurns; ++turn) {
+    std::vector<int> items = {0, 1, 2, 3, 4, 5};
+    DrawInFront(std::span(items), 2, random);
+    for (int i = 0; i < 2; ++i) ++drawn[size_t(items[size_t(i)])];
+    std::ranges::sort(items);
+    ASSERT_EQ(items, (std::vector<int>{0, 1, 2, 3, 4, 5}));
+  }
+  for (const int count : drawn) EXPECT_NEAR(count, kTurns / 3, 4 * std::sqrt(kTurns * 2 / 9.0));
 }
 
 // Recorded runs and seeds depend on these sequences. The expected numbers come from the published

@@ -91,6 +91,20 @@ TEST(BatchDrawer, DrawsAsManyRaysAndViewsAsKeepTheDeviceBusy) {
   EXPECT_EQ(SmallRun(options).batches.Draw(1).rays(), 64u);
 }
 
+TEST(BatchDrawer, CountsTheBlocksOfABatch) {
+  OptimizeOptions options = SmallRunOptions();
+  options.renderer.pace = {.views_per_batch = 2};
+  SmallRun run(options);
+  std::vector<RayBlock> blocks(6);
+  for (size_t i = 0; i < blocks.size(); ++i) blocks[i].view = uint32_t(i / 2);
+  EXPECT_EQ(run.batches.CountOfBatch(blocks, 5), 5u);
+  EXPECT_EQ(run.batches.CountOfBatch(blocks, 10), 6u);
+  run.batches.UseFewViews(true);
+  EXPECT_EQ(run.batches.CountOfBatch(blocks, 10), 4u);
+  EXPECT_EQ(run.batches.CountOfBatch(blocks, 3), 3u);
+  EXPECT_EQ(run.batches.CountOfBatch(std::span(blocks).first(2), 10), 2u);
+}
+
 TEST(BatchDrawer, DrawsTilesNoLargerThanThePictures) {
   OptimizeOptions options = SmallRunOptions();
   options.rays_per_step.reset();

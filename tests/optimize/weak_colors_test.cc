@@ -56,6 +56,23 @@ TEST(LookAtColorEvidence, IsTheSumOfTheSquaredSharesOfAColour) {
   EXPECT_LT(looked, 3.0 * by_pictures);
 }
 
+// Batches of few views are smaller, but all pixels are looked at.
+TEST(LookAtColorEvidence, IsTheSameByBatchesOfFewViews) {
+  OptimizeOptions options = SmallRunOptions();
+  options.renderer.pace = {.views_per_batch = 1};
+  SmallRun run(options);
+  run.pictures.EndJudgingIfDue(1.0);
+  const auto evidence = [&] {
+    return LookAtColorEvidence(*run.renderer, run.pictures.set(), run.batches, 3);
+  };
+  const std::vector<float> of_all = evidence();
+  run.batches.UseFewViews(true);
+  const std::vector<float> of_few = evidence();
+  for (size_t vertex = 0; vertex < of_all.size(); ++vertex) {
+    EXPECT_NEAR(of_few[vertex], of_all[vertex], 1e-4f * of_all[vertex] + 1e-9f);
+  }
+}
+
 class SmoothWeakColorsTest : public ::testing::Test {
  protected:
   static constexpr size_t kVertex = 364;  // any vertex
