@@ -2,6 +2,8 @@
 #include "surface/opacity_level.h"
 
 #include "core/parallel.h"
+#include "geometry/bounds3.h"
+#include "surface/vertex_normals.h"
 
 #include <algorithm>
 #include <array>
@@ -9,6 +11,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 namespace tetrec {
@@ -30,6 +33,14 @@ constexpr double kJump_px = 8;
 constexpr double kFinest = 1.0 / 256, kExact = 0.01;
 constexpr int kMostSteps = 8;
 constexpr double kKeep = 1e-3;  // of an edge, between a cut and the edge's ends
+// Cosine of the flattest angle at which a camera sees a surface, 12 degrees, and the rounds of
+// SmoothNormals for it, because triangles of marching tetrahedra are turned at random.
+constexpr double kLeastFacing = 0.2;
+constexpr int kRoundsOfNormals = 2;
+
+// A patch that cameras only glance off stays if less than this share of its triangles is hidden:
+// then it is the flat side of something, not the edge of what no camera sees.
+constexpr double kHiddenShare = 0.1;
 constexpr size_t kValuesPerTask = 256;
 
 // Linear between the four pixel centres around a position, or that of the nearest centre where
@@ -88,6 +99,24 @@ double CutBetween(const glm::dvec3& solid, double solidity_of_solid, const glm::
   return std::clamp(share_at_zero(), kKeep, 1 - kKeep);
 }
 
+// How a part of a surface is seen: some camera's ray ends near it, and the surface faces the
+// camera; or rays end near it, but only because they glance off an edge, below which the surface
+// goes where no camera looks; or it is hidden from all cameras.
+enum class Sight : uint8_t { kHidden, kGlanced, kFaced };
+
+Sight SightOf(const glm::dvec3& point_in_world, const glm::dvec3& normal,
+              std::span<const SeenDepth> views) {
+  Sight sight = Sight::kHidden;
+  for (const SeenDepth& view : views) {
+    const std::optional<double> behind = BandsBehind(point_in_world, view);
+    if (!behind || std::abs(*behind) >= 1) continue;
+    sight = Sight::kGlanced;
+    const glm::dvec3 towards = view.cam_from_world.Inverse().translation - point_in_world;
+    if (glm::dot(normal, towards) > kLeastFacing * glm::length(towards)) return Sight::kFaced;
+  }
+  return sight;
+}
+
 // The smallest id of the set of vertices that `v` belongs to, if sets are joined by JoinSets.
 uint32_t SetOf(std::vector<uint32_t>& parents, uint32_t v) {
   while (parents[v] != v) v = parents[v] = parents[parents[v]];
@@ -99,25 +128,33 @@ void JoinSets(std::vector<uint32_t>& parents, uint32_t a, uint32_t b) {
   parents[std::max(a, b)] = std::min(a, b);
 }
 
-// Marks the triangles without a mark whose connected patch fits into a box of this diagonal.
-void MarkSmallPatches(const LevelSet& set, double largest_diagonal, std::vector<uint8_t>& marks) {
-  std::vector<uint32_t> parents(set.positions.size());
-  std::iota(parents.begin(), parents.end(), 0u);
-  for (size_t f = 0; f < marks.size(); ++f) {
-    if (marks[f]) continue;
+// A connected patch of triangles that face no camera.
+struct Patch {
+  Bounds3 box;
+  size_t triangles = 0, hidden = 0;
+
+  bool Stays(double largest_gap) const {
+    return box.Diagonal() <= largest_gap || double(hidden) < kHiddenShare * double(triangles);
+  }
+};
+
+// The patches by the smallest ids of their vertices, which `parents` finds.
+std::unordered_map<uint32_t, Patch> PatchesOf(const LevelSet& set, std::span<const Sight> sights,
+                                              std::vector<uint32_t>& parents) {
+  for (size_t f = 0; f < sights.size(); ++f) {
+    if (sights[f] == Sight::kFaced) continue;
     JoinSets(parents, set.triangles[f].x, set.triangles[f].y);
     JoinSets(parents, set.triangles[f].x, set.triangles[f].z);
   }
-  std::vector<glm::vec3> lows = set.positions, highs = set.positions;
-  for (uint32_t v = 0; v < parents.size(); ++v) {
-    const uint32_t root = SetOf(parents, v);
-    lows[root] = glm::min(lows[root], set.positions[v]);
-    highs[root] = glm::max(highs[root], set.positions[v]);
+  std::unordered_map<uint32_t, Patch> patches;
+  for (size_t f = 0; f < sights.size(); ++f) {
+    if (sights[f] == Sight::kFaced) continue;
+    Patch& patch = patches[SetOf(parents, set.triangles[f].x)];
+    for (int k = 0; k < 3; ++k) patch.box.Add(glm::dvec3(set.positions[set.triangles[f][k]]));
+    ++patch.triangles;
+    patch.hidden += sights[f] == Sight::kHidden;
   }
-  for (size_t f = 0; f < marks.size(); ++f) {
-    const uint32_t root = SetOf(parents, set.triangles[f].x);
-    if (!marks[f]) marks[f] = glm::distance(lows[root], highs[root]) <= largest_diagonal;
-  }
+  return patches;
 }
 
 }  // namespace
@@ -159,20 +196,28 @@ LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views) {
 }
 
 LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double largest_gap) {
-  std::vector<uint8_t> is_seen(set.positions.size(), 0);
-  ParallelFor(is_seen.size(), kValuesPerTask, [&](size_t begin, size_t end) {
+  const std::vector<glm::dvec3> normals =
+      SmoothNormals({.positions = set.positions, .triangles = set.triangles}, kRoundsOfNormals);
+  std::vector<Sight> of_vertices(set.positions.size());
+  ParallelFor(of_vertices.size(), kValuesPerTask, [&](size_t begin, size_t end) {
     for (size_t v = begin; v < end; ++v) {
-      is_seen[v] = std::any_of(views.begin(), views.end(), [&](const SeenDepth& view) {
-        const std::optional<double> behind = BandsBehind(glm::dvec3(set.positions[v]), view);
-        return behind && std::abs(*behind) < 1;
-      });
+      of_vertices[v] = SightOf(glm::dvec3(set.positions[v]), normals[v], views);
     }
   });
-  std::vector<uint8_t> marks;
+  std::vector<Sight> sights;
   for (const glm::uvec3& t : set.triangles) {
-    marks.push_back(is_seen[t.x] + is_seen[t.y] + is_seen[t.z] >= 2);
+    std::array<Sight, 3> corners = {of_vertices[t.x], of_vertices[t.y], of_vertices[t.z]};
+    std::ranges::sort(corners);
+    sights.push_back(corners[1]);
   }
-  MarkSmallPatches(set, largest_gap, marks);
+  std::vector<uint32_t> parents(set.positions.size());
+  std::iota(parents.begin(), parents.end(), 0u);
+  const std::unordered_map<uint32_t, Patch> patches = PatchesOf(set, sights, parents);
+  std::vector<uint8_t> marks;
+  for (size_t f = 0; f < sights.size(); ++f) {
+    marks.push_back(sights[f] == Sight::kFaced ||
+                    patches.at(SetOf(parents, set.triangles[f].x)).Stays(largest_gap));
+  }
   return KeepTriangles(set, marks);
 }
 

@@ -35,9 +35,10 @@ double SolidityAt(const glm::dvec3& point_in_world, std::span<const SeenDepth> v
 LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views);
 
 // Without the triangles that only separate space that some camera sees to be free from space that
-// is hidden from all of them: no camera's rays end near two or more of their vertices. Connected
-// patches of them whose boxes have diagonals of up to `largest_gap` [world units] stay: they close
-// gaps in what is seen, where depths of different cameras disagree.
+// is hidden from all of them: no camera that two or more of their vertices face has rays that end
+// near these. Connected patches of them whose boxes have diagonals of up to `largest_gap` [world
+// units] stay: they close gaps in what is seen, where depths of different cameras disagree. So do
+// patches of which hardly any part is hidden, but which all cameras see at a flat angle.
 LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double largest_gap);
 
 }  // namespace tetrec

@@ -96,14 +96,57 @@ TEST(Opacity, ThePartThatIsSeenEndsWhereTheShadowBegins) {
   };
   EXPECT_GT(behind(all), 50);
   EXPECT_EQ(behind(seen), 0);
+  // Nor is any of the shadow's beginning, which the camera's rays graze, left as a skirt: they are
+  // tangents at z = -1/4.
+  EXPECT_TRUE(std::ranges::none_of(seen.positions, [](const glm::vec3& p) { return p.z > -0.2f; }));
   const auto in_front = [](const LevelSet& set) {
     return std::count_if(set.positions.begin(), set.positions.end(),
-                         [](const glm::vec3& p) { return p.z < -0.5f; });
+                         [](const glm::vec3& p) { return p.z < -0.6f; });
   };
   EXPECT_GT(in_front(all), 50);
   EXPECT_EQ(in_front(seen), in_front(all));
   // A patch as large as the shadow is a gap if gaps may be so large.
   EXPECT_EQ(SeenPart(all, views, 100).triangles.size(), all.triangles.size());
+}
+
+// A floor y = 0 that a camera sees at an angle of some 8 degrees. From `edge` on, along z, the rest
+// of it is `drop` lower.
+LevelSet Floor(double edge, double drop) {
+  constexpr uint32_t kSide = 21;
+  LevelSet set;
+  for (uint32_t j = 0; j < kSide; ++j) {
+    for (uint32_t i = 0; i < kSide; ++i) {
+      const double z = -0.5 + double(j) / (kSide - 1);
+      set.positions.emplace_back(-0.5 + double(i) / (kSide - 1), z < edge ? -drop : 0.0, z);
+      if (i == 0 || j == 0) continue;
+      const uint32_t v = j * kSide + i;
+      set.triangles.emplace_back(v, v - kSide, v - 1);
+      set.triangles.emplace_back(v - 1, v - kSide, v - kSide - 1);
+    }
+  }
+  set.cuts.resize(set.positions.size());
+  set.tets.resize(set.triangles.size());
+  return set;
+}
+
+SeenDepth FloorFromAbove() {
+  constexpr double kHeight = 0.55;
+  SeenDepth view;
+  view.camera = {200, 200, 150, 150, 100, 80};
+  view.cam_from_world = {glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0, kHeight, 4)};
+  view.depth = MakeDepthMap(200, 200);
+  for (int y = 0; y < 200; ++y) {
+    const double down = view.camera.CamFromImage({0.5, y + 0.5}).y;
+    for (int x = 0; x < 200 && down > 0; ++x) view.depth.At(x, y) = float(kHeight / down);
+  }
+  return view;
+}
+
+TEST(Opacity, AFloorAtAFlatAngleStaysUnlessItLeadsToWhatIsHidden) {
+  const std::vector<SeenDepth> views = {FloorFromAbove()};
+  const LevelSet whole = Floor(-1, 0), broken = Floor(0, 1);
+  EXPECT_EQ(SeenPart(whole, views, 0.1).triangles.size(), whole.triangles.size());
+  EXPECT_TRUE(SeenPart(broken, views, 0.1).triangles.empty());
 }
 
 }  // namespace
