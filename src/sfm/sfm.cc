@@ -101,10 +101,9 @@ void WriteColmapMasks(const std::vector<Photo>& photos, const fs::path& folder,
   linked.masks = folder;
 }
 
-std::string CameraModelFor(const SfmOptions& options, size_t photos, size_t cameras) {
-  if (options.camera_model != SfmLens::kAuto) return Name(options.camera_model);
-  const bool many = photos >= kPhotosForOpenCvModel * cameras;
-  return Name(many ? SfmLens::kOpenCv : SfmLens::kSimpleRadial);
+SfmLens LensFor(const SfmOptions& options, size_t photos, size_t cameras) {
+  if (options.camera_model != SfmLens::kAuto) return options.camera_model;
+  return photos >= kPhotosForOpenCvModel * cameras ? SfmLens::kOpenCv : SfmLens::kSimpleRadial;
 }
 
 std::string FeaturesKey(const std::vector<Photo>& photos, const LinkedPhotos& linked,
@@ -309,16 +308,11 @@ void Retry(const SfmWork& work, const fs::path& database, const std::string& mod
   stage.Note("retries", notes);
 }
 
-// Features, matches and model, from the cache as far as it has them.
-ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage) {
-  const ColmapProgram colmap = FindColmap(stage.folder() / "log.txt");
-  LogInfo("COLMAP {}: {} photos", colmap.version, photos.size());
-  stage.Note("colmap", colmap.version);
+// Features, matches and model by this lens, from the cache as far as it has them.
+ColmapModel MapByLens(SfmLens lens, const SfmOptions& options, const std::vector<Photo>& photos,
+                      const LinkedPhotos& linked, const ColmapProgram& colmap, Stage& stage) {
   const fs::path scratch = stage.Scratch("work");
-  LinkedPhotos linked = LinkPhotos(photos, options.camera_sharing, scratch / "photos");
-  WriteColmapMasks(photos, scratch / "masks", linked);
-  const ExtractOptions extract{CameraModelFor(options, photos.size(), linked.cameras),
-                               options.camera_sharing == CameraSharing::kPerImage,
+  const ExtractOptions extract{Name(lens), options.camera_sharing == CameraSharing::kPerImage,
                                options.max_features, linked.masks};
   const fs::path cache =
       stage.Cache("colmap") / FeaturesKey(photos, linked, extract, colmap.version);
@@ -361,6 +355,42 @@ ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photo
         photos.size()));
   }
   Rename(model, linked, photos);
+  return model;
+}
+
+// Whether a lens of the model cannot be undone inside the photos. Where features show the middle of
+// the photos only, as those of a subject before a plain wall, nothing determines what a lens of
+// many parameters does at their borders.
+bool HasFoldedLens(const ColmapModel& model, int max_size) {
+  try {
+    for (const auto& [id, camera] : model.cameras) UndistortedCamera(camera, max_size);
+  } catch (const DataError&) {
+    return true;
+  }
+  return false;
+}
+
+// By the lens that was asked for, or by a simpler one than the usual if that one folds over.
+ColmapModel RunColmap(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage) {
+  const ColmapProgram colmap = FindColmap(stage.folder() / "log.txt");
+  LogInfo("COLMAP {}: {} photos", colmap.version, photos.size());
+  stage.Note("colmap", colmap.version);
+  const fs::path scratch = stage.Scratch("work");
+  LinkedPhotos linked = LinkPhotos(photos, options.camera_sharing, scratch / "photos");
+  WriteColmapMasks(photos, scratch / "masks", linked);
+  SfmLens lens = LensFor(options, photos.size(), linked.cameras);
+  ColmapModel model = MapByLens(lens, options, photos, linked, colmap, stage);
+  while (options.camera_model == SfmLens::kAuto && lens != SfmLens::kPinhole &&
+         HasFoldedLens(model, options.max_size)) {
+    const SfmLens simpler = lens == SfmLens::kOpenCv ? SfmLens::kSimpleRadial : SfmLens::kPinhole;
+    LogInfo(
+        "the lens that was found ({}) folds over inside the photos, because few features are "
+        "near their borders; trying again with {}",
+        Name(lens), Name(simpler));
+    lens = simpler;
+    model = MapByLens(lens, options, photos, linked, colmap, stage);
+  }
+  stage.Note("lens", Name(lens));
   return model;
 }
 

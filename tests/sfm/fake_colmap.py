@@ -9,6 +9,7 @@ idle COMMAND: like COLMAP 4.0, and does nothing without a message.
 late: the last two images are registered only when the mapper runs for the second time. never: not even then.
 wide: half of the images are registered, and all if the mapper demands few inliers of each.
 folded: like good, but the lens model folds over inside the images.
+bent: the same for images whose cameras were to be OPENCV.
 """
 import math
 import os
@@ -50,7 +51,8 @@ def extract(options):
             masks = options.get("ImageReader.mask_path")
             if masks and not os.path.exists(os.path.join(masks, name + ".png")):
                 sys.exit("no such mask: " + name)
-            database.execute("INSERT OR IGNORE INTO cameras VALUES (1, 1, ?, ?, NULL, 0)", (WIDTH, HEIGHT))
+            database.execute("INSERT OR IGNORE INTO cameras VALUES (1, 1, ?, ?, ?, 0)",
+                             (WIDTH, HEIGHT, options["ImageReader.camera_model"]))
             cursor = database.execute("INSERT INTO images (name, camera_id) VALUES (?, 1)", (name,))
             database.execute("INSERT INTO keypoints VALUES (?, 0, 6, X'')", (cursor.lastrowid,))
             database.execute("INSERT INTO descriptors VALUES (?, 0, 128, X'')", (cursor.lastrowid,))
@@ -116,7 +118,9 @@ def write_model(folder, names, point_count, folded=False):
 
 
 def map_scene(options):
-    names = [row[0] for row in open_database(options["database_path"]).execute("SELECT name FROM images ORDER BY image_id")]
+    database = open_database(options["database_path"])
+    names = [row[0] for row in database.execute("SELECT name FROM images ORDER BY image_id")]
+    is_bent = MODE == "bent" and ("OPENCV",) in database.execute("SELECT params FROM cameras")
     folder = os.path.join(options["output_path"], "0")
     if MODE == "none":
         print("WARNING: No images with matches found in the database.")
@@ -128,7 +132,7 @@ def map_scene(options):
         write_model(folder, names[::2], 300)
     else:
         write_model(os.path.join(options["output_path"], "0"), names[:2], 61)  # the first is not the largest
-        write_model(os.path.join(options["output_path"], "1"), names, 300, MODE == "folded")
+        write_model(os.path.join(options["output_path"], "1"), names, 300, MODE == "folded" or is_bent)
 
 
 def main():

@@ -300,6 +300,25 @@ TEST_F(SfmTest, TheErrorOfAnEarlierAttemptIsNotPrintedAgain) {
   EXPECT_THAT(outcome.err, Not(HasSubstr("signal 9")));
 }
 
+TEST_F(SfmTest, ALensThatFoldsOverIsReplacedByASimplerOne) {
+  WritePhotos(12);
+  const Outcome outcome = Run("bent");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(Calls("mapper"), 2u);
+  const std::string manifest = ReadText(fs::path(scene_) / "manifest.json");
+  EXPECT_EQ(nlohmann::json::parse(manifest)["notes"]["lens"], "SIMPLE_RADIAL");
+}
+
+TEST_F(SfmTest, ALensThatWasAskedForIsNotReplaced) {
+  WritePhotos(12);
+  SfmOptions options;
+  options.camera_model = SfmLens::kOpenCv;
+  const Outcome outcome = Run("bent", options);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("; try camera model SIMPLE_RADIAL or PINHOLE"));
+  EXPECT_EQ(Calls("mapper"), 1u);
+}
+
 TEST_F(SfmTest, ALensThatFoldsOverIsNamedWithAPhotoAndAdvice) {
   WritePhotos(12);
   const Outcome outcome = Run("folded");
