@@ -3,12 +3,16 @@
 
 #include "core/log.h"
 
+#include <algorithm>
+
 namespace tetrec {
 namespace {
 
 // In a short run, shortly before the judging pictures are learned.
 constexpr double kTrialGrowth = 0.66;
 static_assert(kTrialGrowth < ScheduleOptions().last_judging);
+// A trial takes this part of the steps so far: after fewer, scenes hardly differ.
+constexpr uint64_t kStepsPerTriedStep = 10, kMostStepsOfTrial = 1000;
 // In shorter runs the trial would take a large share of the steps.
 constexpr uint64_t kFewestStepsBefore = 8 * kFewestTrialSteps;
 
@@ -40,9 +44,10 @@ bool FineRays::Advance(double growth) {
   }
   const FieldState before = field_.ReadState();
   FineRaysTrial trial;
-  const uint64_t steps = TrialSteps(steps_.iteration());
-  trial.four_psnr = TrialPsnr(before, true);
-  trial.one_psnr = TrialPsnr(before, false);
+  const uint64_t steps =
+      std::clamp(steps_.iteration() / kStepsPerTriedStep, kFewestTrialSteps, kMostStepsOfTrial);
+  trial.four_psnr = TrialPsnr(before, true, steps);
+  trial.one_psnr = TrialPsnr(before, false, steps);
   trial_ = trial;
   // What was learned by one ray per pixel is kept.
   if (trial.PrefersFour()) {
@@ -58,10 +63,10 @@ bool FineRays::Advance(double growth) {
   return true;
 }
 
-double FineRays::TrialPsnr(const FieldState& start, bool fine) {
+double FineRays::TrialPsnr(const FieldState& start, bool fine, uint64_t steps) {
   field_.PutState(start);
   steps_.UseFineRays(fine);
-  steps_.Try(TrialSteps(steps_.iteration()), kRatesOfTrials);
+  steps_.Try(steps, kRatesOfTrials);
   return pictures_.JudgeField(2).psnr;
 }
 

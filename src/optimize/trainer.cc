@@ -220,9 +220,8 @@ class Trainer {
       }
       const double growth = Growth();
       // What a stop takes back must be the state of a run that can be resumed.
-      const bool may_be_taken_back = rounds_.IsDue(growth) && rounds_.NeedsTrial();
       if (rounds_.IsDue(growth) &&
-          (!may_be_taken_back || motion_.CanResumeAfter(steps_.iteration(), done))) {
+          (!rounds_.NeedsTrial() || motion_.CanResumeAfter(steps_.iteration(), done))) {
         rounds_.Advance(seconds_, {done, growth});
         continue;
       }

@@ -48,7 +48,7 @@ TEST(FineRays, AreTakenOrNotAsChosen) {
 TEST(FineRays, AreTriedOnceTheRunHasGrown) {
   FineRun run(FineRaysChoice::kAuto);
   run.PutField(0.2);
-  run.steps.Resume(400, 0);
+  run.steps.Resume(500, 0);
   EXPECT_FALSE(run.fine_rays.Advance(0.5));
   EXPECT_EQ(run.fine_rays.state(), TrialState::kNotTried);
   const FieldState before = run.field.ReadState();
@@ -61,7 +61,7 @@ TEST(FineRays, AreTriedOnceTheRunHasGrown) {
   const bool fine = run.fine_rays.state() == TrialState::kUsed;
   EXPECT_EQ(run.field.ReadState().parameters == before.parameters, fine);
   EXPECT_EQ(run.field.ReadState().second_moment == before.second_moment, fine);
-  EXPECT_EQ(run.steps.iteration(), fine ? 400u : 400u + TrialSteps(400));
+  EXPECT_EQ(run.steps.iteration(), fine ? 500u : 550u);  // a tenth of the steps so far
   EXPECT_EQ(run.TakesFineRays(), run.fine_rays.state() == TrialState::kUsed);
   EXPECT_FALSE(run.fine_rays.Advance(0.69));
 }
@@ -80,8 +80,8 @@ TEST(FineRays, JudgeTheFieldsThatTheyMake) {
 TEST(FineRays, AreTakenUnlessTheyLoseClearly) {
   EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.1}).PrefersFour());
   EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.0}).PrefersFour());
-  EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.03, .four_psnr = 30.0}).PrefersFour());
-  EXPECT_FALSE((FineRaysTrial{.one_psnr = 30.06, .four_psnr = 30.0}).PrefersFour());
+  EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.06, .four_psnr = 30.0}).PrefersFour());
+  EXPECT_FALSE((FineRaysTrial{.one_psnr = 30.12, .four_psnr = 30.0}).PrefersFour());
 }
 
 TEST(FineRays, AreNotTriedInShortRuns) {
