@@ -8,7 +8,7 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "tetrahedralize", 3,
+      "tetrahedralize", 4,
       "Fills a scene with tetrahedra: writes the mesh (mesh.tet), and the first density and colour "
       "of its vertices (field.tetf).\n"
       "Example: tetrec-tetrahedralize RUN/1_scene -o RUN/2_tetrahedra");
@@ -35,8 +35,9 @@ int main(int argc, char** argv) {
   app.add_option("--sphere-points", options.shell.sphere_points,
                  "points: vertices on each sphere of the fill, 20 to 100000; the far shell has "
                  "twice as many");
-  app.add_option("--far-share", options.shell.far_share,
-                 "points: share of the sparse points that the far shell encloses, 0 to 1");
+  app.add_option(
+      "--far-share", options.shell.far_share,
+      "points: share of the sparse points that the dense part of the fill encloses, 0 to 1");
   app.add_option("--outer-points", options.carve.outer_points,
                  "carve: random vertices in the free space of the box, at most 1000000");
   app.add_option("--start-density", options.field.density,

@@ -54,6 +54,9 @@ class BoxPoints {
   StartPoints points_;
 };
 
+// From each sphere of the fill's thin part to the next. Each costs all rays that nothing stops.
+constexpr double kFarFactor = 4;
+
 // Share of the cell's half side by which vertices are jittered. Below 1, so that no two vertices
 // come arbitrarily close.
 constexpr double kJitter = 0.8;
@@ -234,8 +237,9 @@ PointStart StartFromPoints(std::span<const glm::dvec3> positions,
     needed = 1.05 * Quantile(std::move(distances), options.far_share);
   }
   PointStart result;
-  result.far_radius = std::clamp(needed, options.min_far_over_camera * camera_radius,
-                                 options.max_far_over_camera * camera_radius);
+  const double fill_radius = std::clamp(needed, options.min_fill_over_camera * camera_radius,
+                                        options.max_fill_over_camera * camera_radius);
+  result.far_radius = std::max(fill_radius, options.far_over_camera * camera_radius);
   const double half_side = options.box_over_shell * result.far_radius;
 
   MersenneRandom random(seed);
@@ -262,17 +266,22 @@ PointStart StartFromPoints(std::span<const glm::dvec3> positions,
     }
   }
   const std::vector<glm::dvec3> directions = FibonacciSphere(options.sphere_points);
-  // Each sphere is about 1.5 spacings beyond the previous one; their number is whole.
-  const double growth = std::log(result.far_radius / subject_radius);
-  const int steps = std::max(1, int(std::lround(growth / std::log1p(1.5 * spacing))));
-  for (int k = 0; k < steps; ++k) {
-    const glm::dmat3 turn = glm::mat3_cast(RandomQuaternion(random));
-    for (const glm::dvec3& direction : directions) {
-      const double step = k + 0.5 * kJitter * (2 * random.Uniform() - 1);
-      const double radius = subject_radius * std::exp(growth * std::max(0.0, step) / steps);
-      result.fill += points.Add(center + radius * (turn * direction), VertexKind::kOuter);
+  // From `inner_radius` on, below `outer_radius`, each about `factor` times as large as the one
+  // before; their number is whole.
+  const auto add_spheres = [&](double inner_radius, double outer_radius, double factor) {
+    const double growth = std::log(outer_radius / inner_radius);
+    const int steps = std::max(1, int(std::lround(growth / std::log(factor))));
+    for (int k = 0; k < steps; ++k) {
+      const glm::dmat3 turn = glm::mat3_cast(RandomQuaternion(random));
+      for (const glm::dvec3& direction : directions) {
+        const double step = k + 0.5 * kJitter * (2 * random.Uniform() - 1);
+        const double radius = inner_radius * std::exp(growth * std::max(0.0, step) / steps);
+        result.fill += points.Add(center + radius * (turn * direction), VertexKind::kOuter);
+      }
     }
-  }
+  };
+  add_spheres(subject_radius, fill_radius, 1 + 1.5 * spacing);
+  if (result.far_radius > fill_radius) add_spheres(fill_radius, result.far_radius, kFarFactor);
   for (const glm::dvec3& direction : FibonacciSphere(2 * options.sphere_points)) {
     result.fill += points.Add(center + result.far_radius * direction, VertexKind::kFar);
   }

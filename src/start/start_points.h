@@ -72,13 +72,16 @@ FilteredPoints FilterPoints(std::span<const SparsePoint> points, const PointFilt
 
 // Start from photos: the sparse points and a fill whose spacing grows with the distance from the
 // subject. The fill consists of jittered cells inside the subject's bounding sphere and Fibonacci
-// spheres of geometrically growing radius, the last of which is the far shell. All cameras are well
-// inside that shell.
+// spheres of geometrically growing radius, which grows faster where hardly any point is; the last
+// of them is the far shell.
 struct PointStartOptions {
   int sphere_points = 400;  // on each intermediate sphere; the far shell has twice as many
-  double far_share = 0.98;  // share of the points that the shell should enclose
-  // Limits of the shell's radius over the farthest camera's distance; farther points are dropped.
-  double min_far_over_camera = 1.6, max_far_over_camera = 8.0;
+  double far_share = 0.98;  // share of the points that the dense part of the fill encloses
+  // Limits of that part's radius over the farthest camera's distance.
+  double min_fill_over_camera = 1.6, max_fill_over_camera = 8.0;
+  // The same of the shell; farther points are dropped. It shows the sky, which must not shift from
+  // photo to photo by more than a few pixels. Yet coordinates are floats.
+  double far_over_camera = 20;
   double box_over_shell = 1.1;  // half the box's side over the radius of the shell
 };
 struct PointStart {

@@ -161,6 +161,21 @@ TEST(StartFromPoints, EnclosesEveryCameraAndReportsFarPoints) {
   }
 }
 
+// So the sky hardly shifts from camera to camera, and few vertices are spent on the way to it.
+TEST(StartFromPoints, ReachesFarBeyondTheCamerasByFewVertices) {
+  const std::vector<glm::dvec3> cameras = {{8, 0, 0}, {-8, 0, 0}};
+  const PointStart start = StartFromPoints({}, cameras, {glm::dvec3(-1), glm::dvec3(1)}, {}, 1);
+  EXPECT_GE(start.far_radius, 160.0);
+  size_t beyond = 0, between = 0;
+  for (const glm::vec3& p : start.points.positions) {
+    const double radius = glm::length(glm::dvec3(p));
+    beyond += radius > 15;
+    between += radius > 20 && radius < 100;
+  }
+  EXPECT_LT(beyond, 2700u);  // the shell has 800
+  EXPECT_GT(between, 300u);
+}
+
 TEST(StartFromPoints, FillsEvenlyInProportionToTheDistance) {
   const std::vector<glm::dvec3> cameras = {{8, 0, 0}};
   const PointStart start = StartFromPoints({}, cameras, {glm::dvec3(-1), glm::dvec3(1)}, {}, 1);
