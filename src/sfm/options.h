@@ -20,7 +20,8 @@ inline constexpr auto kWords<CameraSharing> =
                                         {CameraSharing::kPerFolder, "per-folder"},
                                         {CameraSharing::kPerImage, "per-image"}});
 
-// The lens model that COLMAP fits. kAuto: OPENCV, or SIMPLE_RADIAL for few photos per camera.
+// The lens model that COLMAP fits. kAuto: OPENCV, or SIMPLE_RADIAL for few photos per camera; or a
+// simpler one where that cannot be undone.
 enum class SfmLens { kAuto, kOpenCv, kRadial, kSimpleRadial, kPinhole, kSimplePinhole };
 template <>
 inline constexpr auto kWords<SfmLens> =

@@ -305,6 +305,7 @@ TEST_F(SfmTest, ALensThatFoldsOverIsReplacedByASimplerOne) {
   const Outcome outcome = Run("bent");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(Calls("mapper"), 2u);
+  EXPECT_THAT(outcome.err, Not(HasSubstr("folds over")));
   const std::string manifest = ReadText(fs::path(scene_) / "manifest.json");
   EXPECT_EQ(nlohmann::json::parse(manifest)["notes"]["lens"], "SIMPLE_RADIAL");
 }
@@ -315,16 +316,17 @@ TEST_F(SfmTest, ALensThatWasAskedForIsNotReplaced) {
   options.camera_model = SfmLens::kOpenCv;
   const Outcome outcome = Run("bent", options);
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_THAT(outcome.err, HasSubstr("; try camera model SIMPLE_RADIAL or PINHOLE"));
+  EXPECT_THAT(outcome.err, HasSubstr("; try camera model SIMPLE_RADIAL or PINHOLE, or auto"));
   EXPECT_EQ(Calls("mapper"), 1u);
 }
 
-TEST_F(SfmTest, ALensThatFoldsOverIsNamedWithAPhotoAndAdvice) {
+TEST_F(SfmTest, LensesThatAllFoldOverAreNamedWithAPhotoAndAdvice) {
   WritePhotos(12);
   const Outcome outcome = Run("folded");
   EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(Calls("mapper"), 3u);
   EXPECT_THAT(outcome.err, HasSubstr("photo 00.png (lens SIMPLE_RADIAL): the lens distortion"));
-  EXPECT_THAT(outcome.err, HasSubstr("; try camera model SIMPLE_RADIAL or PINHOLE"));
+  EXPECT_THAT(outcome.err, HasSubstr("; try camera model SIMPLE_RADIAL or PINHOLE, or auto"));
 }
 
 TEST_F(SfmTest, AMissingColmapAFullDiskAndAKilledColmapAreEnvironmentErrors) {

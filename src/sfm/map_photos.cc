@@ -1,0 +1,418 @@
+// From photos to the model that COLMAP finds of them.
+#include "sfm/map_photos.h"
+
+#include "colmap/database.h"
+#include "colmap/run.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+#include "core/timer.h"
+#include "geometry/undistorted_camera.h"
+#include "sfm/masks.h"
+#include "sfm/model_quality.h"
+#include "sfm/retry.h"
+#include "sfm/work_key.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+namespace {
+
+// Photos per camera; fewer do not determine the four OPENCV distortion parameters well.
+constexpr size_t kPhotosForOpenCvModel = 8;
+constexpr int kMostFeatures = 100000;  // as SfmOptions::Check allows
+
+// COLMAP's view of the photos: links with plain names, in one folder per camera. The user's names
+// may contain spaces, which COLMAP's lists cannot.
+struct LinkedPhotos {
+  fs::path folder;
+  fs::path masks;                  // NAME.png for each name; empty if there are none
+  std::vector<std::string> names;  // in the order of the photos
+  std::map<std::string, size_t> photo_of_name;
+  size_t cameras = 0;
+};
+
+std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
+  const std::string size = fmt::format("{}x{}", photo.width, photo.height);
+  if (sharing == CameraSharing::kPerFolder)
+    return size + fs::path(photo.name).parent_path().string();
+  if (sharing == CameraSharing::kPerImage) return photo.name;
+  return size;
+}
+
+LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
+                        const fs::path& folder) {
+  LinkedPhotos linked{folder, {}, {}, {}, 0};
+  fs::remove_all(folder);
+  std::map<std::string, size_t> groups;
+  for (const Photo& photo : photos) groups.emplace(CameraGroup(photo, sharing), groups.size());
+  if (sharing == CameraSharing::kSingle && groups.size() > 1) {
+    throw DataError(
+        fmt::format("the photos have {} different sizes, which one camera cannot have; use camera "
+                    "sharing {}",
+                    groups.size(), Name(CameraSharing::kAuto)));
+  }
+  const size_t digits = std::to_string(photos.size()).size();
+  for (size_t i = 0; i < photos.size(); ++i) {
+    const std::string group = sharing == CameraSharing::kPerImage
+                                  ? "0"
+                                  : std::to_string(groups.at(CameraGroup(photos[i], sharing)));
+    const std::string extension = photos[i].for_colmap.extension().string();
+    const std::string name = fmt::format("{}/{:0{}}{}", group, i, digits, extension);
+    fs::create_directories(folder / group);
+    fs::create_symlink(fs::absolute(photos[i].for_colmap), folder / name);
+    linked.names.push_back(name);
+    linked.photo_of_name[name] = i;
+  }
+  linked.cameras = groups.size();
+  return linked;
+}
+
+// Writes the masks under the names of the photos' links.
+void WriteColmapMasks(const std::vector<Photo>& photos, const fs::path& folder,
+                      LinkedPhotos& linked) {
+  if (photos.front().mask.empty()) return;
+  fs::remove_all(folder);
+  for (const std::string& name : linked.names) {
+    fs::create_directories((folder / name).parent_path());
+  }
+  ParallelForEach(photos.size(), "", "nothing was done yet", [&](size_t i) {
+    WriteColmapMask(folder / (linked.names[i] + ".png"), photos[i]);
+  });
+  linked.masks = folder;
+}
+
+SfmLens LensFor(const SfmOptions& options, size_t photos, size_t cameras) {
+  if (options.camera_model != SfmLens::kAuto) return options.camera_model;
+  return photos >= kPhotosForOpenCvModel * cameras ? SfmLens::kOpenCv : SfmLens::kSimpleRadial;
+}
+
+std::string FeaturesKey(const std::vector<Photo>& photos, const LinkedPhotos& linked,
+                        const ExtractOptions& extract, const std::string& colmap_version) {
+  nlohmann::json key = {{"colmap", colmap_version},
+                        {"model", extract.camera_model},
+                        {"per_image", extract.camera_per_image},
+                        {"features", extract.max_features},
+                        {"format", 2}};  // 1: COLMAP's own number of features
+  for (size_t i = 0; i < photos.size(); ++i)
+    key["photos"].push_back({linked.names[i], photos[i].sha256});
+  if (!linked.masks.empty()) {
+    for (const Photo& photo : photos) key["masks"].push_back(photo.mask_sha256);
+  }
+  return WorkKey(key);
+}
+
+void CopyDatabase(const fs::path& from, const fs::path& to) {
+  const fs::path half = to.string() + ".tmp";
+  std::error_code error;
+  fs::copy_file(from, half, fs::copy_options::overwrite_existing, error);
+  if (error)
+    throw EnvironmentError(
+        fmt::format("{}: cannot be written ({})", half.string(), error.message()));
+  fs::rename(half, to);
+}
+
+fs::path ModelWithMostImages(const std::vector<fs::path>& folders, ColmapModel& best) {
+  fs::path chosen;
+  for (const fs::path& folder : folders) {
+    ColmapModel model = ReadColmapModel(folder);
+    LogInfo("model {}: {} photos, {} points", folder.filename().string(), model.images.size(),
+            model.points.size());
+    const auto rank = [](const ColmapModel& m) {
+      return std::pair(m.images.size(), m.points.size());
+    };
+    if (chosen.empty() || rank(model) > rank(best)) {
+      chosen = folder;
+      best = std::move(model);
+    }
+  }
+  return chosen;
+}
+
+// Gives the model's images the photos' own names.
+void Rename(ColmapModel& model, const LinkedPhotos& linked, const std::vector<Photo>& photos) {
+  for (auto& [id, image] : model.images) {
+    const auto found = linked.photo_of_name.find(image.name);
+    if (found == linked.photo_of_name.end()) {
+      throw DataError(fmt::format("COLMAP's model contains the image {}, which is not one of ours",
+                                  image.name));
+    }
+    image.name = photos[found->second].name;
+  }
+}
+
+// The model with the most images of a database, from the cache if it is there; without images if
+// COLMAP found none.
+struct Mapping {
+  ColmapModel model;
+  size_t models = 0;  // found now; 0: from the cache, or none
+};
+
+Mapping Map(const ColmapProgram& colmap, const fs::path& photos, const fs::path& database,
+            size_t photo_count, int seed, const MapperDemands& demands, const fs::path& scratch,
+            const fs::path& finished) {
+  Mapping mapping;
+  if (!fs::exists(finished)) {
+    const fs::path models = scratch / "models";
+    fs::remove_all(models);
+    fs::create_directories(models);
+    const std::vector<fs::path> folders =
+        MapScene(colmap, photos, database, photo_count, seed, demands, models);
+    if (folders.empty()) return mapping;
+    mapping.models = folders.size();
+    fs::rename(ModelWithMostImages(folders, mapping.model), finished);
+  }
+  mapping.model = ReadColmapModel(finished);
+  return mapping;
+}
+
+// What all tries of one run share.
+struct SfmWork {
+  const SfmOptions& options;
+  const ColmapProgram& colmap;
+  const LinkedPhotos& linked;
+  const ExtractOptions& extract;
+  fs::path scratch, cache;
+};
+
+// The ids of the photos in the database that the model lacks.
+std::set<uint32_t> MissingPhotos(const std::vector<DatabaseImage>& images,
+                                 const ColmapModel& model) {
+  std::set<std::string> registered;
+  for (const auto& [id, image] : model.images) registered.insert(image.name);
+  std::set<uint32_t> missing;
+  for (const DatabaseImage& image : images) {
+    if (!registered.contains(image.name)) missing.insert(image.id);
+  }
+  return missing;
+}
+
+// Makes a database with more features of the photos that the missing ones concern, and matches
+// them.
+void WriteRicherDatabase(const SfmWork& work, const ColmapModel& model, int max_features,
+                         const fs::path& before, const fs::path& richer) {
+  std::vector<std::string> names;
+  std::vector<ImagePair> pairs;
+  {
+    const ColmapDatabase database(before, work.colmap.version);
+    const std::vector<DatabaseImage> images = database.Images();
+    const std::set<uint32_t> missing = MissingPhotos(images, model);
+    std::vector<uint32_t> ids;
+    for (const DatabaseImage& image : images) ids.push_back(image.id);
+    const std::vector<uint32_t> concerned = ConcernedPhotos(ids, missing, database.MatchCounts());
+    pairs = PairsOfRetry(ids, concerned, missing);
+    for (const DatabaseImage& image : images) {
+      if (std::binary_search(concerned.begin(), concerned.end(), image.id)) {
+        names.push_back(image.name);
+      }
+    }
+    LogInfo(
+        "{} photos are not registered; trying again with up to {} features of {} photos, in {} "
+        "pairs",
+        missing.size(), WithThousands(size_t(max_features)), names.size(), pairs.size());
+  }
+  const fs::path features = richer.string() + ".features", parts = richer.string() + ".parts";
+  ExtractOptions extract = work.extract;
+  extract.max_features = max_features;
+  if (!fs::exists(features)) {
+    ExtractFeatures(work.colmap, work.linked.folder, names, extract, parts, features);
+    fs::remove_all(parts);
+  }
+  if (!fs::exists(richer)) {
+    const fs::path half = richer.string() + ".half";
+    CopyDatabase(before, half);
+    {
+      ColmapDatabase database(half, work.colmap.version);
+      const uint64_t added = database.AppendFiner(ColmapDatabase(features, work.colmap.version));
+      LogInfo("{} features more", WithThousands(added));
+      database.ForgetPairs(pairs);
+    }
+    fs::rename(half, richer);
+  }
+  MatchFeatures(work.colmap, richer, pairs, work.scratch);
+}
+
+// Maps once more, and keeps the better model. `how`: notes what differs in this try, which began
+// with `timer`.
+void MapAgain(const SfmWork& work, const fs::path& database, const MapperDemands& demands,
+              const fs::path& finished, nlohmann::json how, const Timer& timer, ColmapModel& model,
+              nlohmann::json& notes) {
+  const Mapping mapping = Map(work.colmap, work.linked.folder, database, work.linked.names.size(),
+                              work.options.seed, demands, work.scratch, finished);
+  const bool better = IsBetterModel(model, mapping.model);
+  LogInfo(
+      "{} photos registered instead of {}, mean reprojection error {:.3f} px instead of "
+      "{:.3f}: {}",
+      mapping.model.images.size(), model.images.size(), MeanReprojectionError_px(mapping.model),
+      MeanReprojectionError_px(model), better ? "kept" : "not kept");
+  how.update({{"registered_before", model.images.size()},
+              {"registered", mapping.model.images.size()},
+              {"mean_reprojection_error_px", MeanReprojectionError_px(mapping.model)},
+              {"kept", better},
+              {"seconds", timer.seconds()}});
+  notes.push_back(std::move(how));
+  if (better) model = mapping.model;
+}
+
+// Tries again where photos stayed out: with more features of them; and at last, if the model would
+// be refused, with milder demands of the mapper. Where only some photos stay out, those may well
+// show something else. Each try is noted.
+void Retry(const SfmWork& work, const fs::path& database, const std::string& model_name,
+           ColmapModel& model, Stage& stage) {
+  nlohmann::json notes = nlohmann::json::array();
+  int max_features = work.options.max_features;
+  fs::path richest = database;
+  std::string suffix;
+  const size_t photos = work.linked.names.size();
+  for (int i = 1; i <= work.options.retries && model.images.size() < photos; ++i) {
+    const Timer timer;
+    max_features = std::min(max_features * 8 / 3, kMostFeatures);
+    suffix = fmt::format("-retry-{}", i);
+    const fs::path richer = database.string() + suffix;
+    WriteRicherDatabase(work, model, max_features, richest, richer);
+    MapAgain(work, richer, kUsualDemands, work.cache / (model_name + suffix),
+             {{"max_features", max_features}}, timer, model, notes);
+    richest = richer;
+  }
+  if (!HasEnoughPhotos(model, photos)) {
+    LogInfo(
+        "{} of {} photos are registered; trying again with at least {} instead of {} inliers "
+        "for the first pair, and {} instead of {} for each further photo",
+        model.images.size(), photos, kMildDemands.pair_inliers, kUsualDemands.pair_inliers,
+        kMildDemands.image_inliers, kUsualDemands.image_inliers);
+    MapAgain(work, richest, kMildDemands, work.cache / (model_name + suffix + "-mild"),
+             {{"pair_inliers", kMildDemands.pair_inliers},
+              {"image_inliers", kMildDemands.image_inliers}},
+             Timer(), model, notes);
+  }
+  stage.Count("retries", notes.size());
+  stage.Note("retries", notes);
+}
+
+// Features, matches and model of the photos by one lens after another.
+class PhotoMapper {
+ public:
+  PhotoMapper(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage)
+      : options_(options),
+        photos_(photos),
+        stage_(stage),
+        colmap_(FindColmap(stage.folder() / "log.txt")),
+        scratch_(stage.Scratch("work")),
+        linked_(LinkPhotos(photos, options.camera_sharing, scratch_ / "photos")) {
+    LogInfo("COLMAP {}: {} photos", colmap_.version, photos.size());
+    stage.Note("colmap", colmap_.version);
+    WriteColmapMasks(photos, scratch_ / "masks", linked_);
+  }
+
+  size_t cameras() const { return linked_.cameras; }
+
+  // From the cache as far as it has them. Throws DataError if there is no model.
+  ColmapModel Map(SfmLens lens) {
+    const ExtractOptions extract{Name(lens), options_.camera_sharing == CameraSharing::kPerImage,
+                                 options_.max_features, linked_.masks};
+    const fs::path cache =
+        stage_.Cache("colmap") / FeaturesKey(photos_, linked_, extract, colmap_.version);
+    fs::create_directories(cache);
+    const fs::path database = FindMatches(extract, cache);
+    const std::string model_name =
+        fmt::format("mapped-{}-{}", Name(options_.matcher), options_.seed);
+    Timer timer;
+    Mapping mapping = tetrec::Map(colmap_, linked_.folder, database, photos_.size(), options_.seed,
+                                  kUsualDemands, scratch_, cache / model_name);
+    if (mapping.models > 0) stage_.Count("models", mapping.models);
+    CountSeconds("mapping", timer);
+    ColmapModel& model = mapping.model;
+    if (options_.retries > 0 && model.images.size() < photos_.size()) {
+      timer = {};
+      Retry({options_, colmap_, linked_, extract, scratch_, cache}, database, model_name, model,
+            stage_);
+      CountSeconds("retries", timer);
+    }
+    if (model.images.empty()) {
+      throw DataError(fmt::format(
+          "COLMAP found no model: the {} photos do not overlap enough, or were taken from "
+          "almost one place; take photos of one scene from many places, each sharing most "
+          "of what it shows with the next",
+          photos_.size()));
+    }
+    Rename(model, linked_, photos_);
+    return model;
+  }
+
+ private:
+  // The database with features and matches.
+  fs::path FindMatches(const ExtractOptions& extract, const fs::path& cache) {
+    const fs::path features = cache / "features.db",
+                   database = cache / fmt::format("{}.db", Name(options_.matcher));
+    Timer timer;
+    if (!fs::exists(features)) {
+      ExtractFeatures(colmap_, linked_.folder, linked_.names, extract, cache / "parts", features);
+      fs::remove_all(cache / "parts");
+    }
+    if (!fs::exists(database)) CopyDatabase(features, database);
+    CountSeconds("features", timer);
+    timer = {};
+    const MatchCounts matches = MatchFeatures(colmap_, database, options_.matcher, scratch_);
+    LogInfo("{} matches in {} pairs", WithThousands(matches.matches), WithThousands(matches.pairs));
+    stage_.Count("pairs", matches.pairs);
+    stage_.Count("matches", matches.matches);
+    CountSeconds("matching", timer);
+    return database;
+  }
+
+  // By all lenses together.
+  void CountSeconds(const std::string& what, const Timer& timer) {
+    stage_.Seconds(what, seconds_[what] += timer.seconds());
+  }
+
+  const SfmOptions& options_;
+  const std::vector<Photo>& photos_;
+  Stage& stage_;
+  ColmapProgram colmap_;
+  fs::path scratch_;
+  LinkedPhotos linked_;
+  std::map<std::string, double> seconds_;
+};
+
+// Why a lens of the model cannot be undone inside the photos, if one cannot. Where features show
+// the middle of the photos only, as those of a subject before a plain wall, nothing determines what
+// a lens of many parameters does at their borders.
+std::optional<std::string> WhyNotUndone(const ColmapModel& model, int max_size) {
+  try {
+    for (const auto& [id, camera] : model.cameras) UndistortedCamera(camera, max_size);
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+ColmapModel MapPhotos(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage) {
+  PhotoMapper mapper(options, photos, stage);
+  SfmLens lens = LensFor(options, photos.size(), mapper.cameras());
+  ColmapModel model = mapper.Map(lens);
+  while (options.camera_model == SfmLens::kAuto && lens != SfmLens::kPinhole &&
+         HasEnoughPhotos(model, photos.size())) {
+    const std::optional<std::string> why = WhyNotUndone(model, options.max_size);
+    if (!why) break;
+    const SfmLens simpler = lens == SfmLens::kOpenCv ? SfmLens::kSimpleRadial : SfmLens::kPinhole;
+    LogInfo("lens {}: {}; trying again with {}", Name(lens), *why, Name(simpler));
+    lens = simpler;
+    stage.Count("retries", 0);
+    stage.Note("retries", nlohmann::json::array());
+    model = mapper.Map(lens);
+  }
+  stage.Note("lens", Name(lens));
+  return model;
+}
+
+}  // namespace tetrec
