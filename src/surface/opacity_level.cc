@@ -11,7 +11,6 @@
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 namespace tetrec {
@@ -33,14 +32,17 @@ constexpr double kJump_px = 8;
 constexpr double kFinest = 1.0 / 256, kExact = 0.01;
 constexpr int kMostSteps = 8;
 constexpr double kKeep = 1e-3;  // of an edge, between a cut and the edge's ends
-// Cosine of the flattest angle at which a camera sees a surface, 12 degrees, and the rounds of
-// SmoothNormals for it, because triangles of marching tetrahedra are turned at random.
+
+// A camera sees a surface from 12 degrees above it on: the least cosine between the surface's
+// normal and the direction to the camera. Normals are those of SmoothNormals after some rounds,
+// because triangles of marching tetrahedra are turned at random.
 constexpr double kLeastFacing = 0.2;
 constexpr int kRoundsOfNormals = 2;
 
-// A patch that cameras only glance off stays if less than this share of its triangles is hidden:
-// then it is the flat side of something, not the edge of what no camera sees.
+// A patch that faces no camera stays if less than this share of its area is hidden: then it is the
+// flat side of something, not the edge of what no camera sees.
 constexpr double kHiddenShare = 0.1;
+
 constexpr size_t kValuesPerTask = 256;
 
 // Linear between the four pixel centres around a position, or that of the nearest centre where
@@ -99,10 +101,13 @@ double CutBetween(const glm::dvec3& solid, double solidity_of_solid, const glm::
   return std::clamp(share_at_zero(), kKeep, 1 - kKeep);
 }
 
-// How a part of a surface is seen: some camera's ray ends near it, and the surface faces the
-// camera; or rays end near it, but only because they glance off an edge, below which the surface
-// goes where no camera looks; or it is hidden from all cameras.
-enum class Sight : uint8_t { kHidden, kGlanced, kFaced };
+// How cameras see a place on a surface.
+enum class Sight : uint8_t {
+  kHidden,   // the rays of none end near it
+  kGlanced,  // those of some do, but the surface faces none of these cameras: they glance off an
+             // edge
+  kFaced     // the surface faces one of them
+};
 
 Sight SightOf(const glm::dvec3& point_in_world, const glm::dvec3& normal,
               std::span<const SeenDepth> views) {
@@ -128,33 +133,46 @@ void JoinSets(std::vector<uint32_t>& parents, uint32_t a, uint32_t b) {
   parents[std::max(a, b)] = std::min(a, b);
 }
 
+// The sight of each triangle: the second best of its corners.
+std::vector<Sight> SightsOf(const LevelSet& set, std::span<const SeenDepth> views) {
+  const std::vector<glm::dvec3> normals =
+      SmoothNormals({.positions = set.positions, .triangles = set.triangles}, kRoundsOfNormals);
+  std::vector<Sight> of_vertices(set.positions.size());
+  ParallelFor(of_vertices.size(), kValuesPerTask, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v) {
+      of_vertices[v] = SightOf(glm::dvec3(set.positions[v]), normals[v], views);
+    }
+  });
+  std::vector<Sight> sights;
+  for (const glm::uvec3& t : set.triangles) {
+    std::array<Sight, 3> corners = {of_vertices[t.x], of_vertices[t.y], of_vertices[t.z]};
+    std::ranges::sort(corners);
+    sights.push_back(corners[1]);
+  }
+  return sights;
+}
+
 // A connected patch of triangles that face no camera.
 struct Patch {
   Bounds3 box;
-  size_t triangles = 0, hidden = 0;
+  double area = 0, hidden_area = 0;
 
   bool Stays(double largest_gap) const {
-    return box.Diagonal() <= largest_gap || double(hidden) < kHiddenShare * double(triangles);
+    return box.Diagonal() <= largest_gap || hidden_area < kHiddenShare * area;
   }
 };
 
-// The patches by the smallest ids of their vertices, which `parents` finds.
-std::unordered_map<uint32_t, Patch> PatchesOf(const LevelSet& set, std::span<const Sight> sights,
-                                              std::vector<uint32_t>& parents) {
+// For each vertex of such a triangle the smallest id of a vertex of its patch.
+std::vector<uint32_t> FindPatches(const LevelSet& set, std::span<const Sight> sights) {
+  std::vector<uint32_t> parents(set.positions.size());
+  std::iota(parents.begin(), parents.end(), 0u);
   for (size_t f = 0; f < sights.size(); ++f) {
     if (sights[f] == Sight::kFaced) continue;
     JoinSets(parents, set.triangles[f].x, set.triangles[f].y);
     JoinSets(parents, set.triangles[f].x, set.triangles[f].z);
   }
-  std::unordered_map<uint32_t, Patch> patches;
-  for (size_t f = 0; f < sights.size(); ++f) {
-    if (sights[f] == Sight::kFaced) continue;
-    Patch& patch = patches[SetOf(parents, set.triangles[f].x)];
-    for (int k = 0; k < 3; ++k) patch.box.Add(glm::dvec3(set.positions[set.triangles[f][k]]));
-    ++patch.triangles;
-    patch.hidden += sights[f] == Sight::kHidden;
-  }
-  return patches;
+  for (uint32_t v = 0; v < parents.size(); ++v) parents[v] = SetOf(parents, v);
+  return parents;
 }
 
 }  // namespace
@@ -196,27 +214,23 @@ LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views) {
 }
 
 LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double largest_gap) {
-  const std::vector<glm::dvec3> normals =
-      SmoothNormals({.positions = set.positions, .triangles = set.triangles}, kRoundsOfNormals);
-  std::vector<Sight> of_vertices(set.positions.size());
-  ParallelFor(of_vertices.size(), kValuesPerTask, [&](size_t begin, size_t end) {
-    for (size_t v = begin; v < end; ++v) {
-      of_vertices[v] = SightOf(glm::dvec3(set.positions[v]), normals[v], views);
-    }
-  });
-  std::vector<Sight> sights;
-  for (const glm::uvec3& t : set.triangles) {
-    std::array<Sight, 3> corners = {of_vertices[t.x], of_vertices[t.y], of_vertices[t.z]};
-    std::ranges::sort(corners);
-    sights.push_back(corners[1]);
+  const std::vector<Sight> sights = SightsOf(set, views);
+  const std::vector<uint32_t> patch_of_vertex = FindPatches(set, sights);
+  std::vector<Patch> patches(set.positions.size());
+  for (size_t f = 0; f < sights.size(); ++f) {
+    if (sights[f] == Sight::kFaced) continue;
+    const glm::uvec3& t = set.triangles[f];
+    const glm::dvec3 a(set.positions[t.x]), b(set.positions[t.y]), c(set.positions[t.z]);
+    const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
+    Patch& patch = patches[patch_of_vertex[t.x]];
+    for (const glm::dvec3& corner : {a, b, c}) patch.box.Add(corner);
+    patch.area += area;
+    if (sights[f] == Sight::kHidden) patch.hidden_area += area;
   }
-  std::vector<uint32_t> parents(set.positions.size());
-  std::iota(parents.begin(), parents.end(), 0u);
-  const std::unordered_map<uint32_t, Patch> patches = PatchesOf(set, sights, parents);
   std::vector<uint8_t> marks;
   for (size_t f = 0; f < sights.size(); ++f) {
-    marks.push_back(sights[f] == Sight::kFaced ||
-                    patches.at(SetOf(parents, set.triangles[f].x)).Stays(largest_gap));
+    const Patch& patch = patches[patch_of_vertex[set.triangles[f].x]];
+    marks.push_back(sights[f] == Sight::kFaced || patch.Stays(largest_gap));
   }
   return KeepTriangles(set, marks);
 }

@@ -34,11 +34,12 @@ double SolidityAt(const glm::dvec3& point_in_world, std::span<const SeenDepth> v
 // vertices, whose cuts then move along their edges to where the function itself is 0.
 LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views);
 
-// Without the triangles that only separate space that some camera sees to be free from space that
-// is hidden from all of them: no camera that two or more of their vertices face has rays that end
-// near these. Connected patches of them whose boxes have diagonals of up to `largest_gap` [world
-// units] stay: they close gaps in what is seen, where depths of different cameras disagree. So do
-// patches of which hardly any part is hidden, but which all cameras see at a flat angle.
+// Without what only separates space that some camera sees to be free from space that is hidden from
+// all of them. A vertex is seen if the rays of a camera that it faces, from 12 degrees above the
+// surface or more, end near it; a triangle, if two of its vertices are. Connected patches of unseen
+// triangles whose boxes have diagonals of up to `largest_gap` [world units] stay: they close gaps
+// in what is seen, where depths of different cameras disagree. So do patches near which rays end
+// everywhere but in a tenth of their area.
 LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double largest_gap);
 
 }  // namespace tetrec

@@ -96,12 +96,11 @@ TEST(Opacity, ThePartThatIsSeenEndsWhereTheShadowBegins) {
   };
   EXPECT_GT(behind(all), 50);
   EXPECT_EQ(behind(seen), 0);
-  // Nor is any of the shadow's beginning, which the camera's rays graze, left as a skirt: they are
-  // tangents at z = -1/4.
+  // The camera's rays touch the ball at z = -1/4. No skirt is left there, where the shadow begins.
   EXPECT_TRUE(std::ranges::none_of(seen.positions, [](const glm::vec3& p) { return p.z > -0.2f; }));
   const auto in_front = [](const LevelSet& set) {
     return std::count_if(set.positions.begin(), set.positions.end(),
-                         [](const glm::vec3& p) { return p.z < -0.6f; });
+                         [](const glm::vec3& p) { return p.z < -0.6f; });  // above 12 degrees
   };
   EXPECT_GT(in_front(all), 50);
   EXPECT_EQ(in_front(seen), in_front(all));
@@ -109,8 +108,8 @@ TEST(Opacity, ThePartThatIsSeenEndsWhereTheShadowBegins) {
   EXPECT_EQ(SeenPart(all, views, 100).triangles.size(), all.triangles.size());
 }
 
-// A floor y = 0 that a camera sees at an angle of some 8 degrees. From `edge` on, along z, the rest
-// of it is `drop` lower.
+// A floor y = 0 that a camera sees at an angle of some 8 degrees. Beyond z = `edge`, seen from the
+// camera, it is `drop` lower.
 LevelSet Floor(double edge, double drop) {
   constexpr uint32_t kSide = 21;
   LevelSet set;
