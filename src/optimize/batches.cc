@@ -65,6 +65,7 @@ glm::vec3 BatchDrawer::Background(uint64_t iteration) const {
 }
 
 size_t BatchDrawer::CountOfBatch(std::span<const RayBlock> blocks, size_t most) const {
+  TETREC_CHECK(most > 0 && pace_.views_per_batch > 0, "a batch has blocks");
   if (!few_views_) return std::min(most, blocks.size());
   size_t count = 0, views = 0;
   while (count < most && count < blocks.size()) {

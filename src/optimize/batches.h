@@ -27,8 +27,8 @@ class BatchDrawer {
   // If `few`, each batch draws its rays from at most as many views as the device's pace has.
   void UseFewViews(bool few) { few_views_ = few; }
   bool few_views() const { return few_views_; }
-  // How many of the first of `blocks`, at most `most`, one batch takes that keeps to few views,
-  // too.
+  // How many blocks, from the first on, make one batch: at most `most`, and of few views if
+  // UseFewViews. Blocks are sorted by view.
   size_t CountOfBatch(std::span<const RayBlock> blocks, size_t most) const;
   // Behind field and targets: random, also where scores look at errors, or the scene's own if that
   // is chosen. TrainingSteps takes the latter late in a run by BackgroundChoice::kAuto.

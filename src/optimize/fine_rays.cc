@@ -11,10 +11,10 @@ namespace {
 // In a short run, shortly before the judging pictures are learned.
 constexpr double kTrialGrowth = 0.66;
 static_assert(kTrialGrowth < ScheduleOptions().last_judging);
-// A trial takes this part of the steps so far: after fewer, scenes hardly differ.
-constexpr uint64_t kStepsPerTriedStep = 10, kMostStepsOfTrial = 1000;
-// In shorter runs the trial would take a large share of the steps.
-constexpr uint64_t kFewestStepsBefore = 8 * kFewestTrialSteps;
+// The trial takes this part of the steps so far. After fewer than 100 steps scenes hardly differ,
+// so shorter runs hold none.
+constexpr uint64_t kPartOfSteps = 10, kMostSteps = 1000;
+constexpr uint64_t kFewestStepsBefore = 100 * kPartOfSteps;
 
 }  // namespace
 
@@ -43,11 +43,18 @@ bool FineRays::Advance(double growth) {
     return false;
   }
   const FieldState before = field_.ReadState();
-  FineRaysTrial trial;
-  const uint64_t steps =
-      std::clamp(steps_.iteration() / kStepsPerTriedStep, kFewestTrialSteps, kMostStepsOfTrial);
-  trial.four_psnr = TrialPsnr(before, true, steps);
-  trial.one_psnr = TrialPsnr(before, false, steps);
+  const uint64_t iteration = steps_.iteration(), rays = steps_.rays();
+  const uint64_t steps = std::min(iteration / kPartOfSteps, kMostSteps);
+  const std::optional<double> four = TrialPsnr(before, true, steps);
+  const std::optional<double> one =
+      four ? TrialPsnr(before, false, steps) : std::optional<double>();
+  if (!one) {
+    field_.PutState(before);
+    steps_.UseFineRays(false);
+    steps_.Resume(iteration, rays);
+    return false;
+  }
+  const FineRaysTrial trial{.one_psnr = *one, .four_psnr = *four};
   trial_ = trial;
   // What was learned by one ray per pixel is kept.
   if (trial.PrefersFour()) {
@@ -63,10 +70,10 @@ bool FineRays::Advance(double growth) {
   return true;
 }
 
-double FineRays::TrialPsnr(const FieldState& start, bool fine, uint64_t steps) {
+std::optional<double> FineRays::TrialPsnr(const FieldState& start, bool fine, uint64_t steps) {
   field_.PutState(start);
   steps_.UseFineRays(fine);
-  steps_.Try(steps, kRatesOfTrials);
+  if (!steps_.TryUnlessStopped(steps, kRatesOfTrials)) return {};
   return pictures_.JudgeField(2).psnr;
 }
 

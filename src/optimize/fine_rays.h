@@ -18,10 +18,9 @@ namespace tetrec {
 // PSNR of the judging pictures after some steps with one ray and with 2 x 2 rays per pixel [dB].
 struct FineRaysTrial {
   double one_psnr = 0, four_psnr = 0;
-  // A trial shows only the beginning. On lego, where 2 x 2 rays gain 1 dB in five minutes, they are
-  // 0.04, 0.05, 0.01 dB behind and 0.07 dB ahead after 50, 100, 200 and 400 steps; on fox and the
-  // demo, where they lose 0.4 and 0.65 dB, 0.07, 0.12, 0.20, 0.18 and 0.11, 0.17, 0.24, 0.27 dB
-  // behind.
+  // A trial shows only the beginning. On lego, where 2 x 2 rays gain in the end, they are 0.05 and
+  // 0.01 dB behind and 0.07 dB ahead after 100, 200 and 400 steps; on fox and the demo, where they
+  // lose 0.4 and 0.65 dB in five minutes, 0.12, 0.20, 0.18 and 0.17, 0.24, 0.27 dB behind.
   bool PrefersFour() const { return four_psnr > one_psnr - 0.09; }
 };
 
@@ -36,13 +35,15 @@ class FineRays {
   // The trial of this process, if there was one.
   const std::optional<FineRaysTrial>& trial() const { return trial_; }
 
-  // Holds the trial if it is due at this growth of the run; returns whether it was.
+  // Holds the trial if it is due at this growth of the run; returns whether it was held. If the run
+  // is asked to stop meanwhile, everything is as before.
   bool Advance(double growth);
 
  private:
   void Decide(bool uses_fine_rays);
-  // The PSNR of the judging pictures after steps as at the end of a run [dB].
-  double TrialPsnr(const FieldState& start, bool fine, uint64_t steps);
+  // The PSNR of the judging pictures after steps as at the end of a run [dB]. None if the run is
+  // asked to stop meanwhile.
+  std::optional<double> TrialPsnr(const FieldState& start, bool fine, uint64_t steps);
 
   FittedField& field_;
   TrainingPictures& pictures_;

@@ -4,7 +4,6 @@
 #include "core/log.h"
 #include "core/process_memory.h"
 #include "core/progress.h"
-#include "core/stop_request.h"
 #include "core/timer.h"
 #include "optimize/checkpoint.h"
 #include "optimize/error_look.h"
@@ -27,7 +26,6 @@ constexpr double kMostNoise = 5;
 // A trial of a finer mesh late in a run takes this part of the steps so far, because what a step
 // teaches falls with the steps; but at most 2,000, because on a GPU steps are many.
 constexpr uint64_t kStepsPerTriedStep = 8, kMostStepsOfTrial = 2000;
-constexpr uint64_t kStepsBetweenLooks = 16;  // for a request to stop
 
 // Late rounds refine the mesh in place. By then, vertices have moved far from a Delaunay mesh, so
 // that a new triangulation changes tets everywhere: the demo's training pictures lost 4.3 dB and
@@ -302,13 +300,8 @@ std::optional<Judgement> RefinementRounds::Learn(uint64_t from, uint64_t steps,
 
 // Returns false if the run is asked to stop meanwhile.
 bool RefinementRounds::LearnPart(uint64_t steps, const RunMoment& as_at, const RunMoment& moment) {
-  for (uint64_t left = steps; left > 0;) {
-    if (StopRequested()) return false;
-    const uint64_t part = std::min(left, kStepsBetweenLooks);
-    parts_.steps.Try(part, as_at, moment);
-    parts_.steps.CountTried(part);
-    left -= part;
-  }
+  if (!parts_.steps.TryUnlessStopped(steps, as_at, moment)) return false;
+  parts_.steps.CountTried(steps);
   return true;
 }
 

@@ -1,9 +1,16 @@
 // The steps of a run, one after another: each draws its batch and has its learning rates.
 #include "optimize/training_steps.h"
 
+#include "core/stop_request.h"
+
 #include <algorithm>
 
 namespace tetrec {
+namespace {
+
+constexpr uint64_t kStepsBetweenLooks = 16;  // for a request to stop
+
+}  // namespace
 
 uint64_t TrialSteps(uint64_t iteration) {
   return std::clamp(iteration / 48, kFewestTrialSteps, kMostTrialSteps);
@@ -18,6 +25,19 @@ void TrainingSteps::Try(uint64_t count, const RunMoment& as_at,
   for (uint64_t iteration = iteration_; iteration < iteration_ + count; ++iteration) {
     TakeStep(iteration, as_at, motion_as_at, false);
   }
+}
+
+bool TrainingSteps::TryUnlessStopped(uint64_t count, const RunMoment& as_at,
+                                     std::optional<RunMoment> motion_as_at) {
+  const uint64_t first = iteration_;
+  bool stopped = StopRequested();
+  for (uint64_t tried = 0; tried < count && !stopped; tried += kStepsBetweenLooks) {
+    iteration_ = first + tried;
+    Try(std::min(count - tried, kStepsBetweenLooks), as_at, motion_as_at);
+    stopped = StopRequested();
+  }
+  iteration_ = first;
+  return !stopped;
 }
 
 StepResult TrainingSteps::TakeStep(uint64_t iteration, const RunMoment& moment,

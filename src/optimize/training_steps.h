@@ -12,7 +12,7 @@
 namespace tetrec {
 
 // How long a trial trains on, in two ways, to compare them: for a part of the steps so far,
-// within these bounds. Trials of coarser meshes take longer (coarsening.h).
+// within these bounds. Trials of other meshes and of 2 x 2 rays take longer.
 inline constexpr uint64_t kFewestTrialSteps = 40, kMostTrialSteps = 100;
 uint64_t TrialSteps(uint64_t iteration);
 
@@ -47,6 +47,9 @@ class TrainingSteps {
   // `as_at`; vertices move, if they do, as at the moment `motion_as_at`, or stay, because another
   // state of the field does not bring them back.
   void Try(uint64_t count, const RunMoment& as_at, std::optional<RunMoment> motion_as_at = {});
+  // The same, but returns false as soon as the run is asked to stop.
+  bool TryUnlessStopped(uint64_t count, const RunMoment& as_at,
+                        std::optional<RunMoment> motion_as_at = {});
   void CountTried(uint64_t count) { iteration_ += count; }
 
   // Of the rates of colour, density and harmonics, from the next step on (rate_trial.h).

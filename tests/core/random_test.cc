@@ -40,7 +40,7 @@ TEST(Random, BelowReachesEveryNumberAndNoMore) {
   EXPECT_GT(*std::min_element(seen.begin(), seen.end()), 0);
 }
 
-TEST(Random, DrawsInFrontEachItemAsOften) {
+TEST(Random, DrawInFrontDrawsEachItemEquallyOften) {
   constexpr int kTurns = 3000;
   Random random(5);
   std::vector<int> drawn(6, 0);

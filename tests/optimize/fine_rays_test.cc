@@ -1,8 +1,12 @@
 #include "optimize/fine_rays.h"
 
+#include "core/stop_request.h"
 #include "optimize/small_run.h"
 
 #include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
 
 namespace tetrec {
 namespace {
@@ -48,7 +52,7 @@ TEST(FineRays, AreTakenOrNotAsChosen) {
 TEST(FineRays, AreTriedOnceTheRunHasGrown) {
   FineRun run(FineRaysChoice::kAuto);
   run.PutField(0.2);
-  run.steps.Resume(500, 0);
+  run.steps.Resume(1100, 0);
   EXPECT_FALSE(run.fine_rays.Advance(0.5));
   EXPECT_EQ(run.fine_rays.state(), TrialState::kNotTried);
   const FieldState before = run.field.ReadState();
@@ -61,9 +65,26 @@ TEST(FineRays, AreTriedOnceTheRunHasGrown) {
   const bool fine = run.fine_rays.state() == TrialState::kUsed;
   EXPECT_EQ(run.field.ReadState().parameters == before.parameters, fine);
   EXPECT_EQ(run.field.ReadState().second_moment == before.second_moment, fine);
-  EXPECT_EQ(run.steps.iteration(), fine ? 500u : 550u);  // a tenth of the steps so far
+  EXPECT_EQ(run.steps.iteration(), fine ? 1100u : 1210u);  // a tenth of the steps so far
   EXPECT_EQ(run.TakesFineRays(), run.fine_rays.state() == TrialState::kUsed);
   EXPECT_FALSE(run.fine_rays.Advance(0.69));
+}
+
+TEST(FineRays, AreTriedLaterIfTheRunIsStoppedMeanwhile) {
+  const auto stopped = [] {
+    CatchStopSignals();
+    FineRun run(FineRaysChoice::kAuto);
+    run.PutField(0.2);
+    run.steps.Resume(1100, 7);
+    const FieldState before = run.field.ReadState();
+    std::raise(SIGINT);
+    const bool is_held = run.fine_rays.Advance(0.69);
+    const bool is_as_before = run.fine_rays.state() == TrialState::kNotTried &&
+                              run.field.ReadState().parameters == before.parameters &&
+                              run.steps.iteration() == 1100 && run.steps.rays() == 7;
+    std::exit(!is_held && is_as_before ? 0 : 1);
+  };
+  EXPECT_EXIT(stopped(), ::testing::ExitedWithCode(0), "");
 }
 
 TEST(FineRays, JudgeTheFieldsThatTheyMake) {
@@ -86,14 +107,14 @@ TEST(FineRays, AreTakenUnlessTheyLoseClearly) {
 
 TEST(FineRays, AreNotTriedInShortRuns) {
   FineRun run(FineRaysChoice::kAuto);
-  run.steps.Resume(100, 0);
+  run.steps.Resume(999, 0);
   EXPECT_FALSE(run.fine_rays.Advance(0.69));
   EXPECT_EQ(run.fine_rays.state(), TrialState::kNotUsed);
 }
 
 TEST(FineRays, AreNotTakenWhereNothingCanJudge) {
   FineRun run(FineRaysChoice::kAuto);
-  run.steps.Resume(400, 0);
+  run.steps.Resume(1100, 0);
   run.pictures.EndJudgingIfDue(1.0);
   EXPECT_FALSE(run.fine_rays.Advance(1.0));
   EXPECT_EQ(run.fine_rays.state(), TrialState::kNotUsed);
