@@ -11,16 +11,17 @@ namespace {
 // In a short run, shortly before the judging pictures are learned.
 constexpr double kTrialGrowth = 0.66;
 static_assert(kTrialGrowth < ScheduleOptions().last_judging);
-// The trial takes this part of the steps so far. After fewer than 100 steps scenes hardly differ,
-// so shorter runs hold none.
-constexpr uint64_t kPartOfSteps = 10, kMostSteps = 1000;
-constexpr uint64_t kFewestStepsBefore = 100 * kPartOfSteps;
+// The trial takes this part of the steps so far, in each of both ways. After fewer than 100 steps,
+// scenes hardly differ.
+constexpr uint64_t kPartOfSteps = 16, kFewestSteps = 100, kMostSteps = 1000;
+// In shorter runs the trial would take a large share of the steps.
+constexpr uint64_t kFewestStepsBefore = 10 * kFewestSteps;
 
 }  // namespace
 
-FineRays::FineRays(const OptimizeOptions& options, FittedField& field, TrainingPictures& pictures,
-                   TrainingSteps& steps)
-    : field_(field), pictures_(pictures), steps_(steps) {
+FineRays::FineRays(const OptimizeOptions& options, bool has_alpha, FittedField& field,
+                   TrainingPictures& pictures, TrainingSteps& steps)
+    : has_alpha_(has_alpha), field_(field), pictures_(pictures), steps_(steps) {
   if (options.fine_rays != FineRaysChoice::kAuto) Decide(options.fine_rays == FineRaysChoice::kOn);
 }
 
@@ -44,23 +45,24 @@ bool FineRays::Advance(double growth) {
   }
   const FieldState before = field_.ReadState();
   const uint64_t iteration = steps_.iteration(), rays = steps_.rays();
-  const uint64_t steps = std::min(iteration / kPartOfSteps, kMostSteps);
-  const std::optional<double> four = TrialPsnr(before, true, steps);
-  const std::optional<double> one =
-      four ? TrialPsnr(before, false, steps) : std::optional<double>();
-  if (!one) {
+  const uint64_t steps = std::clamp(iteration / kPartOfSteps, kFewestSteps, kMostSteps);
+  // The likelier way last, because what it learns can stay.
+  const std::optional<double> first = TrialPsnr(before, !has_alpha_, steps);
+  const std::optional<double> last =
+      first ? TrialPsnr(before, has_alpha_, steps) : std::optional<double>();
+  if (!last) {
     field_.PutState(before);
     steps_.UseFineRays(false);
     steps_.Resume(iteration, rays);
     return false;
   }
-  const FineRaysTrial trial{.one_psnr = *one, .four_psnr = *four};
+  const FineRaysTrial trial = has_alpha_ ? FineRaysTrial{.one_psnr = *first, .four_psnr = *last}
+                                         : FineRaysTrial{.one_psnr = *last, .four_psnr = *first};
   trial_ = trial;
-  // What was learned by one ray per pixel is kept.
-  if (trial.PrefersFour()) {
-    field_.PutState(before);
-  } else {
+  if (trial.PrefersFour() == has_alpha_) {
     steps_.CountTried(steps);
+  } else {
+    field_.PutState(before);
   }
   Decide(trial.PrefersFour());
   LogInfo(

@@ -26,8 +26,9 @@ struct FineRaysTrial {
 
 class FineRays {
  public:
-  FineRays(const OptimizeOptions& options, FittedField& field, TrainingPictures& pictures,
-           TrainingSteps& steps);
+  // `has_alpha`: the training pictures have. Their outlines are sharp, so that they usually gain.
+  FineRays(const OptimizeOptions& options, bool has_alpha, FittedField& field,
+           TrainingPictures& pictures, TrainingSteps& steps);
 
   void Resume(TrialState state);
   TrialState state() const { return state_; }
@@ -45,6 +46,7 @@ class FineRays {
   // asked to stop meanwhile.
   std::optional<double> TrialPsnr(const FieldState& start, bool fine, uint64_t steps);
 
+  bool has_alpha_;
   FittedField& field_;
   TrainingPictures& pictures_;
   TrainingSteps& steps_;

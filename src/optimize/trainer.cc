@@ -82,7 +82,7 @@ class Trainer {
         rate_trial_(options, field_, pictures_, steps_),
         poses_(options, pictures_, *renderer_),
         harmonics_(options, field_, pictures_, steps_),
-        fine_rays_(options, field_, pictures_, steps_),
+        fine_rays_(options, scene.has_alpha, field_, pictures_, steps_),
         motion_trial_(options, field_, pictures_, steps_, motion_),
         rounds_(
             options,
