@@ -13,9 +13,9 @@ constexpr double kTrialGrowth = 0.66;
 static_assert(kTrialGrowth < ScheduleOptions().last_judging);
 // The trial takes this part of the steps so far, in each of both ways. After fewer than 100 steps,
 // scenes hardly differ.
-constexpr uint64_t kPartOfSteps = 16, kFewestSteps = 100, kMostSteps = 1000;
+constexpr uint64_t kPartOfFineTrial = 16, kFewestFineSteps = 100, kMostFineSteps = 1000;
 // In shorter runs the trial would take a large share of the steps.
-constexpr uint64_t kFewestStepsBefore = 10 * kFewestSteps;
+constexpr uint64_t kFewestStepsBefore = 10 * kFewestFineSteps;
 
 }  // namespace
 
@@ -45,7 +45,7 @@ bool FineRays::Advance(double growth) {
   }
   const FieldState before = field_.ReadState();
   const uint64_t iteration = steps_.iteration(), rays = steps_.rays();
-  const uint64_t steps = std::clamp(iteration / kPartOfSteps, kFewestSteps, kMostSteps);
+  const uint64_t steps = std::clamp(iteration / kPartOfFineTrial, kFewestFineSteps, kMostFineSteps);
   // The likelier way last, because what it learns can stay.
   const std::optional<double> first = TrialPsnr(before, !has_alpha_, steps);
   const std::optional<double> last =
