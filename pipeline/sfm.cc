@@ -75,10 +75,11 @@ int main(int argc, char** argv) {
       app, "--camera-sharing", options.camera_sharing,
       "Photos that share lens parameters: auto (those of the same size), single (all), "
       "per-folder, per-image (none)");
-  tetrec::AddWordOption(app, "--camera-model", options.camera_model,
-                        "Lens model: auto (OPENCV, or SIMPLE_RADIAL for fewer than 8 photos per "
-                        "camera; simpler ones where that is not determined), "
-                        "OPENCV, RADIAL, SIMPLE_RADIAL, PINHOLE, SIMPLE_PINHOLE");
+  tetrec::AddWordOption(
+      app, "--camera-model", options.camera_model,
+      "Lens model: auto (OPENCV, or SIMPLE_RADIAL for fewer than 8 photos per camera; a simpler "
+      "model if that one folds over inside the photos), OPENCV, RADIAL, SIMPLE_RADIAL, PINHOLE, "
+      "SIMPLE_PINHOLE");
   std::vector<double> bounds;
   app.add_option("--bounds", bounds,
                  "The subject's box x0,y0,z0,x1,y1,z1, in the coordinates of the points.ply that "

@@ -26,7 +26,7 @@ struct FineRaysTrial {
 
 class FineRays {
  public:
-  // `has_alpha`: the training pictures have. Their outlines are sharp, so that they usually gain.
+  // `has_alpha`: the training pictures have alpha. Their sharp outlines usually gain by 2 x 2 rays.
   FineRays(const OptimizeOptions& options, bool has_alpha, FittedField& field,
            TrainingPictures& pictures, TrainingSteps& steps);
 

@@ -315,7 +315,7 @@ class PhotoMapper {
   size_t cameras() const { return linked_.cameras; }
 
   // From the cache as far as it has them. Throws DataError if there is no model.
-  ColmapModel Map(SfmLens lens) {
+  ColmapModel MapWith(SfmLens lens) {
     const ExtractOptions extract{Name(lens), options_.camera_sharing == CameraSharing::kPerImage,
                                  options_.max_features, linked_.masks};
     const fs::path cache =
@@ -325,8 +325,8 @@ class PhotoMapper {
     const std::string model_name =
         fmt::format("mapped-{}-{}", Name(options_.matcher), options_.seed);
     Timer timer;
-    Mapping mapping = tetrec::Map(colmap_, linked_.folder, database, photos_.size(), options_.seed,
-                                  kUsualDemands, scratch_, cache / model_name);
+    Mapping mapping = Map(colmap_, linked_.folder, database, photos_.size(), options_.seed,
+                          kUsualDemands, scratch_, cache / model_name);
     if (mapping.models > 0) stage_.Count("models", mapping.models);
     CountSeconds("mapping", timer);
     ColmapModel& model = mapping.model;
@@ -382,9 +382,8 @@ class PhotoMapper {
   std::map<std::string, double> seconds_;
 };
 
-// Why a lens of the model cannot be undone inside the photos, if one cannot. Where features show
-// the middle of the photos only, as those of a subject before a plain wall, nothing determines what
-// a lens of many parameters does at their borders.
+// Why a lens of the model cannot be undone inside the photos, if one cannot. Where the features lie
+// only in the middle of the photos, nothing determines a lens of many parameters at the borders.
 std::optional<std::string> WhyNotUndone(const ColmapModel& model, int max_size) {
   try {
     for (const auto& [id, camera] : model.cameras) UndistortedCamera(camera, max_size);
@@ -399,7 +398,7 @@ std::optional<std::string> WhyNotUndone(const ColmapModel& model, int max_size) 
 ColmapModel MapPhotos(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage) {
   PhotoMapper mapper(options, photos, stage);
   SfmLens lens = LensFor(options, photos.size(), mapper.cameras());
-  ColmapModel model = mapper.Map(lens);
+  ColmapModel model = mapper.MapWith(lens);
   while (options.camera_model == SfmLens::kAuto && lens != SfmLens::kPinhole &&
          HasEnoughPhotos(model, photos.size())) {
     const std::optional<std::string> why = WhyNotUndone(model, options.max_size);
@@ -409,7 +408,7 @@ ColmapModel MapPhotos(const SfmOptions& options, const std::vector<Photo>& photo
     lens = simpler;
     stage.Count("retries", 0);
     stage.Note("retries", nlohmann::json::array());
-    model = mapper.Map(lens);
+    model = mapper.MapWith(lens);
   }
   stage.Note("lens", Name(lens));
   return model;

@@ -54,7 +54,8 @@ class BoxPoints {
   StartPoints points_;
 };
 
-// From each sphere of the fill's thin part to the next. Each costs all rays that nothing stops.
+// The ratio of the radii of successive spheres in the thin part of the fill. Each sphere slows down
+// all rays that nothing stops before it.
 constexpr double kFarFactor = 4;
 
 // Share of the cell's half side by which vertices are jittered. Below 1, so that no two vertices
@@ -266,8 +267,8 @@ PointStart StartFromPoints(std::span<const glm::dvec3> positions,
     }
   }
   const std::vector<glm::dvec3> directions = FibonacciSphere(options.sphere_points);
-  // From `inner_radius` on, below `outer_radius`, each about `factor` times as large as the one
-  // before; their number is whole.
+  // From `inner_radius` to below `outer_radius`; each sphere is about `factor` times as large as
+  // the one before.
   const auto add_spheres = [&](double inner_radius, double outer_radius, double factor) {
     const double growth = std::log(outer_radius / inner_radius);
     const int steps = std::max(1, int(std::lround(growth / std::log(factor))));

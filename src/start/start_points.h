@@ -79,8 +79,8 @@ struct PointStartOptions {
   double far_share = 0.98;  // share of the points that the dense part of the fill encloses
   // Limits of that part's radius over the farthest camera's distance.
   double min_fill_over_camera = 1.6, max_fill_over_camera = 8.0;
-  // The same of the shell; farther points are dropped. It shows the sky, which must not shift from
-  // photo to photo by more than a few pixels. Yet coordinates are floats.
+  // The shell's radius over that distance; farther points are dropped. The shell shows the sky,
+  // which must hardly shift from photo to photo. Much farther away, floats would be too coarse.
   double far_over_camera = 20;
   double box_over_shell = 1.1;  // half the box's side over the radius of the shell
 };

@@ -103,10 +103,9 @@ double CutBetween(const glm::dvec3& solid, double solidity_of_solid, const glm::
 
 // How cameras see a place on a surface.
 enum class Sight : uint8_t {
-  kHidden,   // the rays of none end near it
-  kGlanced,  // those of some do, but the surface faces none of these cameras: they glance off an
-             // edge
-  kFaced     // the surface faces one of them
+  kHidden,   // no camera's rays end near it
+  kGlanced,  // the rays of some cameras do, but the surface faces none of these
+  kFaced     // the surface faces one of these
 };
 
 Sight SightOf(const glm::dvec3& point_in_world, const glm::dvec3& normal,
@@ -134,17 +133,16 @@ void JoinSets(std::vector<uint32_t>& parents, uint32_t a, uint32_t b) {
 }
 
 // The sight of each triangle: the second best of its corners.
-std::vector<Sight> SightsOf(const LevelSet& set, std::span<const SeenDepth> views) {
-  const std::vector<glm::dvec3> normals =
-      SmoothNormals({.positions = set.positions, .triangles = set.triangles}, kRoundsOfNormals);
-  std::vector<Sight> of_vertices(set.positions.size());
+std::vector<Sight> SightsOf(const TriangleMesh& mesh, std::span<const SeenDepth> views) {
+  const std::vector<glm::dvec3> normals = SmoothNormals(mesh, kRoundsOfNormals);
+  std::vector<Sight> of_vertices(mesh.positions.size());
   ParallelFor(of_vertices.size(), kValuesPerTask, [&](size_t begin, size_t end) {
     for (size_t v = begin; v < end; ++v) {
-      of_vertices[v] = SightOf(glm::dvec3(set.positions[v]), normals[v], views);
+      of_vertices[v] = SightOf(glm::dvec3(mesh.positions[v]), normals[v], views);
     }
   });
   std::vector<Sight> sights;
-  for (const glm::uvec3& t : set.triangles) {
+  for (const glm::uvec3& t : mesh.triangles) {
     std::array<Sight, 3> corners = {of_vertices[t.x], of_vertices[t.y], of_vertices[t.z]};
     std::ranges::sort(corners);
     sights.push_back(corners[1]);
@@ -214,16 +212,16 @@ LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views) {
 }
 
 LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double largest_gap) {
-  const std::vector<Sight> sights = SightsOf(set, views);
+  const TriangleMesh mesh{.positions = set.positions, .triangles = set.triangles};
+  const std::vector<Sight> sights = SightsOf(mesh, views);
   const std::vector<uint32_t> patch_of_vertex = FindPatches(set, sights);
   std::vector<Patch> patches(set.positions.size());
   for (size_t f = 0; f < sights.size(); ++f) {
     if (sights[f] == Sight::kFaced) continue;
     const glm::uvec3& t = set.triangles[f];
-    const glm::dvec3 a(set.positions[t.x]), b(set.positions[t.y]), c(set.positions[t.z]);
-    const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
+    const double area = 0.5 * glm::length(DoubleAreaNormal(mesh, t));
     Patch& patch = patches[patch_of_vertex[t.x]];
-    for (const glm::dvec3& corner : {a, b, c}) patch.box.Add(corner);
+    for (int k = 0; k < 3; ++k) patch.box.Add(glm::dvec3(set.positions[t[k]]));
     patch.area += area;
     if (sights[f] == Sight::kHidden) patch.hidden_area += area;
   }

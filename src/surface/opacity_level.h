@@ -38,8 +38,8 @@ LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views);
 // all of them. A vertex is seen if the rays of a camera that it faces, from 12 degrees above the
 // surface or more, end near it; a triangle, if two of its vertices are. Connected patches of unseen
 // triangles whose boxes have diagonals of up to `largest_gap` [world units] stay: they close gaps
-// in what is seen, where depths of different cameras disagree. So do patches near which rays end
-// everywhere but in a tenth of their area.
+// in what is seen, where depths of different cameras disagree. So do patches of
+// which less than a tenth of the area has no ray that ends near it.
 LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double largest_gap);
 
 }  // namespace tetrec
