@@ -153,6 +153,7 @@ class Trainer {
           "--time-limit or --iterations",
           scene_folder_.string()));
     }
+    if (!start.mesh.tets.empty()) steps_.KeepDensityFrom(DensityOfSurfaces(start.mesh));
     if (stage_.resume() && fs::exists(checkpoint_path_)) {
       Resume(ReadCheckpoint(checkpoint_path_));
     } else {

@@ -35,6 +35,9 @@ class TrainingSteps {
   uint64_t rays() const { return rays_; }            // of all steps, tried ones too
   void Resume(uint64_t iteration, uint64_t rays) { iteration_ = iteration, rays_ = rays; }
 
+  // Vertices of this density or more do not decay [1 / world unit].
+  void KeepDensityFrom(double density) { kept_density_ = density; }
+
   // From ScheduleOptions::fine_rays on, pixels are learned by 2 x 2 rays each, or by one.
   void UseFineRays(bool fine) { uses_fine_rays_ = fine; }
   bool CanTakeFineRays() const { return !batches_.DrawsTiles(); }
@@ -67,6 +70,7 @@ class TrainingSteps {
   const OptimizeOptions& options_;
   bool has_alpha_;
   double density_decay_;
+  double kept_density_ = AdamUpdate().kept_density;
   BatchDrawer& batches_;
   TrainingRenderer& renderer_;
   VertexMotion& motion_;

@@ -53,6 +53,19 @@ TEST(TrainingSteps, LetDensityDecayForPhotosAndNotForPicturesWithAlpha) {
   EXPECT_TRUE(densities(true, {}) != densities(false, {}));
 }
 
+TEST(TrainingSteps, LetNoDensityDecayThatIsToBeKept) {
+  const auto densities = [](double decay, double kept) {
+    OptimizeOptions options = SmallRunOptions();
+    options.density_decay = decay;
+    SmallRun run(options);
+    run.steps.KeepDensityFrom(kept);
+    run.steps.Take(AtProgress(0.1), false);
+    return run.field.ReadState().parameters;
+  };
+  EXPECT_TRUE(densities(0.05, 0.0) == densities(0.0, 0.0));
+  EXPECT_TRUE(densities(0.05, 1e6) != densities(0.0, 0.0));
+}
+
 // The scene's own is black here.
 TEST(TrainingSteps, TakeTheScenesBackgroundInTheSecondHalfForPicturesWithAlpha) {
   const auto parameters = [](BackgroundChoice background, bool has_alpha, double progress) {
