@@ -81,9 +81,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       ->check(CLI::Range(0.0, 1.0));
   tetrec::AddWordOption(
       app, "--background", options.background,
-      "Background of images with alpha: random (another colour in each step, which distinguishes "
-      "empty from background-coloured), scene (as imported) or auto (random in the first half of "
-      "the run, then scene)");
+      "Background behind the field and its training images: random (another colour in each step, "
+      "which distinguishes empty from background-coloured), scene (as imported), or auto (scene, "
+      "and opacity is learned from alpha; random for images without alpha)");
   tetrec::AddWordOption(
       app, "--camera-space", options.camera_space,
       "Where the cameras of photos stand and move: empty (no density) or learned");

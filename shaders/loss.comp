@@ -1,8 +1,8 @@
 // Compares every ray, or the mean of its pixel's rays, with the target pixel: writes dL/dcolour and
 // dL/dtransmittance, and for each workgroup a partial sum of the loss and of the squared error.
 //
-// The loss is a mean over rays and channels (shared/loss.glsl.h). What is compared is the ray as its
-// view exposes it (shared/exposure.glsl.h).
+// The loss is a mean over rays and channels, and for opacity over rays (shared/loss.glsl.h). What is
+// compared is the ray as its view exposes it (shared/exposure.glsl.h).
 // TETREC_PICTURES also writes the compared values, for the kernels of D-SSIM.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -57,9 +57,14 @@ void main() {
         sum += vec2(LossOf(int(push.loss), residual), residual * residual);
         c += 1u;
       }
-      gradient = push.writes_residuals != 0u
-                     ? vec4(by_shown, 0.0)
-                     : GradientOfRay(by_shown, exposure, push.background.rgb);
+      if (push.writes_residuals != 0u) {
+        gradient = vec4(by_shown, 0.0);
+      } else {
+        float let_through = TransmittanceResidual(transmittance, target.r, target.a);
+        gradient = GradientOfRay(by_shown, exposure, push.background.rgb);
+        gradient.w += push.gradient_scale * TransmittanceSlope(push.alpha_weight, let_through);
+        sum.x += TransmittanceLoss(push.alpha_weight, let_through);
+      }
     }
     ray_gradients[index] = gradient;
   }

@@ -31,7 +31,7 @@ class BatchDrawer {
   // UseFewViews. Blocks are sorted by view.
   size_t CountOfBatch(std::span<const RayBlock> blocks, size_t most) const;
   // Behind field and targets: random, also where scores look at errors, or the scene's own if that
-  // is chosen. TrainingSteps takes the latter late in a run by BackgroundChoice::kAuto.
+  // is chosen. By BackgroundChoice::kAuto, TrainingSteps takes the latter for pictures with alpha.
   glm::vec3 Background(uint64_t iteration) const;
   const glm::vec3& background_of_scene_srgb() const { return background_srgb_; }
 

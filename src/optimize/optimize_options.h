@@ -79,9 +79,10 @@ inline constexpr auto kWords<RefineScore> =
                                       {RefineScore::kGain, "gain"}});
 
 // What is behind the field and its training pictures. Another colour in each step distinguishes
-// what is empty from what has the colour of the background, but adds noise.
+// what is empty from what has the colour of the background, but adds noise. Where pictures have
+// alpha, a loss of opacity does so without noise.
 enum class BackgroundChoice {
-  kAuto,    // random and, once half of a run on pictures with alpha is over, the scene's own
+  kAuto,    // the scene's own, and opacity is learned from alpha; random for photos
   kRandom,  // another colour in each step
   kScene,   // the scene's own
 };

@@ -15,8 +15,7 @@ struct ScheduleOptions {
   double last_round = 0.55;   // progress at the last refinement; the rest settles
   // Share to which the learning rates fall exponentially; by default they fall by steps.
   std::optional<double> final_rate_share;
-  double scene_background = 0.5;  // progress from which on BackgroundChoice::kAuto takes it
-  double fine_rays = 0.75;        // growth from which pixels may be learned by 2 x 2 rays each
+  double fine_rays = 0.75;  // growth from which pixels may be learned by 2 x 2 rays each
   // Until this progress the judging pictures are kept from learning.
   double last_judging = 0.7;
   // A refinement that loses more than this on the judging pictures is taken back [dB].

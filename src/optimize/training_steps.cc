@@ -10,6 +10,9 @@ namespace {
 
 constexpr uint64_t kStepsBetweenLooks = 16;  // for a request to stop
 
+// Opacity counts like a fourth channel in a mean over three.
+constexpr float kAlphaWeight = 1.0f / 3.0f;
+
 }  // namespace
 
 uint64_t TrialSteps(uint64_t iteration) {
@@ -58,10 +61,9 @@ StepResult TrainingSteps::TakeStep(uint64_t iteration, const RunMoment& moment,
 TrainingBatch TrainingSteps::Draw(uint64_t iteration, const RunMoment& moment) {
   const bool fine = uses_fine_rays_ && moment.growth >= options_.schedule.fine_rays;
   TrainingBatch batch = batches_.Draw(iteration, fine ? 2 : 1);
-  // What is empty is known by then. Photos have nothing that shows it.
-  if (options_.background == BackgroundChoice::kAuto && has_alpha_ &&
-      moment.progress >= options_.schedule.scene_background) {
+  if (options_.background == BackgroundChoice::kAuto && has_alpha_) {
     batch.background_srgb = batches_.background_of_scene_srgb();
+    batch.alpha_weight = kAlphaWeight;
   }
   rays_ += batch.rays();
   return batch;

@@ -34,7 +34,8 @@ std::vector<Vec4<Real>> ShownPixels(const BatchRays& batch, std::vector<Vec4<Rea
 }
 
 // As loss.comp: the means of the loss and of the squared error, and of every ray `gradient_scale`
-// times the slope of the loss by the exposed colour, 0 outside the image. `shown`: ShownPixels.
+// times the slopes of the loss by the exposed colour and, for the part of alpha_weight, by
+// transmittance, 0 outside the image. `shown`: ShownPixels.
 template <class Real>
 StepResult CompareWithTargets(const TrainingTargets& targets, const BatchRays& batch,
                               std::span<const Vec4<Real>> shown, const TrainingBatch& training,
@@ -54,21 +55,27 @@ StepResult CompareWithTargets(const TrainingTargets& targets, const BatchRays& b
       result.loss += double(LossOf(loss, residual));
       result.squared_error += double(residual) * double(residual);
     }
+    const Real weight = Real(training.alpha_weight);
+    const Real let_through = TransmittanceResidual(shown[i].a, target.r, target.a);
+    gradients[i].a = gradient_scale * TransmittanceSlope(weight, let_through);
+    result.loss += double(TransmittanceLoss(weight, let_through));
   }
   result.loss /= 3.0 * double(batch.count());
   result.squared_error /= 3.0 * double(batch.count());
   return result;
 }
 
-// Turns dL/d(exposed colour) of every ray, as CompareWithTargets leaves it, into
-// dL/d(colour, transmittance).
+// Turns dL/d(exposed colour) of every ray, and its dL/dtransmittance by opacity alone, as
+// CompareWithTargets leaves them, into dL/d(colour, transmittance).
 template <class Real>
 void ChainToRays(const TrainingTargets& targets, const BatchRays& batch,
                  const TrainingBatch& training, std::span<Vec4<Real>> gradients) {
   const Vec3<Real> background(training.background_srgb);
   for (size_t i = 0; i < gradients.size(); ++i) {
+    const Real by_opacity = gradients[i].a;
     gradients[i] =
         GradientOfRay<Real>(ExposureOf(targets, batch, i), Vec3<Real>(gradients[i]), background);
+    gradients[i].a += by_opacity;
   }
 }
 

@@ -280,6 +280,7 @@ class ReferenceRenderer final : public ProbedRenderer {
     const BatchRays rays = RaysOf(targets_.views, batch);
     TrainingBatch by_square = batch;
     by_square.loss = LossKind::kL2;
+    by_square.alpha_weight = 0;
     std::vector<Vec4<Real>> residuals(rays.count());
     const std::vector<Vec4<Real>> shown = ShownPixels(rays, caster_.March(field_, boxes_, rays));
     const StepResult result =

@@ -29,7 +29,8 @@ void RayLoss::Record(CommandRecorder& recorder, BatchSlot& slot, const TrainingB
                       .gradient_scale = gradients.scale * (1.0f - batch.dssim_weight),
                       .writes_residuals = gradients.are_residuals,
                       .background = glm::vec4(batch.background_srgb, 0.0f),
-                      .samples = uint32_t(batch.samples)};
+                      .samples = uint32_t(batch.samples),
+                      .alpha_weight = batch.alpha_weight};
   slot.uncollected_rays = rays.count;
   if (batch.sums_exposures) exposures.Record(recorder, rays, batch.blocks, push, views, targets);
   slot.dssim.weight = batch.dssim_weight;

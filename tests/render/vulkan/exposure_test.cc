@@ -112,12 +112,15 @@ TEST_P(ExposureTest, GradientsAgreeWithDifferencesOfTheLoss) {
   struct Kind {
     float dssim_weight;
     int samples;
+    float alpha_weight = 0;
   };
-  for (const auto& [dssim_weight, samples] : {Kind{0.0f, 1}, Kind{0.3f, 1}, Kind{0.0f, 2}}) {
+  for (const auto& [dssim_weight, samples, alpha_weight] :
+       {Kind{0.0f, 1}, Kind{0.3f, 1}, Kind{0.0f, 2}, Kind{0.0f, 1, 0.5f}, Kind{0.3f, 1, 0.5f}}) {
     RadianceField field = RandomField(40, 55, 3.0f);
     const std::vector<RayBlock> blocks = BlocksOfView(1, samples);
     TrainingBatch batch = BatchOf(blocks, dssim_weight);
     batch.samples = samples;
+    batch.alpha_weight = alpha_weight;
     ProbedRenderer& renderer = MakeRenderer({.stop_transmittance = 0.0f});
     renderer.SetTargets(TwoViews(), RandomTargets(2));
     renderer.SetExposures(TwoExposures());
@@ -155,21 +158,26 @@ TEST_P(ExposureTest, LossOfFineRaysIsThatOfTheRenderedPicture) {
   const std::vector<RayBlock> blocks = BlocksOfView(0, 2);
   TrainingBatch batch = BatchOf(blocks, 0);
   batch.samples = 2;
-  const double loss = renderer.Forward(batch).loss;
+  batch.alpha_weight = 0.25f;
+  const StepResult result = renderer.Forward(batch);
   const RenderedImage image = renderer.Render(TwoViews()[0], 2);
-  double squares = 0;
+  double squares = 0, squares_of_opacity = 0;
   for (size_t i = 0; i < image.color_srgb.size(); ++i) {
     const uint32_t rgba = targets[0].rgba8[i];
     if (rgba == kNotJudgedTarget) continue;
+    const double alpha = double(rgba >> 24) / 255, opacity = 1 - double(image.transmittance[i]);
+    squares_of_opacity += (opacity - alpha) * (opacity - alpha);
     for (int c = 0; c < 3; ++c) {
-      const double wanted = double(rgba >> (8 * c) & 255) / 255 +
-                            (1 - double(rgba >> 24) / 255) * double(kBackground[c]);
+      const double wanted =
+          double(rgba >> (8 * c) & 255) / 255 + (1 - alpha) * double(kBackground[c]);
       const double shown =
           double(image.color_srgb[i][c]) + double(image.transmittance[i]) * double(kBackground[c]);
       squares += (shown - wanted) * (shown - wanted);
     }
   }
-  EXPECT_NEAR(loss, squares / double(3 * image.color_srgb.size()), 1e-6);
+  const double pixels = double(image.color_srgb.size());
+  EXPECT_NEAR(result.squared_error, squares / (3 * pixels), 1e-6);
+  EXPECT_NEAR(result.loss, squares / (3 * pixels) + 0.25 * squares_of_opacity / pixels, 1e-6);
 }
 
 TEST_P(ExposureTest, SumsLeadBackToTheExposuresThatMadeTheTargets) {
