@@ -81,7 +81,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       ->check(CLI::Range(0.0, 1.0));
   tetrec::AddWordOption(
       app, "--background", options.background,
-      "Background behind the field and its training images: random (another colour in each step, "
+      "What is behind the field and its training images: random (another colour in each step, "
       "which distinguishes empty from background-coloured), scene (as imported), or auto (scene, "
       "and opacity is learned from alpha; random for images without alpha)");
   tetrec::AddWordOption(

@@ -1,8 +1,9 @@
 // Compares every ray, or the mean of its pixel's rays, with the target pixel: writes dL/dcolour and
 // dL/dtransmittance, and for each workgroup a partial sum of the loss and of the squared error.
 //
-// The loss is a mean over rays and channels, and for opacity over rays (shared/loss.glsl.h). What is
-// compared is the ray as its view exposes it (shared/exposure.glsl.h).
+// The loss is a mean over rays and the three channels, to whose sum opacity adds its part
+// (shared/loss.glsl.h). What is compared is the ray as its view exposes it
+// (shared/exposure.glsl.h).
 // TETREC_PICTURES also writes the compared values, for the kernels of D-SSIM.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -60,10 +61,10 @@ void main() {
       if (push.writes_residuals != 0u) {
         gradient = vec4(by_shown, 0.0);
       } else {
-        float let_through = TransmittanceResidual(transmittance, target.r, target.a);
+        float excess = TransmittanceResidual(transmittance, target.r, target.a);
         gradient = GradientOfRay(by_shown, exposure, push.background.rgb);
-        gradient.w += push.gradient_scale * TransmittanceSlope(push.alpha_weight, let_through);
-        sum.x += TransmittanceLoss(push.alpha_weight, let_through);
+        gradient.w += push.gradient_scale * push.alpha_weight * LossSlope(int(push.loss), excess);
+        sum.x += push.alpha_weight * LossOf(int(push.loss), excess);
       }
     }
     ray_gradients[index] = gradient;

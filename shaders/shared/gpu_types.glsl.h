@@ -112,7 +112,7 @@ struct LossPush {
   uint writes_residuals;  // not 0: gradients are dL/dshown, for scores, which are of what is shown
   vec4 background;        // rgb [display sRGB] behind field and target
   uint samples;           // samples x samples rays per pixel, 1 or 2
-  float alpha_weight;     // of the squared error of transmittance
+  float alpha_weight;     // of opacity; that of a channel is 1
 };
 
 // D-SSIM of a batch of tiles of equal shape.

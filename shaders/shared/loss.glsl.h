@@ -1,4 +1,4 @@
-// The loss of one channel of one ray.
+// The loss of one channel, or of the opacity, of one ray.
 #ifndef TETREC_LOSS_GLSL_H_
 #define TETREC_LOSS_GLSL_H_
 
@@ -29,14 +29,6 @@ TETREC_FN Real ResidualOf(Real color, Real transmittance, Real target, Real targ
 // How much more than its target a ray lets through. 0 for a pixel that is not judged.
 TETREC_FN Real TransmittanceResidual(Real transmittance, Real target, Real target_alpha) {
   return IsJudged(target, target_alpha) ? transmittance - (Real(1.0) - target_alpha) : Real(0.0);
-}
-
-// The part of the loss for transmittance, on the scale of a sum over three channels, and its slope.
-TETREC_FN Real TransmittanceLoss(Real weight, Real residual) {
-  return Real(3.0) * weight * residual * residual;
-}
-TETREC_FN Real TransmittanceSlope(Real weight, Real residual) {
-  return Real(6.0) * weight * residual;
 }
 
 // The square for L2, with the residual's sign for signed L2; the absolute value for L1.

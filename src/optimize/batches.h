@@ -30,8 +30,9 @@ class BatchDrawer {
   // How many blocks, from the first on, make one batch: at most `most`, and of few views if
   // UseFewViews. Blocks are sorted by view.
   size_t CountOfBatch(std::span<const RayBlock> blocks, size_t most) const;
-  // Behind field and targets: random, also where scores look at errors, or the scene's own if that
-  // is chosen. By BackgroundChoice::kAuto, TrainingSteps takes the latter for pictures with alpha.
+  // Behind field and targets: random, or the scene's own if that is chosen. By
+  // BackgroundChoice::kAuto, TrainingSteps takes the latter for pictures with alpha, but looks at
+  // errors do not: they have no part for opacity, whose errors they see by random colours only.
   glm::vec3 Background(uint64_t iteration) const;
   const glm::vec3& background_of_scene_srgb() const { return background_srgb_; }
 

@@ -1,4 +1,4 @@
-// The choice between density of positive values and of either sign.
+// The choice between density of positive values and of either sign, and the density of surfaces.
 #include "optimize/density_form.h"
 
 #include "core/quantile.h"
@@ -21,7 +21,9 @@ double MedianEdge(const TetMesh& mesh) {
 
 }  // namespace
 
-double DensityOfSurfaces(const TetMesh& mesh) { return 0.2 / MedianEdge(mesh); }
+double DensityOfSurfaces(const TetMesh& mesh) {
+  return mesh.tets.empty() ? 0.0 : 0.2 / MedianEdge(mesh);
+}
 
 Attribute LearnedDensity(DensityForm form, bool has_alpha, const RadianceField& start) {
   const bool is_linear = start.storage == FieldStorage::kVertex;

@@ -1,4 +1,4 @@
-// The choice between density of positive values and of either sign.
+// The choice between density of positive values and of either sign, and the density of surfaces.
 #pragma once
 
 #include "core/words.h"
@@ -22,7 +22,7 @@ inline constexpr auto kWords<DensityForm> =
 
 // The density that makes a fifth of an optical depth over the median edge of a mesh, which is
 // between what is best for opaque subjects (a half) and for volumes of soft density (a twentieth).
-// What is denser is a surface rather than fog [1 / world unit].
+// What is denser is a surface rather than fog; 0 for a mesh without tets [1 / world unit].
 double DensityOfSurfaces(const TetMesh& mesh);
 
 // The density attribute of a fit that begins with `start`. The scale of signed density is

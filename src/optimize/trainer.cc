@@ -78,7 +78,7 @@ class Trainer {
         batches_(options, pictures_.set(), *renderer_, pictures_.background_srgb(), scene_folder),
         field_(options, scene, *renderer_, batches_, std::move(seen_space)),
         motion_(options, field_, *renderer_, pictures_.set().views.size()),
-        steps_(options, scene.has_alpha, batches_, *renderer_, motion_),
+        steps_(options, scene.has_alpha, DensityOfSurfaces(start), batches_, *renderer_, motion_),
         rate_trial_(options, field_, pictures_, steps_),
         poses_(options, pictures_, *renderer_),
         harmonics_(options, field_, pictures_, steps_),
@@ -153,7 +153,6 @@ class Trainer {
           "--time-limit or --iterations",
           scene_folder_.string()));
     }
-    if (!start.mesh.tets.empty()) steps_.KeepDensityFrom(DensityOfSurfaces(start.mesh));
     if (stage_.resume() && fs::exists(checkpoint_path_)) {
       Resume(ReadCheckpoint(checkpoint_path_));
     } else {
@@ -274,7 +273,7 @@ class Trainer {
     return options_.time_limit_s * (1 - aside / passes);
   }
 
-  // Measured on photos only: with alpha, a random background shows what is empty.
+  // Measured on photos only: alpha shows what is empty.
   bool ColorsMayHaveDrifted() const {
     return !scene_.has_alpha && options_.storage == FieldStorage::kVertex &&
            !batches_.DrawsTiles() && steps_.rays() >= kRaysPerPixelOfDrift * pictures_.set().pixels;

@@ -10,8 +10,7 @@ namespace {
 
 constexpr uint64_t kStepsBetweenLooks = 16;  // for a request to stop
 
-// Opacity counts like a fourth channel in a mean over three.
-constexpr float kAlphaWeight = 1.0f / 3.0f;
+constexpr float kAlphaWeight = 1.0f;  // like that of a channel
 
 }  // namespace
 

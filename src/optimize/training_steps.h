@@ -21,12 +21,13 @@ inline constexpr RunMoment kRatesOfTrials = AtProgress(0.95);
 
 class TrainingSteps {
  public:
-  // `has_alpha`: the training pictures have.
-  TrainingSteps(const OptimizeOptions& options, bool has_alpha, BatchDrawer& batches,
-                TrainingRenderer& renderer, VertexMotion& motion)
+  // `has_alpha`: the training pictures have. Density decays below `kept_density` [1 / world unit].
+  TrainingSteps(const OptimizeOptions& options, bool has_alpha, double kept_density,
+                BatchDrawer& batches, TrainingRenderer& renderer, VertexMotion& motion)
       : options_(options),
         has_alpha_(has_alpha),
         density_decay_(options.density_decay.value_or(DensityDecay(has_alpha))),
+        kept_density_(kept_density),
         batches_(batches),
         renderer_(renderer),
         motion_(motion) {}
@@ -34,9 +35,6 @@ class TrainingSteps {
   uint64_t iteration() const { return iteration_; }  // steps counted so far
   uint64_t rays() const { return rays_; }            // of all steps, tried ones too
   void Resume(uint64_t iteration, uint64_t rays) { iteration_ = iteration, rays_ = rays; }
-
-  // Vertices of this density or more do not decay [1 / world unit].
-  void KeepDensityFrom(double density) { kept_density_ = density; }
 
   // From ScheduleOptions::fine_rays on, pixels are learned by 2 x 2 rays each, or by one.
   void UseFineRays(bool fine) { uses_fine_rays_ = fine; }
@@ -46,9 +44,9 @@ class TrainingSteps {
   // (TrainingRenderer::Step).
   StepResult Take(const RunMoment& moment, bool sums_exposures);
   // Takes the next `count` steps without counting them: the same steps can be taken again, from
-  // another state of the field. Rates, rays per pixel and background are those of the moment
-  // `as_at`; vertices move, if they do, as at the moment `motion_as_at`, or stay, because another
-  // state of the field does not bring them back.
+  // another state of the field. Rates and rays per pixel are those of the moment `as_at`; vertices
+  // move, if they do, as at the moment `motion_as_at`, or stay, because another state of the field
+  // does not bring them back.
   void Try(uint64_t count, const RunMoment& as_at, std::optional<RunMoment> motion_as_at = {});
   // The same, but returns false as soon as the run is asked to stop.
   bool TryUnlessStopped(uint64_t count, const RunMoment& as_at,
@@ -69,8 +67,7 @@ class TrainingSteps {
 
   const OptimizeOptions& options_;
   bool has_alpha_;
-  double density_decay_;
-  double kept_density_ = AdamUpdate().kept_density;
+  double density_decay_, kept_density_;
   BatchDrawer& batches_;
   TrainingRenderer& renderer_;
   VertexMotion& motion_;

@@ -58,8 +58,8 @@ struct TrainingBatch {
   // its picture.
   TileShape tiles;
   glm::vec3 background_srgb{0.0f};  // behind field and target
-  // Of the squared error of opacity, whose target is alpha, in the loss, beside the mean over
-  // channels. Scores do not contain it.
+  // Weight of the opacity, whose target is alpha, in the pixel loss; that of each channel is 1.
+  // Scores do not contain it.
   float alpha_weight = 0.0f;
   // samples x samples rays per pixel, 1 or 2; with 2, blocks are of 2 x 1 pixels, their x and y
   // count rays and are even, and what a pixel is compared with is the mean of its rays. Only 1 with
@@ -96,7 +96,8 @@ struct AdamUpdate {
 };
 
 struct StepResult {
-  double loss = 0;           // mean over the batch's rays, and channels but for opacity
+  // Mean over the batch's rays of a third of the sum over the channels and opacity.
+  double loss = 0;
   double squared_error = 0;  // mean over the batch's rays and channels
 };
 

@@ -47,7 +47,8 @@ TEST(TrainingSteps, LetDensityDecayForPhotosAndNotForPicturesWithAlpha) {
     options.density_decay = decay;
     options.background = BackgroundChoice::kRandom;  // as photos have it, too
     SmallRun run(options);
-    TrainingSteps steps(run.options, has_alpha, run.batches, *run.renderer, run.motion);
+    TrainingSteps steps(run.options, has_alpha, AdamUpdate().kept_density, run.batches,
+                        *run.renderer, run.motion);
     steps.Take(AtProgress(0.1), false);
     return run.field.ReadState().parameters;
   };
@@ -60,18 +61,18 @@ TEST(TrainingSteps, LetNoDensityDecayThatIsToBeKept) {
   const auto densities = [](double decay, double kept) {
     OptimizeOptions options = SmallRunOptions();
     options.density_decay = decay;
-    SmallRun run(options);
-    run.steps.KeepDensityFrom(kept);
+    SmallRun run(options, 5, 20.0f, kept);
     run.steps.Take(AtProgress(0.1), false);
     return run.field.ReadState().parameters;
   };
-  EXPECT_TRUE(densities(0.05, 0.0) == densities(0.0, 0.0));
-  EXPECT_TRUE(densities(0.05, 1e6) != densities(0.0, 0.0));
+  // The field has a density of 20.
+  EXPECT_TRUE(densities(0.05, 10.0) == densities(0.0, 10.0));
+  EXPECT_TRUE(densities(0.05, 40.0) != densities(0.0, 40.0));
 }
 
-// The scene's background is black here, before which a black field looks the same whatever its
+// The scene's background is black here, in front of which a black field looks the same whatever its
 // density.
-TEST(TrainingSteps, LearnOpacityFromAlphaBeforeTheScenesBackground) {
+TEST(TrainingSteps, LearnOpacityFromAlphaInFrontOfTheScenesBackground) {
   const auto steps = [](BackgroundChoice background, bool has_alpha) {
     OptimizeOptions options = SmallRunOptions();
     options.background = background;
@@ -81,7 +82,8 @@ TEST(TrainingSteps, LearnOpacityFromAlphaBeforeTheScenesBackground) {
     std::fill(black.color_srgb.begin(), black.color_srgb.end(), glm::vec3(0.0f));
     const FieldState start = StateOf(black);
     run.field.Put(std::move(black.mesh), start);
-    TrainingSteps(run.options, has_alpha, run.batches, *run.renderer, run.motion)
+    TrainingSteps(run.options, has_alpha, AdamUpdate().kept_density, run.batches, *run.renderer,
+                  run.motion)
         .Take(AtProgress(0.1), false);
     const std::vector<float> end = run.field.ReadState().parameters;
     size_t clearer = 0, denser = 0;

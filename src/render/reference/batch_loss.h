@@ -56,9 +56,9 @@ StepResult CompareWithTargets(const TrainingTargets& targets, const BatchRays& b
       result.squared_error += double(residual) * double(residual);
     }
     const Real weight = Real(training.alpha_weight);
-    const Real let_through = TransmittanceResidual(shown[i].a, target.r, target.a);
-    gradients[i].a = gradient_scale * TransmittanceSlope(weight, let_through);
-    result.loss += double(TransmittanceLoss(weight, let_through));
+    const Real excess = TransmittanceResidual(shown[i].a, target.r, target.a);
+    gradients[i].a = gradient_scale * weight * LossSlope(loss, excess);
+    result.loss += double(weight * LossOf(loss, excess));
   }
   result.loss /= 3.0 * double(batch.count());
   result.squared_error /= 3.0 * double(batch.count());

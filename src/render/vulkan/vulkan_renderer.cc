@@ -403,6 +403,7 @@ class VulkanRenderer final : public ProbedRenderer {
     TrainingBatch by_square = batch;
     by_square.loss = LossKind::kL2;
     by_square.dssim_weight = 0;
+    by_square.alpha_weight = 0;
     by_square.sums_exposures = false;
     FixedPoint fixed;
     fixed.largest_quanta = float(kLargestScore * kScoreQuanta);
