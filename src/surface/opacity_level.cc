@@ -39,8 +39,12 @@ constexpr double kKeep = 1e-3;  // of an edge, between a cut and the edge's ends
 constexpr double kLeastFacing = 0.2;
 constexpr int kRoundsOfNormals = 2;
 
-// A patch that faces no camera stays if less than this share of its area is hidden: then it is the
-// flat side of something, not the edge of what no camera sees.
+// A surface faces enough cameras if it faces one of ten, three at most. One camera's rays may end
+// anywhere as far as other cameras know: such surfaces hung in rags from the rim of a table.
+constexpr size_t kViewsPerWitness = 10, kMostWitnesses = 3;
+
+// A patch that faces too few cameras stays if less than this share of its area is hidden: then it
+// is the flat side of something, not the edge of what no camera sees.
 constexpr double kHiddenShare = 0.1;
 
 constexpr size_t kValuesPerTask = 256;
@@ -104,19 +108,22 @@ double CutBetween(const glm::dvec3& solid, double solidity_of_solid, const glm::
 // How cameras see a place on a surface.
 enum class Sight : uint8_t {
   kHidden,   // no camera's rays end near it
-  kGlanced,  // the rays of some cameras do, but the surface faces none of these
-  kFaced     // the surface faces one of these
+  kGlanced,  // the rays of some cameras do, but the surface faces too few of these
+  kFaced     // the surface faces enough of these
 };
 
 Sight SightOf(const glm::dvec3& point_in_world, const glm::dvec3& normal,
               std::span<const SeenDepth> views) {
+  const size_t needed = std::clamp<size_t>(views.size() / kViewsPerWitness, 1, kMostWitnesses);
+  size_t faced = 0;
   Sight sight = Sight::kHidden;
   for (const SeenDepth& view : views) {
     const std::optional<double> behind = BandsBehind(point_in_world, view);
     if (!behind || std::abs(*behind) >= 1) continue;
     sight = Sight::kGlanced;
     const glm::dvec3 towards = view.cam_from_world.Inverse().translation - point_in_world;
-    if (glm::dot(normal, towards) > kLeastFacing * glm::length(towards)) return Sight::kFaced;
+    faced += glm::dot(normal, towards) > kLeastFacing * glm::length(towards);
+    if (faced >= needed) return Sight::kFaced;
   }
   return sight;
 }
@@ -150,7 +157,7 @@ std::vector<Sight> SightsOf(const TriangleMesh& mesh, std::span<const SeenDepth>
   return sights;
 }
 
-// A connected patch of triangles that face no camera.
+// A connected patch of triangles that face too few cameras.
 struct Patch {
   Bounds3 box;
   double area = 0, hidden_area = 0;

@@ -35,11 +35,12 @@ double SolidityAt(const glm::dvec3& point_in_world, std::span<const SeenDepth> v
 LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views);
 
 // Without what only separates space that some camera sees to be free from space that is hidden from
-// all of them. A vertex is seen if the rays of a camera that it faces, from 12 degrees above the
-// surface or more, end near it; a triangle, if two of its vertices are. Connected patches of unseen
-// triangles whose boxes have diagonals of up to `largest_gap` [world units] stay: they close gaps
-// in what is seen, where depths of different cameras disagree. So do patches of
-// which less than a tenth of the area has no ray that ends near it.
+// all of them. A vertex is seen if the rays of cameras that it faces, from 12 degrees above the
+// surface or more, end near it: of one camera in ten, one at least and three at most. A triangle is
+// seen if two of its vertices are. Connected patches of unseen triangles whose boxes have diagonals
+// of up to `largest_gap` [world units] stay: they close gaps in what is seen, where depths of
+// different cameras disagree. So do patches of which less than a tenth of the area has no ray that
+// ends near it.
 LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double largest_gap);
 
 }  // namespace tetrec

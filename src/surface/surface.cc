@@ -96,8 +96,8 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld
     if (options.close) return all;
     LevelSet seen = SeenPart(all, views, kLargestGap * glm::length(world.subject_bounds.Size()));
     const size_t unseen = all.triangles.size() - seen.triangles.size();
-    LogInfo("{} of {} triangles are left out, because they face no view", WithThousands(unseen),
-            WithThousands(all.triangles.size()));
+    LogInfo("{} of {} triangles are left out, because they face too few views",
+            WithThousands(unseen), WithThousands(all.triangles.size()));
     stage.Count("unseen_triangles", unseen);
     return seen;
   } catch (const DataError& error) {

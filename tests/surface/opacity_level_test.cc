@@ -108,8 +108,7 @@ TEST(Opacity, ThePartThatIsSeenEndsWhereTheShadowBegins) {
   EXPECT_EQ(SeenPart(all, views, 100).triangles.size(), all.triangles.size());
 }
 
-// A floor y = 0 that a camera sees at an angle of some 8 degrees. Beyond z = `edge`, seen from the
-// camera, it is `drop` lower.
+// A floor y = 0. Beyond z = `edge`, seen from the camera of FloorFromAbove, it is `drop` lower.
 LevelSet Floor(double edge, double drop) {
   constexpr uint32_t kSide = 21;
   LevelSet set;
@@ -128,24 +127,41 @@ LevelSet Floor(double edge, double drop) {
   return set;
 }
 
-SeenDepth FloorFromAbove() {
-  constexpr double kHeight = 0.55;
+// From a camera at this height, at a distance of 4; at 0.55, it sees the floor at an angle of some
+// 8 degrees. Its rays end at this share of their way to the floor.
+SeenDepth FloorFromAbove(double height, double share = 1) {
   SeenDepth view;
   view.camera = {200, 200, 150, 150, 100, 80};
-  view.cam_from_world = {glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0, kHeight, 4)};
+  view.cam_from_world = {glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), glm::dvec3(0, height, 4)};
   view.depth = MakeDepthMap(200, 200);
   for (int y = 0; y < 200; ++y) {
     const double down = view.camera.CamFromImage({0.5, y + 0.5}).y;
-    for (int x = 0; x < 200 && down > 0; ++x) view.depth.At(x, y) = float(kHeight / down);
+    for (int x = 0; x < 200 && down > 0; ++x) view.depth.At(x, y) = float(share * height / down);
   }
   return view;
 }
 
 TEST(Opacity, AFloorAtAFlatAngleStaysUnlessItLeadsToWhatIsHidden) {
-  const std::vector<SeenDepth> views = {FloorFromAbove()};
+  const std::vector<SeenDepth> views = {FloorFromAbove(0.55)};
   const LevelSet whole = Floor(-1, 0), broken = Floor(0, 1);
   EXPECT_EQ(SeenPart(whole, views, 0.1).triangles.size(), whole.triangles.size());
   EXPECT_TRUE(SeenPart(broken, views, 0.1).triangles.empty());
+}
+
+// Of twenty cameras, two must face a surface: the rays of one may end anywhere as far as the others
+// know.
+TEST(Opacity, WhatFacesOneOfManyCamerasIsLeftOutIfItLeadsToWhatIsHidden) {
+  const LevelSet broken = Floor(0, 1);
+  const SeenDepth faced = FloorFromAbove(2), other = FloorFromAbove(2, 0.5);
+  std::vector<SeenDepth> views(19, other);
+  views.push_back(faced);
+  EXPECT_TRUE(SeenPart(broken, views, 0.1).triangles.empty());
+  views.front() = faced;
+  const size_t seen = SeenPart(broken, views, 0.1).triangles.size();
+  EXPECT_GT(seen, broken.triangles.size() / 3);
+  EXPECT_LT(seen, broken.triangles.size());
+  const std::vector<SeenDepth> few = {faced, other};
+  EXPECT_EQ(SeenPart(broken, few, 0.1).triangles.size(), seen);
 }
 
 }  // namespace
