@@ -45,6 +45,23 @@ std::map<uint32_t, Piece> MeasurePieces(const TriangleMesh& mesh,
   return pieces;
 }
 
+// The marked vertices and the triangles between them, in their order.
+TriangleMesh KeepVertices(const TriangleMesh& mesh, const std::vector<uint8_t>& marks) {
+  TriangleMesh kept;
+  std::vector<uint32_t> new_vertex(mesh.positions.size());
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (marks[v] == 0) continue;
+    new_vertex[v] = uint32_t(kept.positions.size());
+    kept.positions.push_back(mesh.positions[v]);
+    if (!mesh.colors_srgb.empty()) kept.colors_srgb.push_back(mesh.colors_srgb[v]);
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    if ((marks[t.x] & marks[t.y] & marks[t.z]) == 0) continue;
+    kept.triangles.emplace_back(new_vertex[t.x], new_vertex[t.y], new_vertex[t.z]);
+  }
+  return kept;
+}
+
 }  // namespace
 
 CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& options) {
@@ -70,19 +87,20 @@ CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& option
     }
   }
 
-  std::vector<uint32_t> new_vertex(mesh.positions.size());
-  for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    if (!is_kept[piece_of_vertex[v]]) continue;
-    new_vertex[v] = uint32_t(result.mesh.positions.size());
-    result.mesh.positions.push_back(mesh.positions[v]);
-    if (!mesh.colors_srgb.empty()) result.mesh.colors_srgb.push_back(mesh.colors_srgb[v]);
-  }
-  for (const glm::uvec3& t : mesh.triangles) {
-    if (!is_kept[piece_of_vertex[t.x]]) continue;
-    result.mesh.triangles.emplace_back(new_vertex[t.x], new_vertex[t.y], new_vertex[t.z]);
-  }
+  std::vector<uint8_t> of_vertices(mesh.positions.size());
+  for (size_t v = 0; v < of_vertices.size(); ++v) of_vertices[v] = is_kept[piece_of_vertex[v]];
+  result.mesh = KeepVertices(mesh, of_vertices);
   result.dropped_triangles = mesh.triangles.size() - result.mesh.triangles.size();
   return result;
+}
+
+TriangleMesh CropTo(const TriangleMesh& mesh, const Bounds3& bounds,
+                    const Similarity3& bounds_from_world) {
+  std::vector<uint8_t> is_inside;
+  for (const glm::vec3& position : mesh.positions) {
+    is_inside.push_back(bounds.Contains(bounds_from_world * glm::dvec3(position)));
+  }
+  return KeepVertices(mesh, is_inside);
 }
 
 TriangleMesh SeparateFans(const TriangleMesh& mesh) {

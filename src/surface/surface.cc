@@ -135,6 +135,15 @@ LevelSet Cropped(const LevelSet& set, const ExportOptions& options, const FieldW
   return cropped;
 }
 
+// Where photos show more of the subject than a crop leaves, alignment may pull the surface out of
+// it.
+TriangleMesh CroppedAgain(TriangleMesh mesh, const ExportOptions& options,
+                          const FieldWorld& world) {
+  const std::optional<Bounds3> crop = options.Crop();
+  if (!crop) return mesh;
+  return SeparateFans(CropTo(mesh, *crop, ExportFromWorld(options, world.input_from_world)));
+}
+
 // The training photos of the scene that the field was fitted to. Nothing if they are not there, and
 // the texture was not asked for by its size.
 std::vector<TexturePhoto> ReadPhotos(const SurfaceOptions& options, const Stage& stage) {
@@ -273,8 +282,9 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
   set = Cropped(set, options.exports, world, stage);
   std::vector<TexturePhoto> photos = ReadPhotos(options, stage);
   const TriangleMesh cleaned =
-      Cleaned(ColoredSurface(set, WithStorage(stored, FieldStorage::kVertex)), photos, options,
-              world.subject_bounds.Diagonal(), stage);
+      CroppedAgain(Cleaned(ColoredSurface(set, WithStorage(stored, FieldStorage::kVertex)), photos,
+                           options, world.subject_bounds.Diagonal(), stage),
+                   options.exports, world);
   stage.Seconds("surface", timer.seconds());
   TexturedMesh surface = Textured(cleaned, photos, options, stage);
   surface.mesh = Transformed(std::move(surface.mesh),

@@ -41,6 +41,20 @@ TEST(KeepLargePieces, DropsSmallPiecesAndCavities) {
   EXPECT_EQ(KeepLargePieces(all, keep).mesh.triangles, all.triangles);
 }
 
+TEST(CropTo, LeavesOutTrianglesWithAVertexOutside) {
+  const TriangleMesh ball = Sphere(1, {0, 0, 0});
+  const Similarity3 twice{.scale = 2};
+  const TriangleMesh upper = CropTo(ball, {glm::dvec3(-3, -3, 0.2), glm::dvec3(3)}, twice);
+  size_t inside = 0;
+  for (const glm::vec3& p : ball.positions) inside += 2 * p.z >= 0.2f;
+  EXPECT_EQ(upper.positions.size(), inside);
+  EXPECT_EQ(upper.colors_srgb.size(), inside);
+  EXPECT_GE(2 * BoundsOf(upper.positions).min.z, 0.2);
+  EXPECT_GT(upper.triangles.size(), 50u);
+  EXPECT_LT(upper.triangles.size(), ball.triangles.size() / 2);
+  EXPECT_EQ(CropTo(ball, {glm::dvec3(-3), glm::dvec3(3)}).triangles, ball.triangles);
+}
+
 TEST(SeparateFans, MakesAManifoldOfTrianglesThatMeetInAPoint) {
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
