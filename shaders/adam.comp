@@ -80,11 +80,8 @@ void main() {
     AdamState density = Next(parameter, first, second, kDensityComponent,
                              share * push.rates[kRateDensity], gradient);
     vec3 color = vec3(ClampColor(r.parameter), ClampColor(g.parameter), ClampColor(b.parameter));
-    // Seen rows tend to empty: fog that the pictures do not ask for again and again goes.
-    if (gradient != vec4(0.0)) {
-      density.parameter =
-          DecayedDensity(density.parameter, share * push.density_decay, push.kept_density);
-    }
+    // Seen rows tend to empty: what the pictures do not ask for again and again goes.
+    if (gradient != vec4(0.0)) density.parameter -= share * push.density_decay;
     density.parameter = ClampBetween(density.parameter, push.least_density, push.largest_density);
     if (kSignedDensity != 0) density = StopAtZero(density, parameter[kDensityComponent]);
 

@@ -133,7 +133,6 @@ struct AdamPush {
   float least_density, largest_density;  // bounds of density's parameter
   float density_scale;                   // of Activation::kSigned; not read otherwise
   float density_decay;                   // of the density parameter of a seen row, per step
-  float kept_density;                    // parameter from which on it does not decay
   float harmonics_decay;                 // share by which coefficients of a seen row decay
   uint first_cell;                       // as in RayPush
   uint stride, moment_stride;            // of rows of attributes behind colour and density

@@ -1,9 +1,8 @@
-// The choice between density of positive values and of either sign, and the density of surfaces.
+// The choice between density of positive values and of either sign.
 #pragma once
 
 #include "core/words.h"
 #include "field/radiance_field.h"
-#include "mesh/tet_mesh.h"
 
 namespace tetrec {
 
@@ -20,13 +19,8 @@ inline constexpr auto kWords<DensityForm> =
                                       {DensityForm::kPositive, "positive"},
                                       {DensityForm::kSigned, "signed"}});
 
-// The density that makes a fifth of an optical depth over the median edge of a mesh, which is
-// between what is best for opaque subjects (a half) and for volumes of soft density (a twentieth).
-// What is denser is a surface rather than fog; 0 for a mesh without tets [1 / world unit].
-double DensityOfSurfaces(const TetMesh& mesh);
-
-// The density attribute of a fit that begins with `start`. The scale of signed density is
-// DensityOfSurfaces.
+// The density attribute of a fit that begins with `start`. The scale of signed density makes a
+// fifth of an optical depth over the median edge of the mesh.
 Attribute LearnedDensity(DensityForm form, bool has_alpha, const RadianceField& start);
 
 }  // namespace tetrec

@@ -122,8 +122,8 @@ struct OptimizeOptions {
   // taken is a guess, and a small one errs less.
   double harmonics_decay = 0.3;
   double max_density = AdamUpdate().max_density;  // [1 / world unit]
-  // Pull of seen vertices towards empty, unless they are as dense as surfaces (DensityOfSurfaces),
-  // as a share of Adam's largest step. By default DensityDecay.
+  // Pull of seen vertices towards empty, as a share of Adam's largest step. By default
+  // DensityDecay.
   std::optional<double> density_decay;
   // Rays are moved inside their share of the pixel by up to half of this part of it: more blurs.
   double jitter_px = 0.0;
@@ -168,8 +168,7 @@ RefineScore ScoreOf(const OptimizeOptions& options);
 // The first rate of positions: 0.1 of the edges, or the article's 1e-5 in a box of 0.5.
 double PositionRateOf(const OptimizeOptions& options);
 // Photos differ in exposure, which fog in front of their cameras explains unless density decays.
-// Surfaces do not decay (DensityOfSurfaces): they would let light through wherever photos show the
-// same colour behind them. Pictures with alpha need no decay: they show what is empty.
+// Pictures with alpha do not, and show what is empty.
 inline double DensityDecay(bool has_alpha) { return has_alpha ? 0.0 : 0.05; }
 
 }  // namespace tetrec

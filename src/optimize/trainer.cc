@@ -78,7 +78,7 @@ class Trainer {
         batches_(options, pictures_.set(), *renderer_, pictures_.background_srgb(), scene_folder),
         field_(options, scene, *renderer_, batches_, std::move(seen_space)),
         motion_(options, field_, *renderer_, pictures_.set().views.size()),
-        steps_(options, scene.has_alpha, DensityOfSurfaces(start), batches_, *renderer_, motion_),
+        steps_(options, scene.has_alpha, batches_, *renderer_, motion_),
         rate_trial_(options, field_, pictures_, steps_),
         poses_(options, pictures_, *renderer_),
         harmonics_(options, field_, pictures_, steps_),

@@ -76,7 +76,6 @@ AdamUpdate TrainingSteps::UpdateOf(uint64_t step, const RunMoment& moment) const
           .harmonics_rate = options_.harmonics_rate * share,
           .max_density = options_.max_density,
           .density_decay = density_decay_,
-          .kept_density = kept_density_,
           .harmonics_decay = options_.harmonics_decay};
 }
 

@@ -21,13 +21,12 @@ inline constexpr RunMoment kRatesOfTrials = AtProgress(0.95);
 
 class TrainingSteps {
  public:
-  // `has_alpha`: the training pictures have. Density decays below `kept_density` [1 / world unit].
-  TrainingSteps(const OptimizeOptions& options, bool has_alpha, double kept_density,
-                BatchDrawer& batches, TrainingRenderer& renderer, VertexMotion& motion)
+  // `has_alpha`: the training pictures have.
+  TrainingSteps(const OptimizeOptions& options, bool has_alpha, BatchDrawer& batches,
+                TrainingRenderer& renderer, VertexMotion& motion)
       : options_(options),
         has_alpha_(has_alpha),
         density_decay_(options.density_decay.value_or(DensityDecay(has_alpha))),
-        kept_density_(kept_density),
         batches_(batches),
         renderer_(renderer),
         motion_(motion) {}
@@ -67,7 +66,7 @@ class TrainingSteps {
 
   const OptimizeOptions& options_;
   bool has_alpha_;
-  double density_decay_, kept_density_;
+  double density_decay_;
   BatchDrawer& batches_;
   TrainingRenderer& renderer_;
   VertexMotion& motion_;

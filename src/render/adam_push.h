@@ -52,7 +52,6 @@ inline gpu_types::AdamPush MakeAdamPush(const AdamUpdate& update, const Attribut
           .largest_density = bounds.largest,
           .density_scale = density.scale,
           .density_decay = float(update.density_decay) * float(update.density_rate),
-          .kept_density = ParameterOf(density, float(update.kept_density)),
           .harmonics_decay = HarmonicsDecayOfStep(update)};
 }
 

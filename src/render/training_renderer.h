@@ -10,7 +10,6 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -87,10 +86,8 @@ struct AdamUpdate {
   float epsilon = 1e-12f;  // gradients of a mean over many rays are tiny
   double color_rate = 0.02, density_rate = 0.2, harmonics_rate = 0.015;  // by RateClass
   double max_density = 1e5;  // bound of density, and of attributes of kExp [1 / world unit]
-  // Pull of seen rows towards empty, as a share of Adam's largest step, and the density from which
-  // on there is none [1 / world unit].
+  // Pull of seen rows towards empty, as a share of Adam's largest step.
   double density_decay = 0.0;
-  double kept_density = std::numeric_limits<float>::max();
   // Share by which the coefficients of seen rows decay in a step, per unit of their learning rate.
   double harmonics_decay = 0.0;
 };

@@ -22,14 +22,6 @@ TEST(DensityForm, IsSignedForPicturesWithAlphaAndOnRequest) {
   EXPECT_FALSE(is_signed(DensityForm::kPositive, true, box));
 }
 
-TEST(DensityForm, OfSurfacesMakesAFifthOfAnOpticalDepthOverTheMedianEdge) {
-  TetMesh tet;
-  tet.positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
-  tet.tets = {{0, 1, 2, 3}};
-  // Three edges have a length of 2, and three are longer.
-  EXPECT_NEAR(DensityOfSurfaces(tet), 0.2 / 2, 1e-6);
-}
-
 TEST(DensityForm, ScalesWithTheUnitOfTheWorld) {
   RadianceField box = WavyBox(0.4);
   const float scale = LearnedDensity(DensityForm::kSigned, true, box).scale;

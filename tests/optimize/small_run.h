@@ -44,7 +44,7 @@ inline Scene SceneOfWavyBox() {
 // Its parts refer to each other, so it stays where it is.
 struct SmallRun {
   explicit SmallRun(const OptimizeOptions& run_options = SmallRunOptions(), size_t views = 5,
-                    float density = 20.0f, double kept_density = AdamUpdate().kept_density)
+                    float density = 20.0f)
       : options(run_options),
         renderer(CreateRenderer({.kind = RendererKind::kReference,
                                  .orientations = run_options.renderer.orientations,
@@ -53,7 +53,7 @@ struct SmallRun {
         batches(options, pictures.set(), *renderer, glm::vec3(0.0f), "scene"),
         field(options, SceneOfWavyBox(), *renderer, batches),
         motion(options, field, *renderer, views),
-        steps(options, false, kept_density, batches, *renderer, motion) {
+        steps(options, false, batches, *renderer, motion) {
     pictures.PlaceCameras({}, 0.0);
     PutField(0.4);
   }

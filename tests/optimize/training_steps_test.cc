@@ -47,27 +47,13 @@ TEST(TrainingSteps, LetDensityDecayForPhotosAndNotForPicturesWithAlpha) {
     options.density_decay = decay;
     options.background = BackgroundChoice::kRandom;  // as photos have it, too
     SmallRun run(options);
-    TrainingSteps steps(run.options, has_alpha, AdamUpdate().kept_density, run.batches,
-                        *run.renderer, run.motion);
+    TrainingSteps steps(run.options, has_alpha, run.batches, *run.renderer, run.motion);
     steps.Take(AtProgress(0.1), false);
     return run.field.ReadState().parameters;
   };
   EXPECT_TRUE(densities(true, {}) == densities(false, 0.0));
   EXPECT_TRUE(densities(false, {}) == densities(true, 0.05));
   EXPECT_TRUE(densities(true, {}) != densities(false, {}));
-}
-
-TEST(TrainingSteps, LetNoDensityDecayThatIsToBeKept) {
-  const auto densities = [](double decay, double kept) {
-    OptimizeOptions options = SmallRunOptions();
-    options.density_decay = decay;
-    SmallRun run(options, 5, 20.0f, kept);
-    run.steps.Take(AtProgress(0.1), false);
-    return run.field.ReadState().parameters;
-  };
-  // The field has a density of 20.
-  EXPECT_TRUE(densities(0.05, 10.0) == densities(0.0, 10.0));
-  EXPECT_TRUE(densities(0.05, 40.0) != densities(0.0, 40.0));
 }
 
 // The scene's background is black here, in front of which a black field looks the same whatever its
@@ -82,8 +68,7 @@ TEST(TrainingSteps, LearnOpacityFromAlphaInFrontOfTheScenesBackground) {
     std::fill(black.color_srgb.begin(), black.color_srgb.end(), glm::vec3(0.0f));
     const FieldState start = StateOf(black);
     run.field.Put(std::move(black.mesh), start);
-    TrainingSteps(run.options, has_alpha, AdamUpdate().kept_density, run.batches, *run.renderer,
-                  run.motion)
+    TrainingSteps(run.options, has_alpha, run.batches, *run.renderer, run.motion)
         .Take(AtProgress(0.1), false);
     const std::vector<float> end = run.field.ReadState().parameters;
     size_t clearer = 0, denser = 0;

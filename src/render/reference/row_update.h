@@ -42,10 +42,7 @@ class RowUpdate {
         AdamStep(AdamState<Real>{Real(parameter), Real(first), Real(second)}, rates,
                  share * Real(adam_.rates[int(attributes_[c]->rate)]), gradient[c]);
     const bool is_density = c == kDensityOffset;
-    if (is_density && IsSeen(gradient)) {
-      next.parameter = DecayedDensity(next.parameter, share * Real(adam_.density_decay),
-                                      Real(adam_.kept_density));
-    }
+    if (is_density && IsSeen(gradient)) next.parameter -= share * Real(adam_.density_decay);
     next.parameter = ClampParameter(int(attributes_[c]->activation), next.parameter,
                                     Real(adam_.least_density), Real(adam_.largest_density));
     if (attributes_[c]->activation == Activation::kSigned) {
