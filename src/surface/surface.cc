@@ -118,30 +118,24 @@ LevelSet ChosenSet(const RadianceField& stored, const FieldWorld& world,
   return by_opacity ? std::move(*by_opacity) : DensitySet(stored, world, options, stage);
 }
 
-LevelSet Cropped(const LevelSet& set, const ExportOptions& options, const FieldWorld& world,
-                 Stage& stage) {
+// A LevelSet or a TriangleMesh. `when` names the crop in the log, `count` what it leaves out in the
+// manifest.
+template <class Triangles>
+Triangles Cropped(const Triangles& all, const char* when, const char* count,
+                  const ExportOptions& options, const FieldWorld& world, Stage& stage) {
   const std::optional<Bounds3> crop = options.Crop();
-  if (!crop) return set;
-  LevelSet cropped = CropTo(set, *crop, ExportFromWorld(options, world.input_from_world));
-  const size_t dropped = set.triangles.size() - cropped.triangles.size();
-  LogInfo("crop: {} of {} triangles are left out", WithThousands(dropped),
-          WithThousands(set.triangles.size()));
-  stage.Count("triangles_out_of_crop", dropped);
+  if (!crop) return all;
+  Triangles cropped = CropTo(all, *crop, ExportFromWorld(options, world.input_from_world));
+  const size_t dropped = all.triangles.size() - cropped.triangles.size();
+  LogInfo("{}: {} of {} triangles are left out", when, WithThousands(dropped),
+          WithThousands(all.triangles.size()));
+  stage.Count(count, dropped);
   if (cropped.triangles.empty()) {
     throw DataError(
         "no part of the surface is inside the crop, which is in the coordinates of surface.ply, "
         "after scaling");
   }
   return cropped;
-}
-
-// Where photos show more of the subject than a crop leaves, alignment may pull the surface out of
-// it.
-TriangleMesh CroppedAgain(TriangleMesh mesh, const ExportOptions& options,
-                          const FieldWorld& world) {
-  const std::optional<Bounds3> crop = options.Crop();
-  if (!crop) return mesh;
-  return SeparateFans(CropTo(mesh, *crop, ExportFromWorld(options, world.input_from_world)));
 }
 
 // The training photos of the scene that the field was fitted to. Nothing if they are not there, and
@@ -279,12 +273,15 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
   if (set.triangles.empty()) {
     throw DataError("no surface there; choose another level or isovalue, or all as extent");
   }
-  set = Cropped(set, options.exports, world, stage);
+  set = Cropped(set, "crop", "triangles_out_of_crop", options.exports, world, stage);
   std::vector<TexturePhoto> photos = ReadPhotos(options, stage);
+  const TriangleMesh aligned =
+      Cleaned(ColoredSurface(set, WithStorage(stored, FieldStorage::kVertex)), photos, options,
+              world.subject_bounds.Diagonal(), stage);
+  // Where photos show more of the subject than the crop leaves, alignment may pull the surface out.
   const TriangleMesh cleaned =
-      CroppedAgain(Cleaned(ColoredSurface(set, WithStorage(stored, FieldStorage::kVertex)), photos,
-                           options, world.subject_bounds.Diagonal(), stage),
-                   options.exports, world);
+      SeparateFans(Cropped(aligned, "crop after alignment", "triangles_pulled_out_of_crop",
+                           options.exports, world, stage));
   stage.Seconds("surface", timer.seconds());
   TexturedMesh surface = Textured(cleaned, photos, options, stage);
   surface.mesh = Transformed(std::move(surface.mesh),
