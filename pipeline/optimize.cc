@@ -65,9 +65,11 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       "Values of density: signed (surfaces lie anywhere inside a tet, where the value changes its "
       "sign), positive, or auto (signed for pictures with alpha)");
   app.add_option("--max-density", options.max_density, "Upper bound of density [1 / world unit]");
-  app.add_option("--density-decay", options.density_decay,
-                 "Pull of visible vertices towards empty, as a share of Adam's largest step; by "
-                 "default 0.05 for photos and 0 for pictures with alpha")
+  app.add_option(
+         "--density-decay", options.density_decay,
+         "Pull of visible vertices towards empty, unless they belong to a surface where many "
+         "photos look, as a share of Adam's largest step; by default 0.05 for photos and 0 "
+         "for pictures with alpha")
       ->check(CLI::Range(0.0, 1.0));
   app.add_option(
          "--jitter", options.jitter_px,
@@ -196,7 +198,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   tetrec::StageCommand command(
-      "optimize", 19,
+      "optimize", 20,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

@@ -23,11 +23,11 @@ layout(std430, binding = kBindVertexGradients) buffer VertexGradients { float ve
 layout(std430, binding = kBindParameters) buffer Parameters { float parameters[]; };
 layout(std430, binding = kBindMoments) buffer Moments { float moments[]; };  // a row's first, its second
 layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
-layout(std430, binding = kBindRateShares) readonly buffer RateShares { float rate_shares[]; };
 // The same rows as texels, whole: word by word lavapipe takes 2.5 times as long for the update.
 layout(binding = kBindGradientTexels) uniform textureBuffer gradient_texels;
 layout(binding = kBindParameterTexels) uniform textureBuffer parameter_texels;
 layout(binding = kBindMomentTexels) uniform textureBuffer moment_texels;
+layout(binding = kBindRowRateTexels) uniform textureBuffer row_rates;  // share, kept density
 layout(push_constant) uniform Push { AdamPush push; };
 
 #include "storage.glsl"
@@ -72,7 +72,8 @@ void main() {
     vec4 gradient = TakeGradients(row);
     gradient[kDensityComponent] *=
         SlopeOfDensity(parameter[kDensityComponent], push.density_scale);
-    float share = rate_shares[row];
+    vec2 rates = texelFetch(row_rates, int(row)).xy;
+    float share = rates.x, kept_density = rates.y;
     float color_rate = share * push.rates[kRateColor];
     AdamState r = Next(parameter, first, second, kColorComponent, color_rate, gradient);
     AdamState g = Next(parameter, first, second, kColorComponent + 1, color_rate, gradient);
@@ -81,7 +82,10 @@ void main() {
                              share * push.rates[kRateDensity], gradient);
     vec3 color = vec3(ClampColor(r.parameter), ClampColor(g.parameter), ClampColor(b.parameter));
     // Seen rows tend to empty: what the pictures do not ask for again and again goes.
-    if (gradient != vec4(0.0)) density.parameter -= share * push.density_decay;
+    if (gradient != vec4(0.0)) {
+      density.parameter =
+          DecayedDensity(density.parameter, share * push.density_decay, kept_density);
+    }
     density.parameter = ClampBetween(density.parameter, push.least_density, push.largest_density);
     if (kSignedDensity != 0) density = StopAtZero(density, parameter[kDensityComponent]);
 

@@ -21,7 +21,7 @@ layout(std430, binding = kBindOtherGradients) buffer OtherGradients { Sum other_
 layout(std430, binding = kBindHasGradients) buffer HasGradients { uint has_gradients[]; };
 layout(std430, binding = kBindParameters) buffer Parameters { float parameters[]; };
 layout(std430, binding = kBindMoments) buffer Moments { float moments[]; };
-layout(std430, binding = kBindRateShares) readonly buffer RateShares { float rate_shares[]; };
+layout(std430, binding = kBindRowRates) readonly buffer RowRates { vec2 row_rates[]; };
 layout(push_constant) uniform Push { AdamPush push; };
 
 // Each attribute is components | activation << 8 | rate class << 16; 0 means that there is none.
@@ -52,12 +52,12 @@ uint UpdateAttribute(int kind, uint row, uint number, uint begin) {
     at += 1u;
   }
   float rate = 0.0;
-  float decay = rate_class == kRateHarmonics ? rate_shares[row] * push.harmonics_decay : 0.0;
+  float decay = rate_class == kRateHarmonics ? row_rates[row].x * push.harmonics_decay : 0.0;
   TETREC_RARELY(squares > 0.0) {
     uint moment = row * push.moment_stride + number;
     float second = SharedMoment(moments[moment], squares / float(kind & 255), push.beta2);
     moments[moment] = second;
-    rate = SharedRate(rate_shares[row] * push.rates[rate_class], second, push.epsilon);
+    rate = SharedRate(row_rates[row].x * push.rates[rate_class], second, push.epsilon);
   }
   at = begin;
   while (at < end) {

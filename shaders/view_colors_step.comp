@@ -10,7 +10,7 @@ layout(push_constant) uniform Push { ViewColorStepPush push; };
 
 layout(std430, binding = kBindParameters) writeonly buffer Parameters { float parameters[]; };
 layout(std430, binding = kBindMoments) buffer Moments { float moments[]; };
-layout(std430, binding = kBindRateShares) readonly buffer RateShares { float rate_shares[]; };
+layout(std430, binding = kBindRowRates) readonly buffer RowRates { vec2 row_rates[]; };
 layout(binding = kBindHarmonics) uniform textureBuffer harmonics;  // `parameters` as texels
 
 // The sums are in quanta; storing them would have rounded them.
@@ -69,8 +69,8 @@ void MoveRow(uint row, float squares) {
   bool moves = squares > 0.0;
   float second = moves ? SharedMoment(before, squares / float(3 * kHarmonics), push.beta2) : before;
   moments[moment] = second;
-  float rate = moves ? SharedRate(rate_shares[row] * push.rate, second, push.epsilon) : 0.0;
-  float decay = moves ? rate_shares[row] * push.decay : 0.0;
+  float rate = moves ? SharedRate(row_rates[row].x * push.rate, second, push.epsilon) : 0.0;
+  float decay = moves ? row_rates[row].x * push.decay : 0.0;
   uint texel = row * (push.other_stride / 4u);
   MoveFour(texel, by_coefficient[0], by_coefficient[1], by_coefficient[2], by_coefficient[3])
   if (kHarmonics > 3) {

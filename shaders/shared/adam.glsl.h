@@ -55,6 +55,11 @@ TETREC_FN Real SharedStep(Real parameter, Real decay, Real rate, Real gradient) 
   return parameter - (decay * parameter + rate * gradient);
 }
 
+// Density's parameter with `decay` removed, unless it is `kept` or more.
+TETREC_FN Real DecayedDensity(Real parameter, Real decay, Real kept) {
+  return parameter < kept ? parameter - decay : parameter;
+}
+
 // Lets a signed parameter that falls through 0 stop there once, without its momentum: below 0 most
 // rays no longer move it, so it should not get there by what others have changed since.
 TETREC_FN TETREC_T(AdamState) StopAtZero(TETREC_T(AdamState) next, Real before) {

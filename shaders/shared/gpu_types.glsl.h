@@ -287,7 +287,7 @@ struct SpreadPush {
 #define kBindPartialSsims 38  // float per workgroup
 #define kBindFaceChunks 39    // uint per chunk of faces that a tile may see
 #define kBindAppended 40      // uvec4: fragment, ray, place in the ray's list
-#define kBindRateShares 41    // float per row: share of the learning rates
+#define kBindRowRates 41      // vec2 per row: share of the learning rates, kept density
 #define kBindExposures 42     // texels vec4, two per view: gain, offset
 #define kBindExposureSums 43  // vec4, four per block (exposure_sums.comp)
 #define kBindRayReaches 44    // float per ray: distance at which it reaches the stop depth, or 0
@@ -314,6 +314,7 @@ struct SpreadPush {
 #define kSeenRowsGroups 0  // three
 #define kSeenRowsCount 3
 #define kSeenRowsHeader 4
+#define kBindRowRateTexels 60  // texels vec2: those of kBindRowRates
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);

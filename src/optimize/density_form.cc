@@ -2,16 +2,13 @@
 #include "optimize/density_form.h"
 
 #include "core/quantile.h"
-#include "mesh/tet_mesh.h"
 
 #include <glm/glm.hpp>
 
+#include <limits>
+
 namespace tetrec {
 namespace {
-
-// Between what is best for opaque subjects (half an optical depth) and for volumes of soft density
-// (a twentieth).
-constexpr double kOpticalDepthOfScale = 0.2;
 
 double MedianEdge(const TetMesh& mesh) {
   std::vector<double> lengths;
@@ -26,12 +23,16 @@ double MedianEdge(const TetMesh& mesh) {
 
 }  // namespace
 
+double DensityOfSurfaces(const TetMesh& mesh) {
+  return mesh.tets.empty() ? std::numeric_limits<double>::infinity() : 0.2 / MedianEdge(mesh);
+}
+
 Attribute LearnedDensity(DensityForm form, bool has_alpha, const RadianceField& start) {
   const bool is_linear = start.storage == FieldStorage::kVertex;
   const bool is_signed =
       form == DensityForm::kSigned || (form == DensityForm::kAuto && has_alpha && is_linear);
   if (!is_signed || start.mesh.tets.empty()) return kDensityAttribute;
-  return SignedDensity(float(kOpticalDepthOfScale / MedianEdge(start.mesh)));
+  return SignedDensity(float(DensityOfSurfaces(start.mesh)));
 }
 
 }  // namespace tetrec

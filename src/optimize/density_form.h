@@ -3,6 +3,7 @@
 
 #include "core/words.h"
 #include "field/radiance_field.h"
+#include "mesh/tet_mesh.h"
 
 namespace tetrec {
 
@@ -19,8 +20,13 @@ inline constexpr auto kWords<DensityForm> =
                                       {DensityForm::kPositive, "positive"},
                                       {DensityForm::kSigned, "signed"}});
 
-// The density attribute of a fit that begins with `start`. The scale of signed density makes a
-// fifth of an optical depth over the median edge of the mesh.
+// The density that makes a fifth of an optical depth over the median edge of a mesh, which is
+// between what is best for opaque subjects (a half) and for volumes of soft density (a twentieth).
+// What is denser is a surface rather than fog [1 / world unit]. Infinity for a mesh without tets.
+double DensityOfSurfaces(const TetMesh& mesh);
+
+// The density attribute of a fit that begins with `start`. The scale of signed density is
+// DensityOfSurfaces.
 Attribute LearnedDensity(DensityForm form, bool has_alpha, const RadianceField& start);
 
 }  // namespace tetrec

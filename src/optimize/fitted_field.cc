@@ -13,8 +13,13 @@
 namespace tetrec {
 
 FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
-                         TrainingRenderer& renderer, BatchDrawer& batches, SeenSpace seen_space)
-    : renderer_(renderer), batches_(batches), seen_space_(std::move(seen_space)) {
+                         TrainingRenderer& renderer, BatchDrawer& batches, SeenSpace seen_space,
+                         double density_of_surfaces)
+    : renderer_(renderer),
+      batches_(batches),
+      seen_space_(std::move(seen_space)),
+      photo_frames_(scene),
+      density_of_surfaces_(density_of_surfaces) {
   const glm::dvec3 size = scene.subject_bounds.Size();
   subject_size_ = std::max({size.x, size.y, size.z});
   if (options.camera_space == SpaceContent::kEmpty) camera_space_ = FindCameraSpace(scene);
@@ -22,9 +27,11 @@ FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
 
 void FittedField::Put(TetMesh mesh, FieldState state) {
   ++topology_;
-  const std::vector<float> rate_shares = TakeOutDensity(mesh, state);
+  const std::vector<glm::vec3> places = PlacesOfRows(mesh, state.layout.storage);
+  std::vector<RowRates> rates = RatesAt(places);
+  TakeOutDensity(places, state, rates);
   renderer_.SetState(std::move(mesh), state);
-  renderer_.SetRateShares(rate_shares);
+  renderer_.SetRowRates(rates);
   harmonics_degree_ = state.layout.HarmonicsDegree();
   storage_ = state.layout.storage;
   batches_.UseFewViews(harmonics_degree_ > 0);
@@ -91,12 +98,20 @@ std::vector<float> FittedField::RoomOfVertices() const {
   return room;
 }
 
-std::vector<float> FittedField::TakeOutDensity(const TetMesh& mesh, FieldState& state) {
-  std::vector<float> rate_shares(state.rows(), 1.0f);
+std::vector<RowRates> FittedField::RatesAt(std::span<const glm::vec3> places) const {
+  const std::vector<uint8_t> many_look = photo_frames_.ManyShow(places);
+  std::vector<RowRates> rates(places.size());
+  for (size_t row = 0; row < places.size(); ++row) {
+    if (many_look[row]) rates[row].kept_density = float(density_of_surfaces_);
+  }
+  return rates;
+}
+
+void FittedField::TakeOutDensity(std::span<const glm::vec3> places, FieldState& state,
+                                 std::vector<RowRates>& rates) {
   emptied_rows_ = seen_empty_rows_ = 0;
-  if (camera_space_.empty() && seen_space_.empty()) return rate_shares;
+  if (camera_space_.empty() && seen_space_.empty()) return;
   const float least = BoundsOf(state.layout.density(), 1.0f).least;
-  const std::vector<glm::vec3> places = PlacesOfRows(mesh, state.layout.storage);
   const std::vector<uint8_t> has_cameras = InsideCapsules(places, camera_space_);
   const std::vector<uint8_t> is_seen_empty = seen_space_.Contains(places);
   for (size_t row = 0; row < places.size(); ++row) {
@@ -107,10 +122,9 @@ std::vector<float> FittedField::TakeOutDensity(const TetMesh& mesh, FieldState& 
     } else {
       continue;
     }
-    rate_shares[row] = 0.0f;
+    rates[row].share = 0.0f;
     state.parameters[row * size_t(state.layout.Components()) + kDensityOffset] = least;
   }
-  return rate_shares;
 }
 
 }  // namespace tetrec

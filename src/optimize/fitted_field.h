@@ -7,22 +7,28 @@
 #include "optimize/batches.h"
 #include "optimize/camera_space.h"
 #include "optimize/optimize_options.h"
+#include "optimize/photo_frames.h"
 #include "optimize/seen_space.h"
 #include "render/training_renderer.h"
 #include "scene/scene.h"
 
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <vector>
 
 namespace tetrec {
 
 // Whatever state it is given, there is no density in the space of the cameras and in what photos
-// see to be empty, and none grows there.
+// see to be empty, and none grows there. Where many photos look, surfaces do not decay: decay would
+// let light through them wherever the photos show the same colour behind.
 class FittedField {
  public:
-  // Tells `batches` whether colours depend on the view.
+  // Tells `batches` whether colours depend on the view. What has `density_of_surfaces` or more is
+  // a surface [1 / world unit].
   FittedField(const OptimizeOptions& options, const Scene& scene, TrainingRenderer& renderer,
-              BatchDrawer& batches, SeenSpace seen_space = {});
+              BatchDrawer& batches, SeenSpace seen_space = {},
+              double density_of_surfaces = std::numeric_limits<double>::infinity());
 
   void Put(TetMesh mesh, FieldState state);
   void PutState(FieldState state);  // of the same mesh
@@ -49,14 +55,18 @@ class FittedField {
   uint64_t seen_empty_rows() const { return seen_empty_rows_; }
 
  private:
-  // Takes the density from the rows in space that is empty; returns their shares of the learning
-  // rates, which are 0, and 1 elsewhere.
-  std::vector<float> TakeOutDensity(const TetMesh& mesh, FieldState& state);
+  // (rows) The rates of rows at these places, whatever is empty.
+  std::vector<RowRates> RatesAt(std::span<const glm::vec3> places) const;
+  // Takes the density from the rows in space that is empty, and their rates.
+  void TakeOutDensity(std::span<const glm::vec3> places, FieldState& state,
+                      std::vector<RowRates>& rates);
 
   TrainingRenderer& renderer_;
   BatchDrawer& batches_;
   std::vector<Capsule> camera_space_;
   SeenSpace seen_space_;
+  PhotoFrames photo_frames_;
+  double density_of_surfaces_;
   double subject_size_ = 0;
   uint64_t topology_ = 0;
   int harmonics_degree_ = 0;

@@ -13,8 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Beyond these, photos forbid fog by themselves.
-constexpr int kFewPhotos = 12;
 constexpr int kLeastVotes = 2;
 // Other views that must confirm a depth: a wrong one would keep empty what is full, which learning
 // cannot mend.
@@ -50,11 +48,7 @@ SeenSpace::LeastDepths SeenSpace::LeastDepthsOf(const Scene& scene, const Stereo
   return least;
 }
 
-SeenSpace::SeenSpace(const Scene& scene, std::span<const StereoDepth> maps) {
-  for (const int v : scene.ViewsOf(Split::kTrain)) {
-    const View& view = scene.views[size_t(v)];
-    frames_.push_back({view.cam_from_world, scene.cameras[size_t(view.camera)]});
-  }
+SeenSpace::SeenSpace(const Scene& scene, std::span<const StereoDepth> maps) : frames_(scene) {
   for (const StereoDepth& map : maps) maps_.push_back(LeastDepthsOf(scene, map));
 }
 
@@ -73,14 +67,6 @@ SeenSpace SeenSpace::Read(const Scene& scene, const fs::path& start_folder) {
   return space;
 }
 
-bool SeenSpace::ManyPhotosShow(const glm::dvec3& point) const {
-  int photos = 0;
-  for (const Frame& frame : frames_) {
-    if (frame.camera.Shows(frame.cam_from_world * point) && ++photos > kFewPhotos) return true;
-  }
-  return false;
-}
-
 bool SeenSpace::Contains(const glm::dvec3& point) const {
   int votes = 0;
   for (const LeastDepths& map : maps_) {
@@ -92,7 +78,7 @@ bool SeenSpace::Contains(const glm::dvec3& point) const {
     if (in_cam.z > (1 - kMargin) * depth) return false;
     ++votes;
   }
-  return votes >= kLeastVotes && !ManyPhotosShow(point);
+  return votes >= kLeastVotes && !frames_.ManyShow(point);
 }
 
 std::vector<uint8_t> SeenSpace::Contains(std::span<const glm::vec3> points) const {

@@ -4,6 +4,7 @@
 
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
+#include "optimize/photo_frames.h"
 #include "run/stereo_depth.h"
 #include "scene/scene.h"
 
@@ -17,7 +18,7 @@
 namespace tetrec {
 
 // A place is empty if at least 2 depth maps show something clearly behind it, none shows something
-// near it, and no more than 12 training photos have it in their frame. Only depths that at least 2
+// near it, and few photos have it in their frame (PhotoFrames). Only depths that at least 2
 // other views confirm count.
 class SeenSpace {
  public:
@@ -44,13 +45,8 @@ class SeenSpace {
   };
   static LeastDepths LeastDepthsOf(const Scene& scene, const StereoDepth& map);
   bool Contains(const glm::dvec3& point) const;
-  bool ManyPhotosShow(const glm::dvec3& point) const;
 
-  struct Frame {
-    Rigid3 cam_from_world;
-    Camera camera;
-  };
-  std::vector<Frame> frames_;  // of all training views
+  PhotoFrames frames_;
   std::vector<LeastDepths> maps_;
 };
 

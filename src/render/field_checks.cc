@@ -51,13 +51,17 @@ void CheckRenderable(const TetMesh& mesh, const FieldState& state, Orientations 
   CheckMoments(state, rows);
 }
 
-void CheckRateShares(std::span<const float> shares, size_t rows) {
-  if (shares.size() != rows) {
-    throw DataError(fmt::format("{} rate shares for {} rows", shares.size(), rows));
-  }
+void CheckRowRates(std::span<const RowRates> rates, size_t rows) {
+  if (rates.size() != rows)
+    throw DataError(fmt::format("{} rates for {} rows", rates.size(), rows));
   for (size_t row = 0; row < rows; ++row) {
-    if (shares[row] >= 0.0f && shares[row] <= 1.0f) continue;
-    throw DataError(fmt::format("rate share {} is {}, not in [0, 1]", row, shares[row]));
+    const RowRates& r = rates[row];
+    if (!(r.share >= 0.0f && r.share <= 1.0f)) {
+      throw DataError(fmt::format("rate share {} is {}, not in [0, 1]", row, r.share));
+    }
+    if (!(r.kept_density >= 0.0f)) {
+      throw DataError(fmt::format("kept density {} is {}, not 0 or more", row, r.kept_density));
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "core/free_memory.h"
 #include "field/field_state.h"
+#include "render/training_renderer.h"
 
 #include <cstdint>
 #include <span>
@@ -17,8 +18,8 @@ void CheckRenderable(const TetMesh& mesh, const FieldState& state, Orientations 
 void CheckRows(std::span<const float> values, const FieldLayout& layout, size_t rows,
                const char* what);
 
-// One share in [0, 1] per row. Throws DataError.
-void CheckRateShares(std::span<const float> shares, size_t rows);
+// For each row a share in [0, 1], and a kept density of 0 or more. Throws DataError.
+void CheckRowRates(std::span<const RowRates> rates, size_t rows);
 
 // Throws EnvironmentError if less is free than `needed`.
 void CheckMemory(const TetMesh& mesh, uint64_t needed, const FreeMemory& free);

@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -86,10 +87,17 @@ struct AdamUpdate {
   float epsilon = 1e-12f;  // gradients of a mean over many rays are tiny
   double color_rate = 0.02, density_rate = 0.2, harmonics_rate = 0.015;  // by RateClass
   double max_density = 1e5;  // bound of density, and of attributes of kExp [1 / world unit]
-  // Pull of seen rows towards empty, as a share of Adam's largest step.
+  // Pull of seen rows towards empty (RowRates), as a share of Adam's largest step.
   double density_decay = 0.0;
   // Share by which the coefficients of seen rows decay in a step, per unit of their learning rate.
   double harmonics_decay = 0.0;
+};
+
+// How a row differs from others in its updates.
+struct RowRates {
+  float share = 1.0f;  // of the learning rates, in [0, 1]; a row of 0 stays
+  // Density from which on it does not decay [1 / world unit].
+  float kept_density = std::numeric_limits<float>::infinity();
 };
 
 struct StepResult {
@@ -190,9 +198,8 @@ class TrainingRenderer : public Renderer {
   // Replaces all parameters by what another optimiser made of the gradients; moments stay.
   virtual void WriteParameters(std::span<const float> parameters) = 0;
 
-  // The share of the learning rates, in [0, 1], by which each row moves; a row of 0 stays. All are
-  // 1 after SetState.
-  virtual void SetRateShares(std::span<const float> shares) = 0;
+  // One per row. All are RowRates() after SetState.
+  virtual void SetRowRates(std::span<const RowRates> rates) = 0;
 
   // Adds the blocks' errors to the scores of ReadScores; ClearScores first. The batch's loss does
   // not matter; its result comes as that of Step does.

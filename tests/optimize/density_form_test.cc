@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace tetrec {
 namespace {
 
@@ -20,6 +22,15 @@ TEST(DensityForm, IsSignedForPicturesWithAlphaAndOnRequest) {
   EXPECT_FALSE(is_signed(DensityForm::kAuto, true, cells));
   EXPECT_TRUE(is_signed(DensityForm::kSigned, false, box));
   EXPECT_FALSE(is_signed(DensityForm::kPositive, true, box));
+}
+
+TEST(DensityForm, OfSurfacesMakesAFifthOfAnOpticalDepthOverTheMedianEdge) {
+  TetMesh tet;
+  tet.positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
+  tet.tets = {{0, 1, 2, 3}};
+  // Three edges have a length of 2, and three are longer.
+  EXPECT_NEAR(DensityOfSurfaces(tet), 0.2 / 2, 1e-6);
+  EXPECT_EQ(DensityOfSurfaces(TetMesh()), std::numeric_limits<double>::infinity());
 }
 
 TEST(DensityForm, ScalesWithTheUnitOfTheWorld) {

@@ -73,5 +73,28 @@ TEST(FittedField, HasNoDensityWherePhotosSeeNothing) {
   EXPECT_EQ(field.emptied_rows(), 0u);
 }
 
+// The whole box is in the frame of each photo, and all of it is denser than 1.
+TEST(FittedField, KeepsTheDensityOfSurfacesWhereManyPhotosLook) {
+  const auto after_a_step = [](int photos, double decay, double density_of_surfaces) {
+    OptimizeOptions options = SmallRunOptions();
+    options.density_decay = decay;
+    SmallRun run(options);
+    Scene scene = RingOfCameras(photos, 0);
+    for (View& view : scene.views) view.cam_from_world = {glm::dmat3(1.0), {0.0, 0.0, 4.0}};
+    FittedField field(run.options, scene, *run.renderer, run.batches, {}, density_of_surfaces);
+    const RadianceField box = WavyBox(0.4);
+    field.Put(box.mesh, StateOf(box));
+    run.steps.Take(AtProgress(0.1), false);
+    return field.ReadState().parameters;
+  };
+  const auto with_decay = [&](int photos, double density_of_surfaces) {
+    return after_a_step(photos, 0.05, density_of_surfaces);
+  };
+  const std::vector<float> kept = after_a_step(13, 0.0, 1.0), decayed = with_decay(13, 1e6);
+  EXPECT_TRUE(kept != decayed);
+  EXPECT_TRUE(with_decay(13, 1.0) == kept);
+  EXPECT_TRUE(with_decay(12, 1.0) == decayed);
+}
+
 }  // namespace
 }  // namespace tetrec

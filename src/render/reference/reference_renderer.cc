@@ -55,7 +55,7 @@ class ReferenceRenderer final : public ProbedRenderer {
     state_ = state;
     field_ = MakeField(std::move(mesh), state.layout, std::vector<float>(rows * components));
     SpreadAll();
-    rate_shares_.assign(rows, 1.0f);
+    row_rates_.assign(rows, {});
     boxes_ = MakeTetBoxes(field_.mesh);
     ClearScores();
     sums_ = ReferenceSums(field_);
@@ -166,15 +166,15 @@ class ReferenceRenderer final : public ProbedRenderer {
         by_parameter[c] =
             Real(sums_.At(row, c)) * ActivationSlope(*attributes[c], Real(ValueAt(field_, row, c)));
       }
-      row_update.Apply(state_, row, by_parameter, Real(rate_shares_[row]));
+      row_update.Apply(state_, row, by_parameter, row_rates_[row]);
       SpreadRow<Real>(state_, row, field_);
     }
     sums_.ClearValues();
   }
 
-  void SetRateShares(std::span<const float> shares) override {
-    CheckRateShares(shares, state_.rows());
-    rate_shares_.assign(shares.begin(), shares.end());
+  void SetRowRates(std::span<const RowRates> rates) override {
+    CheckRowRates(rates, state_.rows());
+    row_rates_.assign(rates.begin(), rates.end());
   }
 
   void WriteParameters(std::span<const float> parameters) override {
@@ -301,8 +301,8 @@ class ReferenceRenderer final : public ProbedRenderer {
   RadianceField field_;  // the values of the parameters in state_
   TetBoxes boxes_;
   FieldState state_;
-  std::vector<float> rate_shares_;  // of the rows
-  ReferenceSums sums_;              // since the last update
+  std::vector<RowRates> row_rates_;
+  ReferenceSums sums_;  // since the last update
   std::optional<ForwardedBatch> forward_;
   TrainingTargets targets_;
   std::vector<BlockExposureSums> block_sums_;  // since AddExposureSums

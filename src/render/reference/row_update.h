@@ -20,19 +20,21 @@ class RowUpdate {
         adam_(MakeAdamPush(update, layout.density(), 0)),
         others_(MakeAdamPush(WithoutMomentum(update), layout.density(), 0)) {}
 
-  // `gradient`: dL/dparameter of each component; `share`: of the learning rates.
-  void Apply(FieldState& state, size_t row, std::span<const Real> gradient, Real share) const {
-    for (size_t c = 0; c < kStandardComponents; ++c) ApplyAdam(state, row, c, gradient, share);
+  // `gradient`: dL/dparameter of each component.
+  void Apply(FieldState& state, size_t row, std::span<const Real> gradient,
+             const RowRates& rates) const {
+    for (size_t c = 0; c < kStandardComponents; ++c) ApplyAdam(state, row, c, gradient, rates);
     size_t begin = kStandardComponents;
     for (size_t i = 2; i < layout_.attributes.size(); ++i) {
-      ApplyToOther(state, row, i, begin, gradient, share);
+      ApplyToOther(state, row, i, begin, gradient, Real(rates.share));
       begin += size_t(layout_.attributes[i].components);
     }
   }
 
  private:
   void ApplyAdam(FieldState& state, size_t row, size_t c, std::span<const Real> gradient,
-                 Real share) const {
+                 const RowRates& of_row) const {
+    const Real share(of_row.share);
     const AdamRates<Real> rates{Real(adam_.beta1), Real(adam_.beta2), Real(adam_.epsilon),
                                 Real(adam_.second_moment_correction)};
     float& parameter = state.parameters[row * attributes_.size() + c];
@@ -42,7 +44,10 @@ class RowUpdate {
         AdamStep(AdamState<Real>{Real(parameter), Real(first), Real(second)}, rates,
                  share * Real(adam_.rates[int(attributes_[c]->rate)]), gradient[c]);
     const bool is_density = c == kDensityOffset;
-    if (is_density && IsSeen(gradient)) next.parameter -= share * Real(adam_.density_decay);
+    if (is_density && IsSeen(gradient)) {
+      next.parameter = DecayedDensity(next.parameter, share * Real(adam_.density_decay),
+                                      Real(ParameterOf(*attributes_[c], of_row.kept_density)));
+    }
     next.parameter = ClampParameter(int(attributes_[c]->activation), next.parameter,
                                     Real(adam_.least_density), Real(adam_.largest_density));
     if (attributes_[c]->activation == Activation::kSigned) {

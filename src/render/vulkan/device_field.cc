@@ -266,13 +266,13 @@ DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point, size_t vie
   const uint64_t sum = SumBytes(fixed_point);
   const bool cells = layout.storage == FieldStorage::kCell;
   // Rows of 16 bytes: 2 per tet, beside its scores; 2 per vertex and 4 sums; for what has
-  // attributes a parameter, two moments and a sum per component, a rate share, behind colour and
+  // attributes a parameter, two moments and a sum per component, two rates, behind colour and
   // density a parameter and a sum per component (padded to 4) and a moment per attribute, and one
   // row more if that is a tet; 2 per face, and twice as many nodes of 2 as there are faces, at
   // most. View-dependent colours of a row and their sums for each view of a batch.
   const RowPart others = OtherPart(layout);
   const uint64_t views = layout.HarmonicsDegree() > 0 ? views_per_batch : 0;
-  const uint64_t attributes = kStandardComponents * (3 * 4 + sum) + 4 + others.stride * (4 + sum) +
+  const uint64_t attributes = kStandardComponents * (3 * 4 + sum) + 8 + others.stride * (4 + sum) +
                               4 * OtherMomentPart(layout).count + (others.count > 0 ? 4 : 0) +
                               views * (16 + kStandardComponents * sum);
   return {.of_tet = 2 * 16 + kScoresPerTet * sum + (cells ? 16 + attributes : 0),
@@ -307,7 +307,9 @@ DeviceField UploadField(const Device& device, TetMesh host_mesh, const FieldStat
                  PartOf<float>(std::span(state.parameters), components, kStandardPart), kTexels);
   field.moments = MakeBuffer(device, "moments", AdamMomentRows(state), kTexels);
   if (!state.layout.IsStandard()) field.others = UploadOthers(device, state);
-  field.rate_shares = MakeBuffer(device, "rate shares", std::vector<float>(field.row_count, 1.0f));
+  field.row_rates =
+      Buffer(device, "row rates", field.row_count * sizeof(glm::vec2), VK_FORMAT_R32G32_SFLOAT);
+  UploadRowRates(field, std::vector<RowRates>(field.row_count));
   field.gradients =
       Buffer(device, "field gradients",
              uint64_t{field.row_count} * kStandardComponents * SumBytes(fixed_point), kTexels);
@@ -376,6 +378,14 @@ void AddToPositionGradients(DeviceField& field, std::span<const double> values,
                             const FixedPoint& fixed) {
   AddToSums(field.fixed_point, field.position_gradients, values,
             std::vector<double>{fixed.position_quanta});
+}
+
+void UploadRowRates(DeviceField& field, std::span<const RowRates> rates) {
+  std::vector<glm::vec2> rows;
+  for (const RowRates& r : rates) {
+    rows.emplace_back(r.share, ParameterOf(field.layout.density(), r.kept_density));
+  }
+  field.row_rates.Upload(rows.data(), rows.size() * sizeof(glm::vec2));
 }
 
 void UploadParameters(DeviceField& field, std::span<const float> parameters) {

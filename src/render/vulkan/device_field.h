@@ -37,7 +37,7 @@ struct DeviceField {
   Buffer parameters, gradients;  // rows of kStandardComponents
   Buffer moments;                // rows: all first moments of a row, then all second ones
   OtherAttributes others;
-  Buffer rate_shares;         // float per row
+  Buffer row_rates;           // vec2 per row: share of the learning rates, kept density
   Buffer position_gradients;  // vec4 per vertex: xyz | absolute sum; absent until asked for
   Buffer tet_scores;
   uint32_t vertex_count = 0, tet_count = 0, hull_faces = 0, hull_planes = 0;
@@ -72,6 +72,7 @@ void AddToPositionGradients(DeviceField& field, std::span<const double> values,
                             const FixedPoint& fixed);
 // Replaces the parameters: rows x layout.Components().
 void UploadParameters(DeviceField& field, std::span<const float> parameters);
+void UploadRowRates(DeviceField& field, std::span<const RowRates> rates);  // one per row
 // Moves the vertices; density and colour are yet to be spread again.
 void UploadPositions(DeviceField& field, std::span<const glm::vec3> positions);
 // Tet scores.

@@ -67,7 +67,7 @@ void FieldUpdate::Adam(CommandRecorder& recorder, DeviceField& field, const Adam
                          {kBindGradientTexels, field.gradients},
                          {kBindParameterTexels, field.parameters},
                          {kBindMomentTexels, field.moments},
-                         {kBindRateShares, field.rate_shares},
+                         {kBindRowRateTexels, field.row_rates},
                          {kBindVertices, field.vertices}},
                         push, field.row_count);
 }
@@ -83,7 +83,7 @@ void FieldUpdate::Others(CommandRecorder& recorder, DeviceField& field, const Ad
                          {kBindHasGradients, field.others.has_gradients},
                          {kBindParameters, field.others.parameters},
                          {kBindMoments, field.others.moments},
-                         {kBindRateShares, field.rate_shares}},
+                         {kBindRowRates, field.row_rates}},
                         push, field.row_count);
 }
 

@@ -130,7 +130,7 @@ void ViewColors::RecordStep(CommandRecorder& recorder, const RayPass& pass,
   buffers.emplace_back(kBindHarmonics, others.parameters);
   buffers.emplace_back(kBindParameters, others.parameters);
   buffers.emplace_back(kBindMoments, others.moments);
-  buffers.emplace_back(kBindRateShares, pass.field.rate_shares);
+  buffers.emplace_back(kBindRowRates, pass.field.row_rates);
   recorder.DispatchCounted(step_, buffers, push, seen_rows_);
 }
 

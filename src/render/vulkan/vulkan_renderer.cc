@@ -208,10 +208,10 @@ class VulkanRenderer final : public ProbedRenderer {
     SpreadParameters();
   }
 
-  void SetRateShares(std::span<const float> shares) override {
-    CheckRateShares(shares, field_.row_count);
+  void SetRowRates(std::span<const RowRates> rates) override {
+    CheckRowRates(rates, field_.row_count);
     WaitAll();
-    field_.rate_shares.Upload(shares.data(), shares.size_bytes());
+    UploadRowRates(field_, rates);
   }
 
   DevicePace Pace() const override { return options_.pace.value_or(PaceOf(*device_)); }

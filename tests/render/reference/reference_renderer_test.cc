@@ -47,10 +47,18 @@ struct Learnt {
   TetScores scores;
 };
 
+// Every second row keeps its density above the middle of their range.
+std::vector<RowRates> MixedRates(size_t rows) {
+  std::vector<RowRates> rates(rows);
+  for (size_t row = 0; row < rows; row += 2) rates[row].kept_density = 2.5f;
+  return rates;
+}
+
 // Takes steps over blocks of all views with jitter, then gathers scores.
 Learnt Learn(ProbedRenderer& renderer, const Lesson& lesson, LossKind loss) {
   renderer.SetField(lesson.field);
   renderer.SetTargets(lesson.views, lesson.targets);
+  renderer.SetRowRates(MixedRates(lesson.field.mesh.positions.size()));
   std::vector<RayBlock> blocks;
   for (uint32_t v = 0; v < lesson.views.size(); ++v) {
     const auto all = AllBlocks(lesson.views[v].camera, v);
@@ -65,7 +73,7 @@ Learnt Learn(ProbedRenderer& renderer, const Lesson& lesson, LossKind loss) {
     // Adam divides gradients by their size: a larger epsilon keeps rounding from deciding where
     // vertices go that hardly any ray sees.
     learnt.losses.push_back(
-        renderer.Step(step, {.step = i, .epsilon = 1e-3f, .density_decay = 0.01}).loss);
+        renderer.Step(step, {.step = i, .epsilon = 1e-3f, .density_decay = 0.1}).loss);
   }
   learnt.state = renderer.ReadState();
   renderer.ClearScores();

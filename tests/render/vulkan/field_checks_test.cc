@@ -138,7 +138,7 @@ TEST_F(FieldMemoryTest, BytesAreThoseThatAnUploadTakes) {
       uint64_t taken = 0;
       for (const Buffer* buffer :
            {&field.tets, &field.vertices, &field.hull, &field.parameters, &field.moments,
-            &field.rate_shares, &field.gradients, &field.position_gradients, &field.tet_scores}) {
+            &field.row_rates, &field.gradients, &field.position_gradients, &field.tet_scores}) {
         taken += buffer->bytes();
       }
       const uint64_t most =

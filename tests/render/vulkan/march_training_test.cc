@@ -236,11 +236,15 @@ TEST_F(RendererTest, StepsKeepColorsInsideThePicturesRange) {
   EXPECT_EQ(most, 1.0f);
 }
 
-TEST_F(RendererTest, DensityDecayPullsSeenVerticesAloneTowardsEmpty) {
+TEST_F(RendererTest, DensityDecayPullsSeenVerticesTowardsEmptyUnlessTheyAreToBeKept) {
   const RadianceField field = RandomField(40, 57, 3.0f);
   // One view from above the centre of the box sees some vertices, but not those at its edges.
   const std::vector<RenderView> views = {LookAt({0.0, 0.35, 2.5}, {0.0, 0.35, 0.65}, 8, 8, 8.0)};
   const std::vector<RayBlock> blocks = BlocksOf(views);
+  // Half of the vertices are kept once they have this density.
+  constexpr float kKept = 1.5f;
+  std::vector<RowRates> rates(field.mesh.positions.size());
+  for (size_t v = 0; v < rates.size(); v += 2) rates[v].kept_density = kKept;
   std::vector<std::vector<glm::vec4>> ends;
   for (double decay : {0.0, 0.5}) {
     ProbedRenderer& renderer = MakeRenderer();
@@ -248,21 +252,26 @@ TEST_F(RendererTest, DensityDecayPullsSeenVerticesAloneTowardsEmpty) {
     const std::vector<TargetImage> targets = TargetsOf(renderer, views);
     renderer.SetTargets(views, targets);
     renderer.SetField(field);
+    renderer.SetRowRates(rates);
     renderer.Step({.blocks = blocks}, {.density_rate = 0.1, .density_decay = decay});
     ends.push_back(StandardRows(renderer.ReadState().parameters));
   }
-  int seen = 0, unseen = 0;
+  int decayed = 0, kept = 0, unseen = 0;
   for (size_t v = 0; v < ends[0].size(); ++v) {
     const float pulled = ends[0][v].a - ends[1][v].a;
     const bool moved = std::abs(ends[0][v].a - std::log(field.density[v])) > 1e-4f;
-    if (moved) {
+    if (moved && v % 2 == 0 && ends[0][v].a >= std::log(kKept)) {
+      EXPECT_EQ(pulled, 0.0f) << v;
+      ++kept;
+    } else if (moved) {
       EXPECT_NEAR(pulled, 0.05f, 1e-4f) << v;
-      ++seen;
+      ++decayed;
     } else if (pulled == 0.0f) {
       ++unseen;
     }
   }
-  EXPECT_GT(seen, 4);
+  EXPECT_GT(decayed, 2);
+  EXPECT_GT(kept, 2);
   EXPECT_GT(unseen, 4);
 }
 

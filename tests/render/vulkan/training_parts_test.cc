@@ -1,4 +1,6 @@
 // The parts of a training step add up to the whole one, and carry attributes that no kernel knows.
+#include "core/error.h"
+#include "expect_error.h"
 #include "field/extra_attribute.h"
 #include "mesh/mesh_edges.h"
 #include "render/create_renderer.h"
@@ -11,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 namespace tetrec::test {
 namespace {
@@ -133,18 +136,18 @@ TEST_P(TrainingPartsTest, GradientsOfSignedL2ByColoursAddUpAndDoNotCancel) {
 
 TEST_P(TrainingPartsTest, RowsMoveByTheirShareOfTheRates) {
   const FieldState start = StateOf(field_);
-  std::vector<float> shares;
-  for (size_t row = 0; row < start.rows(); ++row) shares.push_back(0.5f * float(row % 3));
+  std::vector<RowRates> rates;
+  for (size_t row = 0; row < start.rows(); ++row) rates.push_back({.share = 0.5f * float(row % 3)});
   const AdamUpdate update{.density_decay = 0.05};
   ProbedRenderer& whole = MakeLearner(true);
   whole.Step(Whole(), update);
   ProbedRenderer& shared = MakeLearner(true);
-  shared.SetRateShares(shares);
+  shared.SetRowRates(rates);
   shared.Step(Whole(), update);
   const FieldState all = whole.ReadState(), some = shared.ReadState();
   size_t moved = 0;
   for (size_t i = 0; i < all.parameters.size(); ++i) {
-    const float share = shares[i / kStandardComponents], before = start.parameters[i];
+    const float share = rates[i / kStandardComponents].share, before = start.parameters[i];
     if (share == 0.0f) {
       EXPECT_EQ(some.parameters[i], before);
     }
@@ -157,6 +160,11 @@ TEST_P(TrainingPartsTest, RowsMoveByTheirShareOfTheRates) {
     moved += full != 0.0f;
   }
   EXPECT_GT(moved, 100u);
+  ExpectError<DataError>([&] { shared.SetRowRates(std::span(rates).first(1)); }, {"1 rates for"});
+  rates[2].share = 1.5f;
+  ExpectError<DataError>([&] { shared.SetRowRates(rates); }, {"rate share 2 is 1.5"});
+  rates[2] = {.kept_density = -1.0f};
+  ExpectError<DataError>([&] { shared.SetRowRates(rates); }, {"kept density 2 is -1"});
   // A new state has whole rates again.
   shared.SetState(field_.mesh, start);
   shared.Step(Whole(), update);

@@ -1,0 +1,35 @@
+// How many training photos look at a place: many of them forbid fog there by themselves, and agree
+// on what is solid; a few do not.
+#pragma once
+
+#include "geometry/camera.h"
+#include "geometry/rigid3.h"
+#include "scene/scene.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+class PhotoFrames {
+ public:
+  PhotoFrames() = default;
+  explicit PhotoFrames(const Scene& scene);
+
+  // Whether more than 12 training photos have the place in their frame [world units]. What may
+  // hide it from them does not count.
+  bool ManyShow(const glm::dvec3& place) const;
+  std::vector<uint8_t> ManyShow(std::span<const glm::vec3> places) const;  // for each place
+
+ private:
+  struct Frame {
+    Rigid3 cam_from_world;
+    Camera camera;
+  };
+  std::vector<Frame> frames_;
+};
+
+}  // namespace tetrec
