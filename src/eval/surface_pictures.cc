@@ -30,7 +30,10 @@ std::optional<SurfaceViewScore> ScoreView(const TriangleMesh& mesh, const Image&
   CheckSameSize(render, truth, "ground truth");
   // The scene may have been imported again at another size.
   if (truth.width != camera.width || truth.height != camera.height) return std::nullopt;
-  const SurfacePicture picture = DrawSurface(mesh, texture, camera, view.cam_from_world);
+  const auto draw = [&](const Image& colors) {
+    return DrawSurface(mesh, colors, camera, view.cam_from_world, kJudgingRaysPerSide);
+  };
+  const SurfacePicture picture = draw(texture);
   const Image mask =
       MaskOf(picture, rendered.seen ? std::optional(ReadImage(*rendered.seen)) : std::nullopt);
   const auto error = MaskedMeanSquaredError(picture.image, truth, mask);
@@ -38,7 +41,7 @@ std::optional<SurfaceViewScore> ScoreView(const TriangleMesh& mesh, const Image&
   SurfaceViewScore score{view.name, CappedPsnrFromMse(*error), 0, 0, 0};
   score.vertex_color_psnr = score.psnr;
   if (!texture.pixels.empty() && !mesh.colors_srgb.empty()) {
-    const SurfacePicture plain = DrawSurface(mesh, {}, camera, view.cam_from_world);
+    const SurfacePicture plain = draw({});
     score.vertex_color_psnr = CappedPsnrFromMse(*MaskedMeanSquaredError(plain.image, truth, mask));
   }
   score.field_psnr = CappedPsnrFromMse(*MaskedMeanSquaredError(render, truth, mask));

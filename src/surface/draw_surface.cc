@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace tetrec {
 namespace {
@@ -38,36 +39,54 @@ glm::dvec3 ColorOf(const TriangleMesh& mesh, const Image& texture, uint32_t tria
   return texture.pixels.empty() ? color : TextureColor(texture, coordinates);
 }
 
-}  // namespace
+// Rays in memory at once: large pictures are drawn by rows of pixels.
+constexpr int64_t kMostRays = int64_t{1} << 20;
 
-Camera WithRaysAsPixels(const Camera& camera) {
-  return camera.Resized(camera.width * kRaysPerSide, camera.height * kRaysPerSide);
-}
-
-SurfacePicture DrawSurface(const TriangleMesh& mesh, const Image& texture, const Camera& camera,
-                           const Rigid3& cam_from_world) {
-  const Camera finer = WithRaysAsPixels(camera);
-  const SeenTriangles seen = FindSeenTriangles(mesh, finer, cam_from_world);
-  SurfacePicture picture{MakeImage(camera.width, camera.height, 3), {}};
-  for (int y = 0; y < camera.height; ++y) {
+// Appends these rows of pixels to the picture.
+void DrawRows(const TriangleMesh& mesh, const Image& texture, const Camera& camera,
+              const Rigid3& cam_from_world, int rays_per_side, int begin, int end,
+              SurfacePicture& picture) {
+  Camera rays = WithRaysAsPixels(camera, rays_per_side);
+  rays.height = (end - begin) * rays_per_side;
+  rays.cy -= begin * rays_per_side;
+  const SeenTriangles seen = FindSeenTriangles(mesh, rays, cam_from_world);
+  const int rays_per_pixel = rays_per_side * rays_per_side;
+  for (int y = begin; y < end; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       glm::dvec3 sum(0.0);
       int hits = 0;
-      for (int ray = 0; ray < kRaysPerSide * kRaysPerSide; ++ray) {
-        const int i = x * kRaysPerSide + ray % kRaysPerSide,
-                  j = y * kRaysPerSide + ray / kRaysPerSide;
+      for (int ray = 0; ray < rays_per_pixel; ++ray) {
+        const int i = x * rays_per_side + ray % rays_per_side,
+                  j = (y - begin) * rays_per_side + ray / rays_per_side;
         const uint32_t triangle = seen.triangle[seen.Index(i, j)];
         if (triangle == kNoTriangle) continue;
         const glm::dvec3 weights =
-            CornerWeights(mesh, triangle, finer, cam_from_world, glm::dvec2(i, j) + 0.5);
+            CornerWeights(mesh, triangle, rays, cam_from_world, glm::dvec2(i, j) + 0.5);
         sum += ColorOf(mesh, texture, triangle, weights);
         ++hits;
       }
-      picture.covered.push_back(hits == kRaysPerSide * kRaysPerSide);
+      picture.covered.push_back(hits == rays_per_pixel);
       for (int c = 0; c < 3 && hits > 0; ++c) {
         picture.image.At(x, y)[c] = uint8_t(std::lround(std::clamp(sum[c] / hits, 0.0, 255.0)));
       }
     }
+  }
+}
+
+}  // namespace
+
+Camera WithRaysAsPixels(const Camera& camera, int rays_per_side) {
+  return camera.Resized(camera.width * rays_per_side, camera.height * rays_per_side);
+}
+
+SurfacePicture DrawSurface(const TriangleMesh& mesh, const Image& texture, const Camera& camera,
+                           const Rigid3& cam_from_world, int rays_per_side) {
+  SurfacePicture picture{MakeImage(camera.width, camera.height, 3), {}};
+  const int64_t rays_per_row = int64_t{camera.width} * rays_per_side * rays_per_side;
+  const int rows = int(std::max<int64_t>(1, kMostRays / rays_per_row));
+  for (int begin = 0; begin < camera.height; begin += rows) {
+    DrawRows(mesh, texture, camera, cam_from_world, rays_per_side, begin,
+             std::min(begin + rows, camera.height), picture);
   }
   return picture;
 }

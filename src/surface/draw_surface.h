@@ -15,13 +15,15 @@ struct SurfacePicture {
   Image image;                // RGB; black where there is no surface
   std::vector<bool> covered;  // (height x width) pixels that the surface fills
 };
-inline constexpr int kRaysPerSide = 2;  // of a pixel
+// Rays along each side of a pixel: where a surface is fitted to photos, and where its pictures are
+// judged. A surface has hard edges, which few rays leave jagged.
+inline constexpr int kRaysPerSide = 2, kJudgingRaysPerSide = 4;
 // The camera whose pixels are the rays of `camera`.
-Camera WithRaysAsPixels(const Camera& camera);
+Camera WithRaysAsPixels(const Camera& camera, int rays_per_side = kRaysPerSide);
 
-// With kRaysPerSide x kRaysPerSide rays per pixel. `texture` is empty for the colours of vertices,
-// and grey is drawn without either.
+// `texture` is empty for the colours of vertices, and grey is drawn without either.
 SurfacePicture DrawSurface(const TriangleMesh& mesh_in_world, const Image& texture,
-                           const Camera& camera, const Rigid3& cam_from_world);
+                           const Camera& camera, const Rigid3& cam_from_world,
+                           int rays_per_side = kRaysPerSide);
 
 }  // namespace tetrec

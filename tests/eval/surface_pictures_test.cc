@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tetrec {
@@ -47,6 +48,36 @@ TEST(SurfacePictures, TheTextureIsDrawnUpright) {
   }
 }
 
+// The upper edge falls from row 5.0 of the picture at the left to 5.7 at the right, so that none of
+// the 20 pixels there is filled but for what the rays miss.
+TEST(SurfacePictures, MoreRaysFindThatAnEdgeLeavesPixelsOpen) {
+  TriangleMesh mesh;
+  mesh.positions = {{-1, 1, 3}, {1, 1, 3}, {1, -0.93, 3}, {-1, -1, 3}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const auto covered = [&](int rays_per_side) {
+    const SurfacePicture picture = DrawSurface(mesh, {}, kCamera, {}, rays_per_side);
+    return std::ranges::count(picture.covered, true);
+  };
+  EXPECT_EQ(covered(2), 19 * 20 + 7);
+  EXPECT_EQ(covered(4), 19 * 20 + 3);
+}
+
+// A picture of more rays than are in memory at once is drawn in parts.
+TEST(SurfacePictures, PartsOfALargePictureFitTogether) {
+  const TexturedSquare square;
+  const Camera large = kCamera.Resized(1280, 960);
+  const SurfacePicture picture = DrawSurface(square.mesh, square.texture, large, {}, 2);
+  for (const int y : {200, 407, 408, 600, 700}) {
+    for (const int x : {350, 500, 800, 950}) {
+      const double texel_y = (y + 0.5 - 160) * 64 / 640;
+      const int shown = x < 640 ? 0 : 1;
+      EXPECT_NEAR(picture.image.At(x, y)[shown], 255 - 2 * (texel_y - 0.5), 2) << x << ", " << y;
+      EXPECT_TRUE(picture.covered[size_t(y) * 1280 + size_t(x)]);
+    }
+  }
+  EXPECT_EQ(std::ranges::count(picture.covered, true), 640 * 640);
+}
+
 TEST(SurfacePictures, ATextureScoresBetterThanVertexColoursAndOnlyWhereTheSurfaceIs) {
   const ScratchFolder folder;
   const TexturedSquare square;
@@ -55,7 +86,7 @@ TEST(SurfacePictures, ATextureScoresBetterThanVertexColoursAndOnlyWhereTheSurfac
   scene.views = {{"a", "a.png", 0, {}, Split::kTest}, {"away", "b.png", 0, {}, Split::kTest}};
   scene.views[1].cam_from_world.translation = {0, 0, -9};  // the square is behind it
   // The truth differs from the square's picture by noise, and everywhere else by much.
-  Image truth = DrawSurface(square.mesh, square.texture, kCamera, {}).image;
+  Image truth = DrawSurface(square.mesh, square.texture, kCamera, {}, kJudgingRaysPerSide).image;
   for (int y = 0; y < 30; ++y) {
     for (int x = 0; x < 40; ++x) {
       const bool inside = x >= 10 && x < 30 && y >= 5 && y < 25;
