@@ -65,11 +65,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       "Values of density: signed (surfaces lie anywhere inside a tet, where the value changes its "
       "sign), positive, or auto (signed for pictures with alpha)");
   app.add_option("--max-density", options.max_density, "Upper bound of density [1 / world unit]");
-  app.add_option(
-         "--density-decay", options.density_decay,
-         "Pull of visible vertices towards empty, unless they belong to a surface where many "
-         "photos look, as a share of Adam's largest step; by default 0.05 for photos and 0 "
-         "for pictures with alpha")
+  app.add_option("--density-decay", options.density_decay,
+                 "Pull of visible vertices towards empty, as a share of Adam's largest step; by "
+                 "default 0.05 for photos and 0 for pictures with alpha. Surfaces that many photos "
+                 "have in their frame are not pulled")
       ->check(CLI::Range(0.0, 1.0));
   app.add_option(
          "--jitter", options.jitter_px,

@@ -27,7 +27,7 @@ layout(std430, binding = kBindVertices) buffer Vertices { vec4 vertices[]; };
 layout(binding = kBindGradientTexels) uniform textureBuffer gradient_texels;
 layout(binding = kBindParameterTexels) uniform textureBuffer parameter_texels;
 layout(binding = kBindMomentTexels) uniform textureBuffer moment_texels;
-layout(binding = kBindRowRateTexels) uniform textureBuffer row_rates;  // share, kept density
+layout(binding = kBindRowRateTexels) uniform textureBuffer row_rates;
 layout(push_constant) uniform Push { AdamPush push; };
 
 #include "storage.glsl"

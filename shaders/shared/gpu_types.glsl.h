@@ -287,7 +287,8 @@ struct SpreadPush {
 #define kBindPartialSsims 38  // float per workgroup
 #define kBindFaceChunks 39    // uint per chunk of faces that a tile may see
 #define kBindAppended 40      // uvec4: fragment, ray, place in the ray's list
-#define kBindRowRates 41      // vec2 per row: share of the learning rates, kept density
+// vec2 per row: share of the learning rates, parameter of density from which on it does not decay
+#define kBindRowRates 41
 #define kBindExposures 42     // texels vec4, two per view: gain, offset
 #define kBindExposureSums 43  // vec4, four per block (exposure_sums.comp)
 #define kBindRayReaches 44    // float per ray: distance at which it reaches the stop depth, or 0

@@ -18,7 +18,7 @@ namespace {
 
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'C'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'D'};
 
 constexpr size_t kChecksumBytes = 64;  // hexadecimal SHA-256 of all before it
 
@@ -58,11 +58,23 @@ void CheckValues(const FieldState& state, const std::string& name) {
   CheckNotNegative(state.second_moment, layout, name);
 }
 
+void CheckRates(const std::vector<RowRates>& rates, FieldStorage storage, const std::string& name) {
+  for (size_t row = 0; row < rates.size(); ++row) {
+    const RowRates& r = rates[row];
+    if (r.share >= 0.0f && r.share <= 1.0f && r.kept_density >= 0.0f) continue;
+    throw DataError(
+        fmt::format("{}: the rates of {} {} are not possible: a share of {}, kept from "
+                    "a density of {} on",
+                    name, RowName(storage), row, r.share, r.kept_density));
+  }
+}
+
 // As they are in the file.
 static_assert(sizeof(HarmonicsState) == 3 * sizeof(uint32_t));
 static_assert(sizeof(ViewExposure) == 6 * sizeof(double));
 static_assert(sizeof(ExposureSums) == 15 * sizeof(double));
 static_assert(sizeof(CorrectedPose) == 13 * sizeof(double));
+static_assert(sizeof(RowRates) == 2 * sizeof(float));
 static_assert(sizeof(MotionCounts) == 3 * sizeof(uint64_t));
 static_assert(sizeof(ErrorSum) == 2 * sizeof(double));
 static_assert(sizeof(GrowthStep) == 11 * sizeof(uint64_t));
@@ -293,6 +305,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
                                                   BytesOf(checkpoint.state.parameters),
                                                   BytesOf(checkpoint.state.first_moment),
                                                   BytesOf(checkpoint.state.second_moment),
+                                                  BytesOf(checkpoint.row_rates),
                                                   middle.bytes(),
                                                   BytesOf(checkpoint.motion.first_moment),
                                                   BytesOf(checkpoint.motion.second_moment),
@@ -333,6 +346,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
       reader.ReadArray<float>(rows * uint64_t(FieldLayout::FirstMoments()), "first moments");
   state.second_moment =
       reader.ReadArray<float>(rows * uint64_t(layout.SecondMoments()), "second moments");
+  result.row_rates = reader.ReadArray<RowRates>(rows, "rates of rows");
   result.share_of_rates = reader.Read<double>("share of rates");
   result.motion = ReadMotion(reader, vertices, name);
   result.exposure = ReadExposure(reader);
@@ -350,6 +364,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   }
   CheckHarmonics(result.harmonics, name);
   CheckValues(state, name);
+  CheckRates(result.row_rates, layout.storage, name);
   CheckMotion(result.motion, name);
   CheckExposure(result.exposure, name);
   CheckPoses(result.poses, name);

@@ -12,9 +12,11 @@
 #include "optimize/refinement_rounds.h"
 #include "optimize/vertex_motion.h"
 #include "render/device_pace.h"
+#include "render/training_renderer.h"
 
 #include <filesystem>
 #include <span>
+#include <vector>
 
 namespace tetrec {
 
@@ -36,12 +38,13 @@ struct Checkpoint {
   TrialState motion_trial = TrialState::kNotTried;
   TetMesh mesh;
   FieldState state;
+  std::vector<RowRates> row_rates;  // of the state
   MotionState motion;
   ExposureState exposure;
   PoseState poses;
 };
 
-// Own format, little endian: "TETRECKC", u64 iteration, f64 seconds, u64 rays, of the pace u64
+// Own format, little endian: "TETRECKD", u64 iteration, f64 seconds, u64 rays, of the pace u64
 // rays per step, u64 views per batch, f64 speed and u64 steps per motion, u32 rounds and u32 ended
 // (0 or 1), f64 best PSNR, u64 judging views and for each f64 squares and rays, u64 growth steps
 // and their fields, 8 bytes each (GrowthStep), of the coarsening u32 ended and u32 has failed (each
@@ -49,13 +52,14 @@ struct Checkpoint {
 // convergence u64 x 3 and f64 (ConvergenceState), u64 metrics bytes, harmonics unlocked, judged and
 // closed u32 x 3, u32 fine rays and u32 moving vertices (each 0 not tried, 1 not used, 2 used), u64
 // V, u64 T, the layout (AppendLayout), positions f32 x 3 V, tets and neighbours u32 x 4 T each,
-// then parameters, first moments and second moments, each f32 x rows x their number (FieldState);
-// then f64 share of the rates; of the vertices' motion u64 motions, u64 x 3 counts (MotionCounts)
-// and u64 M, 0 or V, first and second moments f32 x 3 M each, sizes and room f32 x M each; then u64
-// exposures E, for each gains and offsets, f64 x 3 each, and for each the sums of its three
-// channels, f64 x 5 each (GainOffsetSums); then u32 sweeps over the cameras, u64 poses P, and for
-// each cam_from_world, f64 x 9 of the rotation by columns and x 3 of the translation, and the
-// depth, f64; last the SHA-256 of all before it, 64 hexadecimal digits. Written by rename.
+// then parameters, first moments and second moments, each f32 x rows x their number (FieldState),
+// and RowRates, f32 x 2 rows; then f64 share of the rates; of the vertices' motion u64 motions, u64
+// x 3 counts (MotionCounts) and u64 M, 0 or V, first and second moments f32 x 3 M each, sizes and
+// room f32 x M each; then u64 exposures E, for each gains and offsets, f64 x 3 each, and for each
+// the sums of its three channels, f64 x 5 each (GainOffsetSums); then u32 sweeps over the cameras,
+// u64 poses P, and for each cam_from_world, f64 x 9 of the rotation by columns and x 3 of the
+// translation, and the depth, f64; last the SHA-256 of all before it, 64 hexadecimal digits.
+// Written by rename.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 // Throws DataError naming the file and the remedy if it is damaged, truncated or inconsistent.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);

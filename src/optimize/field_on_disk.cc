@@ -12,13 +12,16 @@ void SaveField(const std::filesystem::path& file, const FittedField& field) {
   Checkpoint checkpoint;
   checkpoint.mesh = field.mesh();
   checkpoint.state = field.ReadState();
+  checkpoint.row_rates = field.row_rates();
   WriteCheckpoint(file, checkpoint);
 }
 
 void RestoreField(const std::filesystem::path& file, FittedField& field) {
   field.TakeMesh();
   Checkpoint checkpoint = ReadCheckpoint(file);
-  field.Put(std::move(checkpoint.mesh), WithHarmonics(checkpoint.state, field.harmonics_degree()));
+  field.Resume(std::move(checkpoint.mesh),
+               WithHarmonics(checkpoint.state, field.harmonics_degree()),
+               std::move(checkpoint.row_rates));
 }
 
 WaitingField::WaitingField(std::filesystem::path file, const FittedField& field,

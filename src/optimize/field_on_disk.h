@@ -8,7 +8,7 @@
 
 namespace tetrec {
 
-// Writes mesh and state, with moments.
+// Writes mesh and state, with moments and rates.
 void SaveField(const std::filesystem::path& file, const FittedField& field);
 
 // Replaces the field by a saved one, which gets the present field's degree of harmonics. The

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tetrec {
 
@@ -26,12 +27,25 @@ FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
 }
 
 void FittedField::Put(TetMesh mesh, FieldState state) {
+  row_rates_ = RatesAt(PlacesOfRows(mesh, state.layout.storage));
+  const float least = BoundsOf(state.layout.density(), 1.0f).least;
+  for (size_t row = 0; row < row_rates_.size(); ++row) {
+    if (row_rates_[row].share > 0) continue;
+    state.parameters[row * size_t(state.layout.Components()) + kDensityOffset] = least;
+  }
+  PutWithRates(std::move(mesh), state);
+}
+
+void FittedField::Resume(TetMesh mesh, const FieldState& state, std::vector<RowRates> rates) {
+  row_rates_ = std::move(rates);
+  PutWithRates(std::move(mesh), state);
+}
+
+void FittedField::PutWithRates(TetMesh mesh, const FieldState& state) {
   ++topology_;
-  const std::vector<glm::vec3> places = PlacesOfRows(mesh, state.layout.storage);
-  std::vector<RowRates> rates = RatesAt(places);
-  TakeOutDensity(places, state, rates);
+  CountEmptied(PlacesOfRows(mesh, state.layout.storage));
   renderer_.SetState(std::move(mesh), state);
-  renderer_.SetRowRates(rates);
+  renderer_.SetRowRates(row_rates_);
   harmonics_degree_ = state.layout.HarmonicsDegree();
   storage_ = state.layout.storage;
   batches_.UseFewViews(harmonics_degree_ > 0);
@@ -99,32 +113,25 @@ std::vector<float> FittedField::RoomOfVertices() const {
 }
 
 std::vector<RowRates> FittedField::RatesAt(std::span<const glm::vec3> places) const {
+  const std::vector<uint8_t> has_cameras = InsideCapsules(places, camera_space_);
+  const std::vector<uint8_t> is_seen_empty = seen_space_.Contains(places);
   const std::vector<uint8_t> many_look = photo_frames_.ManyShow(places);
   std::vector<RowRates> rates(places.size());
   for (size_t row = 0; row < places.size(); ++row) {
+    if (has_cameras[row] || is_seen_empty[row]) rates[row].share = 0.0f;
     if (many_look[row]) rates[row].kept_density = float(density_of_surfaces_);
   }
   return rates;
 }
 
-void FittedField::TakeOutDensity(std::span<const glm::vec3> places, FieldState& state,
-                                 std::vector<RowRates>& rates) {
-  emptied_rows_ = seen_empty_rows_ = 0;
-  if (camera_space_.empty() && seen_space_.empty()) return;
-  const float least = BoundsOf(state.layout.density(), 1.0f).least;
-  const std::vector<uint8_t> has_cameras = InsideCapsules(places, camera_space_);
-  const std::vector<uint8_t> is_seen_empty = seen_space_.Contains(places);
+void FittedField::CountEmptied(std::span<const glm::vec3> places) {
+  std::vector<glm::vec3> emptied;
   for (size_t row = 0; row < places.size(); ++row) {
-    if (has_cameras[row]) {
-      ++emptied_rows_;
-    } else if (is_seen_empty[row]) {
-      ++seen_empty_rows_;
-    } else {
-      continue;
-    }
-    rates[row].share = 0.0f;
-    state.parameters[row * size_t(state.layout.Components()) + kDensityOffset] = least;
+    if (row_rates_[row].share == 0.0f) emptied.push_back(places[row]);
   }
+  const std::vector<uint8_t> has_cameras = InsideCapsules(emptied, camera_space_);
+  emptied_rows_ = uint64_t(std::ranges::count(has_cameras, 1));
+  seen_empty_rows_ = emptied.size() - emptied_rows_;
 }
 
 }  // namespace tetrec

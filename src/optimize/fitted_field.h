@@ -20,8 +20,8 @@
 namespace tetrec {
 
 // Whatever state it is given, there is no density in the space of the cameras and in what photos
-// see to be empty, and none grows there. Where many photos look, surfaces do not decay: decay would
-// let light through them wherever the photos show the same colour behind.
+// see to be empty, and none grows there. Surfaces that many photos have in their frame do not
+// decay: decay would let light through them wherever the photos show the same colour behind.
 class FittedField {
  public:
   // Tells `batches` whether colours depend on the view. What has `density_of_surfaces` or more is
@@ -32,6 +32,9 @@ class FittedField {
 
   void Put(TetMesh mesh, FieldState state);
   void PutState(FieldState state);  // of the same mesh
+  // A field that was put before, with the row_rates() that it had: those of Put would be those of
+  // the places to which vertices have moved since.
+  void Resume(TetMesh mesh, const FieldState& state, std::vector<RowRates> rates);
   // Each by its move or a part of it (MoveSafely).
   MotionCounts MoveVertices(std::span<const glm::vec3> moves);
   // Each by its move, whatever becomes of the tets. Throws DataError, with the remedy, if a
@@ -48,6 +51,7 @@ class FittedField {
   TetMesh TakeMesh() { return renderer_.TakeMesh(); }
 
   const TetMesh& mesh() const { return renderer_.mesh(); }
+  const std::vector<RowRates>& row_rates() const { return row_rates_; }
   double subject_size() const { return subject_size_; }  // its longest side [world units]
   int harmonics_degree() const { return harmonics_degree_; }
   // In the space of the cameras, and elsewhere in what photos see to be empty.
@@ -55,11 +59,10 @@ class FittedField {
   uint64_t seen_empty_rows() const { return seen_empty_rows_; }
 
  private:
-  // (rows) The rates of rows at these places, whatever is empty.
+  // Rows in space that is empty have a share of 0.
   std::vector<RowRates> RatesAt(std::span<const glm::vec3> places) const;
-  // Takes the density from the rows in space that is empty, and their rates.
-  void TakeOutDensity(std::span<const glm::vec3> places, FieldState& state,
-                      std::vector<RowRates>& rates);
+  void PutWithRates(TetMesh mesh, const FieldState& state);
+  void CountEmptied(std::span<const glm::vec3> places);
 
   TrainingRenderer& renderer_;
   BatchDrawer& batches_;
@@ -68,6 +71,7 @@ class FittedField {
   PhotoFrames photo_frames_;
   double density_of_surfaces_;
   double subject_size_ = 0;
+  std::vector<RowRates> row_rates_;
   uint64_t topology_ = 0;
   int harmonics_degree_ = 0;
   FieldStorage storage_ = FieldStorage::kVertex;

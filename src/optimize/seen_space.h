@@ -18,7 +18,7 @@
 namespace tetrec {
 
 // A place is empty if at least 2 depth maps show something clearly behind it, none shows something
-// near it, and few photos have it in their frame (PhotoFrames). Only depths that at least 2
+// near it, and not many photos have it in their frame (PhotoFrames). Only depths that at least 2
 // other views confirm count.
 class SeenSpace {
  public:

@@ -192,7 +192,7 @@ class Trainer {
     fine_rays_.Resume(checkpoint.fine_rays);
     exposure_ = ResumedExposure(std::move(checkpoint.exposure));
     poses_.Resume(std::move(checkpoint.poses), name, Done());
-    field_.Put(std::move(checkpoint.mesh), std::move(checkpoint.state));
+    field_.Resume(std::move(checkpoint.mesh), checkpoint.state, std::move(checkpoint.row_rates));
     motion_trial_.Resume(checkpoint.motion_trial);
     motion_.Resume(std::move(checkpoint.motion));
     LogInfo("continues from iteration {} after {:.0f} s", steps_.iteration(), seconds_);
@@ -366,6 +366,7 @@ class Trainer {
     checkpoint.motion = motion_.state();
     checkpoint.mesh = field_.mesh();
     checkpoint.state = field_.ReadState();
+    checkpoint.row_rates = field_.row_rates();
     checkpoint.exposure = exposure_.State(*renderer_);
     checkpoint.poses = poses_.state();
     WriteCheckpoint(checkpoint_path_, checkpoint);

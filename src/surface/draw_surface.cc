@@ -39,8 +39,8 @@ glm::dvec3 ColorOf(const TriangleMesh& mesh, const Image& texture, uint32_t tria
   return texture.pixels.empty() ? color : TextureColor(texture, coordinates);
 }
 
-// Rays in memory at once: large pictures are drawn by rows of pixels.
-constexpr int64_t kMostRays = int64_t{1} << 20;
+// Rays in memory at once, 8 bytes each: large pictures are drawn in bands of rows.
+constexpr int64_t kMostRays = int64_t{1} << 22;
 
 // Appends these rows of pixels to the picture.
 void DrawRows(const TriangleMesh& mesh, const Image& texture, const Camera& camera,

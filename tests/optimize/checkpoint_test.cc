@@ -15,7 +15,7 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECKC", u64 iteration, f64 seconds, u64 rays, u64 x 2, f64 and u64 of
+// Where the fields start: "TETRECKD", u64 iteration, f64 seconds, u64 rays, u64 x 2, f64 and u64 of
 // the pace, u32 x 2 and f64 of the rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x
 // 11 of their growth, u32 x 2, f64, u64, u64 and f64 x 2 of the coarsening, u64 x 3 and f64 of the
 // convergence, u64 metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64
@@ -55,6 +55,10 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   state = WithoutMoments(layout, std::vector<float>(rows * size_t(layout.Components())));
   for (auto* values : {&state.parameters, &state.first_moment, &state.second_moment}) {
     for (float& value : *values) value = unit();
+  }
+  for (size_t row = 0; row < rows; ++row) {
+    checkpoint.row_rates.push_back({.share = float(row % 2)});
+    if (row % 3 == 0) checkpoint.row_rates.back().kept_density = unit();
   }
   checkpoint.motion_trial = TrialState::kUsed;
   MotionState& motion = checkpoint.motion;
@@ -117,6 +121,11 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.state.parameters, written.state.parameters);
     EXPECT_EQ(read.state.first_moment, written.state.first_moment);
     EXPECT_EQ(read.state.second_moment, written.state.second_moment);
+    ASSERT_EQ(read.row_rates.size(), written.row_rates.size());
+    for (size_t row = 0; row < read.row_rates.size(); ++row) {
+      EXPECT_EQ(read.row_rates[row].share, written.row_rates[row].share);
+      EXPECT_EQ(read.row_rates[row].kept_density, written.row_rates[row].kept_density);
+    }
     EXPECT_EQ(read.motion_trial, written.motion_trial);
     EXPECT_EQ(read.motion.motions, written.motion.motions);
     EXPECT_EQ(read.motion.first_moment, written.motion.first_moment);
@@ -184,6 +193,17 @@ TEST(Checkpoint, RefusesAHugeCountOfExposuresBeforeItTakesMemory) {
   for (const uint64_t count : {uint64_t{2}, uint64_t{4}, uint64_t{1} << 60, ~uint64_t{0}}) {
     ExpectError<DataError>([&] { ParseCheckpoint(With(good, count_at, count), "c.bin"); },
                            {"c.bin"});
+  }
+}
+
+TEST(Checkpoint, RefusesRatesThatAreNotPossible) {
+  for (const RowRates& wrong : {RowRates{.share = 1.5f}, RowRates{.kept_density = -1.0f},
+                                RowRates{.share = std::numeric_limits<float>::quiet_NaN()}}) {
+    Checkpoint checkpoint = MakeCheckpoint();
+    checkpoint.row_rates[3] = wrong;
+    const std::vector<uint8_t> bytes = BytesOf(checkpoint);
+    ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); },
+                           {"c.bin", "the rates of vertex 3"});
   }
 }
 

@@ -24,7 +24,7 @@ TEST(DensityForm, IsSignedForPicturesWithAlphaAndOnRequest) {
   EXPECT_FALSE(is_signed(DensityForm::kPositive, true, box));
 }
 
-TEST(DensityForm, OfSurfacesMakesAFifthOfAnOpticalDepthOverTheMedianEdge) {
+TEST(DensityOfSurfaces, MakesAFifthOfAnOpticalDepthOverTheMedianEdge) {
   TetMesh tet;
   tet.positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
   tet.tets = {{0, 1, 2, 3}};

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <vector>
 
 namespace tetrec {
 namespace {
@@ -94,6 +95,23 @@ TEST(FittedField, KeepsTheDensityOfSurfacesWhereManyPhotosLook) {
   EXPECT_TRUE(kept != decayed);
   EXPECT_TRUE(with_decay(13, 1.0) == kept);
   EXPECT_TRUE(with_decay(12, 1.0) == decayed);
+}
+
+// A resumed run must do what the run would have done, wherever vertices have moved.
+TEST(FittedField, ResumesWithTheRatesOfACheckpoint) {
+  SmallRun run;
+  FittedField field(run.options, RingOfCameras(12, 0), *run.renderer, run.batches);
+  const RadianceField box = WavyBox(0.4);
+  field.Put(box.mesh, StateOf(box));
+  std::vector<RowRates> rates = field.row_rates();
+  rates[0].share = 0.0f;
+  rates[1].kept_density = 2.5f;
+  field.Resume(box.mesh, StateOf(box), rates);
+  EXPECT_EQ(field.row_rates()[0].share, 0.0f);
+  EXPECT_EQ(field.row_rates()[1].kept_density, 2.5f);
+  EXPECT_EQ(field.emptied_rows() + field.seen_empty_rows(), 1u);
+  const std::vector<float> before = run.renderer->ReadState().parameters;
+  EXPECT_TRUE(before == StateOf(box).parameters);
 }
 
 }  // namespace

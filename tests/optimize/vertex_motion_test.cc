@@ -309,6 +309,7 @@ TEST(VertexMotion, HasAStateThatFitsTheMesh) {
     checkpoint.motion = run.motion.state();
     checkpoint.mesh = run.field.mesh();
     checkpoint.state = run.field.ReadState();
+    checkpoint.row_rates = run.field.row_rates();
     WriteCheckpoint(folder / "c.bin", checkpoint);
     return ReadCheckpoint(folder / "c.bin").motion;
   };

@@ -3,6 +3,7 @@
 
 #include "field/field_state.h"
 #include "render/adam_push.h"
+#include "render/training_renderer.h"
 #include "shared/adam.glsl.h"
 
 #include <cstddef>

@@ -11,6 +11,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace tetrec {
@@ -382,8 +383,11 @@ void AddToPositionGradients(DeviceField& field, std::span<const double> values,
 
 void UploadRowRates(DeviceField& field, std::span<const RowRates> rates) {
   std::vector<glm::vec2> rows;
+  rows.reserve(rates.size());
   for (const RowRates& r : rates) {
-    rows.emplace_back(r.share, ParameterOf(field.layout.density(), r.kept_density));
+    // Devices need not know infinity.
+    rows.emplace_back(r.share, std::min(ParameterOf(field.layout.density(), r.kept_density),
+                                        std::numeric_limits<float>::max()));
   }
   field.row_rates.Upload(rows.data(), rows.size() * sizeof(glm::vec2));
 }
