@@ -195,6 +195,12 @@ TEST_P(HarmonicsTest, RowsWithoutGradientsKeepTheirCoefficients) {
   EXPECT_GT(kept, moved);
 }
 
+std::vector<RowRates> MixedShares(size_t rows) {
+  std::vector<RowRates> rates;
+  for (size_t row = 0; row < rows; ++row) rates.push_back({.share = 0.25f * float(row % 5)});
+  return rates;
+}
+
 // Coefficients of a row move without momentum, by one mean square of all their gradients.
 TEST_P(HarmonicsTest, CoefficientsMoveByTheirFormula) {
   for (const bool deterministic : {false, true}) {
@@ -208,6 +214,8 @@ TEST_P(HarmonicsTest, CoefficientsMoveByTheirFormula) {
       // A moment from before, so that it fades.
       for (size_t row = 0; row < want.rows(); row += 2) want.second_moment[row * 5 + 4] = 1e-8f;
       renderer.SetState(field.mesh, want);
+      const std::vector<RowRates> rates = MixedShares(want.rows());
+      renderer.SetRowRates(rates);
       const AdamUpdate update{.step = 7,
                               .beta2 = 0.9f,
                               .epsilon = 1e-6f,
@@ -222,8 +230,9 @@ TEST_P(HarmonicsTest, CoefficientsMoveByTheirFormula) {
         moment = float(moment > 0 ? 0.9 * moment + 0.1 * mean : mean);
         for (size_t i = 0; i < count; ++i) {
           float& parameter = want.parameters[row * components + kStandardComponents + i];
-          parameter -=
-              float(0.5 * 0.1 * parameter + 0.1 / (std::sqrt(double(moment)) + 1e-6) * gradient[i]);
+          const double share = rates[row].share;
+          parameter -= float(share * (0.5 * 0.1 * parameter +
+                                      0.1 / (std::sqrt(double(moment)) + 1e-6) * gradient[i]));
         }
       }
       const std::vector<RayBlock> blocks = Blocks(renderer);
@@ -258,6 +267,9 @@ TEST_P(HarmonicsTest, PartsOfAStepMakeItsBits) {
     ProbedRenderer& whole = MakeLearner(field, {.deterministic = true});
     ProbedRenderer& parts = MakeLearner(field, {.deterministic = true});
     const std::vector<RayBlock> blocks = Blocks(whole);
+    for (ProbedRenderer* one : {&whole, &parts}) {
+      one->SetRowRates(MixedShares(field.mesh.positions.size()));
+    }
     for (uint32_t step = 1; step <= 3; ++step) {
       whole.Step({.blocks = blocks}, {.step = step, .harmonics_decay = 0.5});
       parts.Forward({.blocks = blocks});
