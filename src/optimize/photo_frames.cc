@@ -1,4 +1,4 @@
-// How many training photos look at a place.
+// Which places many training photos look at.
 #include "optimize/photo_frames.h"
 
 #include "core/parallel.h"

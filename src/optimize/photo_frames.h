@@ -1,5 +1,5 @@
-// How many training photos look at a place: many of them forbid fog there by themselves, and agree
-// on what is solid; a few do not.
+// Which places many training photos look at. Many photos forbid fog by themselves and agree on what
+// is solid; a few do not.
 #pragma once
 
 #include "geometry/camera.h"
@@ -19,8 +19,8 @@ class PhotoFrames {
   PhotoFrames() = default;
   explicit PhotoFrames(const Scene& scene);
 
-  // Whether more than 12 training photos have the place in their frame [world units]. What may
-  // hide it from them does not count.
+  // Whether the place [world units] is in the frames of more than 12 training photos, hidden or
+  // not.
   bool ManyShow(const glm::dvec3& place) const;
   std::vector<uint8_t> ManyShow(std::span<const glm::vec3> places) const;  // for each place
 
