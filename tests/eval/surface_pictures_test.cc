@@ -66,7 +66,7 @@ TEST(SurfacePictures, MoreRaysFindThatAnEdgeLeavesPixelsOpen) {
 TEST(SurfacePictures, PartsOfALargePictureFitTogether) {
   const TexturedSquare square;
   const Camera large = kCamera.Resized(1280, 960);
-  const SurfacePicture picture = DrawSurface(square.mesh, square.texture, large, {}, 2);
+  const SurfacePicture picture = DrawSurface(square.mesh, square.texture, large, {}, 4);
   for (const int y : {200, 407, 408, 600, 700}) {
     for (const int x : {350, 500, 800, 950}) {
       const double texel_y = (y + 0.5 - 160) * 64 / 640;
