@@ -5,6 +5,7 @@
 #include "core/error_context.h"
 #include "core/file.h"
 #include "geometry/rotation.h"
+#include "render/field_checks.h"
 
 #include <fmt/format.h>
 
@@ -56,17 +57,6 @@ void CheckValues(const FieldState& state, const std::string& name) {
               "a first moment");
   CheckFinite(state.second_moment, layout.SecondMoments(), layout.storage, name, "a second moment");
   CheckNotNegative(state.second_moment, layout, name);
-}
-
-void CheckRates(const std::vector<RowRates>& rates, FieldStorage storage, const std::string& name) {
-  for (size_t row = 0; row < rates.size(); ++row) {
-    const RowRates& r = rates[row];
-    if (r.share >= 0.0f && r.share <= 1.0f && r.kept_density >= 0.0f) continue;
-    throw DataError(
-        fmt::format("{}: the rates of {} {} are not possible: a share of {}, kept from "
-                    "a density of {} on",
-                    name, RowName(storage), row, r.share, r.kept_density));
-  }
 }
 
 // As they are in the file.
@@ -364,11 +354,11 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   }
   CheckHarmonics(result.harmonics, name);
   CheckValues(state, name);
-  CheckRates(result.row_rates, layout.storage, name);
   CheckMotion(result.motion, name);
   CheckExposure(result.exposure, name);
   CheckPoses(result.poses, name);
   NamingFile(name, [&] {
+    CheckRowRates(result.row_rates, rows);
     CheckTetMesh(result.mesh, Orientations::kAny);  // whoever takes the mesh decides about them
     // Among inverted tets, vertices may even be outside.
     if (CountDegenerateTets(result.mesh) == 0) CheckConvexDomain(result.mesh);

@@ -52,8 +52,9 @@ void CheckRenderable(const TetMesh& mesh, const FieldState& state, Orientations 
 }
 
 void CheckRowRates(std::span<const RowRates> rates, size_t rows) {
-  if (rates.size() != rows)
+  if (rates.size() != rows) {
     throw DataError(fmt::format("{} rates for {} rows", rates.size(), rows));
+  }
   for (size_t row = 0; row < rows; ++row) {
     const RowRates& r = rates[row];
     if (!(r.share >= 0.0f && r.share <= 1.0f)) {

@@ -197,14 +197,15 @@ TEST(Checkpoint, RefusesAHugeCountOfExposuresBeforeItTakesMemory) {
 }
 
 TEST(Checkpoint, RefusesRatesThatAreNotPossible) {
-  for (const RowRates& wrong : {RowRates{.share = 1.5f}, RowRates{.kept_density = -1.0f},
-                                RowRates{.share = std::numeric_limits<float>::quiet_NaN()}}) {
+  const auto refused = [](const RowRates& rates, const std::string& what) {
     Checkpoint checkpoint = MakeCheckpoint();
-    checkpoint.row_rates[3] = wrong;
+    checkpoint.row_rates[3] = rates;
     const std::vector<uint8_t> bytes = BytesOf(checkpoint);
-    ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); },
-                           {"c.bin", "the rates of vertex 3"});
-  }
+    ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); }, {"c.bin", what});
+  };
+  refused({.share = 1.5f}, "rate share 3 is 1.5");
+  refused({.share = std::numeric_limits<float>::quiet_NaN()}, "rate share 3 is nan");
+  refused({.kept_density = -1.0f}, "kept density 3 is -1");
 }
 
 TEST(Checkpoint, RefusesPosesThatAreNotPossible) {
