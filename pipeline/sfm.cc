@@ -45,7 +45,7 @@ void CheckMasks(const std::filesystem::path& masks, const std::filesystem::path&
 int main(int argc, char** argv) {
   tetrec::SfmOptions options;
   tetrec::StageCommand command(
-      "sfm", 7,
+      "sfm", 8,
       "Finds the cameras of a folder of photos with COLMAP and writes the scene folder:\n"
       "undistorted images, cameras, sparse points, the bounds of the subject and the split.\n"
       "Example: tetrec-sfm PHOTOS -o RUN/1_scene");
@@ -78,7 +78,8 @@ int main(int argc, char** argv) {
   tetrec::AddWordOption(
       app, "--camera-model", options.camera_model,
       "Lens model: auto (OPENCV, or SIMPLE_RADIAL for fewer than 8 photos per camera; a simpler "
-      "model if that one folds over inside the photos), OPENCV, RADIAL, SIMPLE_RADIAL, PINHOLE, "
+      "model if that one folds over inside the photos, or has oblong pixels though square ones fit "
+      "as well), OPENCV, RADIAL, SIMPLE_RADIAL, PINHOLE, "
       "SIMPLE_PINHOLE");
   std::vector<double> bounds;
   app.add_option("--bounds", bounds,

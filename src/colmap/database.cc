@@ -309,6 +309,44 @@ void ColmapDatabase::NumberByName(bool camera_per_folder) {
       "PRAGMA ignore_check_constraints = 0;");
 }
 
+void ColmapDatabase::UseLens(LensModel model) {
+  struct Row {
+    int64_t id = 0;
+    LensModel model = LensModel::kUnknown;
+    std::vector<double> params;
+  };
+  std::vector<Row> rows;
+  {
+    Statement select(file_, database_.get(), "SELECT camera_id, model, params FROM cameras");
+    while (select.Step()) {
+      Row row{select.Integer(0), LensModel(select.Integer(1)), {}};
+      const std::vector<uint8_t> bytes = select.Blob(2);
+      if (!IsKnown(row.model) || bytes.size() != sizeof(double) * size_t(ParamCount(row.model))) {
+        FailByTables(fmt::format("{}: camera {} has no known lens", file_.path.string(), row.id),
+                     file_.colmap);
+      }
+      row.params.resize(bytes.size() / sizeof(double));
+      std::memcpy(row.params.data(), bytes.data(), bytes.size());
+      rows.push_back(std::move(row));
+    }
+  }
+  Execute("BEGIN IMMEDIATE");
+  Statement update(file_, database_.get(),
+                   "UPDATE cameras SET model = ?, params = ? WHERE camera_id = ?");
+  for (const Row& row : rows) {
+    const auto center = size_t(FocalLengths(row.model));
+    std::vector<double> params(size_t(FocalLengths(model)), row.params[0]);
+    params.insert(params.end(), {row.params[center], row.params[center + 1]});
+    params.resize(size_t(ParamCount(model)), 0.0);
+    update.Bind(1, int64_t(model));
+    update.BindBlob(2, params.data(), params.size() * sizeof(double));
+    update.Bind(3, row.id);
+    update.Step();
+    update.Reset();
+  }
+  Execute("COMMIT");
+}
+
 ColmapDatabase::FeatureRows ColmapDatabase::ReadRows(const char* table, uint32_t image_id) const {
   const std::string sql = fmt::format("SELECT rows, data FROM {} WHERE image_id = ?", table);
   Statement select(file_, database_.get(), sql.c_str());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "colmap/matching.h"
+#include "geometry/lens.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -65,6 +66,11 @@ class ColmapDatabase {
   // Adds to the images that `richer` has by the same names those of its features that they lack,
   // behind their own, so that matches stay valid. Returns the number of features added.
   uint64_t AppendFiner(const ColmapDatabase& richer);
+
+  // Gives every camera a lens of another model with its focal length and centre, and without
+  // distortion: what COLMAP starts from if features are extracted with that model. Matches stay.
+  // `model` is one of PINHOLE, RADIAL and OPENCV, or simpler.
+  void UseLens(LensModel model);
 
   // Removes matches and geometries of pairs, so that they are matched again.
   void ForgetPairs(const std::vector<ImagePair>& pairs);

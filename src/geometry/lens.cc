@@ -52,6 +52,8 @@ bool IsKnown(LensModel model) {
 
 int ParamCount(LensModel model) { return LayoutOf(model).params; }
 
+int FocalLengths(LensModel model) { return LayoutOf(model).focal_lengths; }
+
 std::string ComplaintOnLensModel(const std::string& model) {
   std::string names;
   for (const Word<LensModel>& entry : kWords<LensModel>) {
@@ -63,7 +65,7 @@ std::string ComplaintOnLensModel(const std::string& model) {
 
 std::string ComplaintOnLens(const Lens& lens) {
   const std::vector<double>& p = lens.params;
-  const bool has_one = LayoutOf(lens.model).focal_lengths == 1;
+  const bool has_one = FocalLengths(lens.model) == 1;
   const double least = has_one ? p[0] : std::min(p[0], p[1]);
   if (!(least > 0)) return fmt::format("a camera has the focal length {} px", least);
   if (lens.model == LensModel::kEucm && !(p[4] >= 0 && p[4] <= 1 && p[5] > 0)) {

@@ -66,6 +66,9 @@ bool IsKnown(LensModel model);
 
 // Number of parameters of a known model.
 int ParamCount(LensModel model);
+// How many of them, the first ones, are focal lengths: 1 for both axes, or one per axis. The centre
+// follows.
+int FocalLengths(LensModel model);
 
 // What is wrong with a model, given by its number or name, that is not one of these.
 std::string ComplaintOnLensModel(const std::string& model);

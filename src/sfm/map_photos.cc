@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -264,9 +265,9 @@ void MapAgain(const SfmWork& work, const fs::path& database, const MapperDemands
 
 // Tries again where photos stayed out: with more features of them; and at last, if the model would
 // be refused, with milder demands of the mapper. Where only some photos stay out, those may well
-// show something else. Each try is noted.
-void Retry(const SfmWork& work, const fs::path& database, const std::string& model_name,
-           ColmapModel& model, Stage& stage) {
+// show something else. Returns a note of each try.
+nlohmann::json Retry(const SfmWork& work, const fs::path& database, const std::string& model_name,
+                     ColmapModel& model) {
   nlohmann::json notes = nlohmann::json::array();
   int max_features = work.options.max_features;
   fs::path richest = database;
@@ -293,11 +294,17 @@ void Retry(const SfmWork& work, const fs::path& database, const std::string& mod
               {"image_inliers", kMildDemands.image_inliers}},
              Timer(), model, notes);
   }
-  stage.Count("retries", notes.size());
-  stage.Note("retries", notes);
+  return notes;
 }
 
-// Features, matches and model of the photos by one lens after another.
+// What one lens gave.
+struct Mapped {
+  ColmapModel model;  // without images: COLMAP found none
+  size_t models = 0;  // found now
+  nlohmann::json retries = nlohmann::json::array();
+};
+
+// Features and matches of the photos, and a model of them by one lens after another.
 class PhotoMapper {
  public:
   PhotoMapper(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage)
@@ -306,66 +313,66 @@ class PhotoMapper {
         stage_(stage),
         colmap_(FindColmap(stage.folder() / "log.txt")),
         scratch_(stage.Scratch("work")),
-        linked_(LinkPhotos(photos, options.camera_sharing, scratch_ / "photos")) {
+        linked_(LinkPhotos(photos, options.camera_sharing, scratch_ / "photos")),
+        first_lens_(LensFor(options, photos.size(), linked_.cameras)) {
     LogInfo("COLMAP {}: {} photos", colmap_.version, photos.size());
     stage.Note("colmap", colmap_.version);
     WriteColmapMasks(photos, scratch_ / "masks", linked_);
+    extract_ = {Name(first_lens_), options_.camera_sharing == CameraSharing::kPerImage,
+                options_.max_features, linked_.masks};
+    cache_ = stage_.Cache("colmap") / FeaturesKey(photos_, linked_, extract_, colmap_.version);
+    fs::create_directories(cache_);
+    FindMatches();
   }
 
-  size_t cameras() const { return linked_.cameras; }
+  SfmLens first_lens() const { return first_lens_; }
 
-  // From the cache as far as it has them. Throws DataError if there is no model.
-  ColmapModel MapWith(SfmLens lens) {
-    const ExtractOptions extract{Name(lens), options_.camera_sharing == CameraSharing::kPerImage,
-                                 options_.max_features, linked_.masks};
-    const fs::path cache =
-        stage_.Cache("colmap") / FeaturesKey(photos_, linked_, extract, colmap_.version);
-    fs::create_directories(cache);
-    const fs::path database = FindMatches(extract, cache);
+  // From the cache as far as it has them.
+  Mapped MapWith(SfmLens lens) {
+    const std::string suffix = lens == first_lens_ ? "" : fmt::format("-{}", Name(lens));
+    const fs::path database = cache_ / fmt::format("{}{}.db", Name(options_.matcher), suffix);
+    if (!fs::exists(database)) {
+      const fs::path half = database.string() + ".half";
+      CopyDatabase(matches_, half);
+      ColmapDatabase(half, colmap_.version).UseLens(*FromName<LensModel>(Name(lens)));
+      fs::rename(half, database);
+    }
     const std::string model_name =
-        fmt::format("mapped-{}-{}", Name(options_.matcher), options_.seed);
+        fmt::format("mapped-{}-{}{}", Name(options_.matcher), options_.seed, suffix);
     Timer timer;
     Mapping mapping = Map(colmap_, linked_.folder, database, photos_.size(), options_.seed,
-                          kUsualDemands, scratch_, cache / model_name);
-    if (mapping.models > 0) stage_.Count("models", mapping.models);
+                          kUsualDemands, scratch_, cache_ / model_name);
     CountSeconds("mapping", timer);
-    ColmapModel& model = mapping.model;
-    if (options_.retries > 0 && model.images.size() < photos_.size()) {
+    Mapped mapped{std::move(mapping.model), mapping.models};
+    if (options_.retries > 0 && mapped.model.images.size() < photos_.size()) {
       timer = {};
-      Retry({options_, colmap_, linked_, extract, scratch_, cache}, database, model_name, model,
-            stage_);
+      mapped.retries = Retry({options_, colmap_, linked_, extract_, scratch_, cache_}, database,
+                             model_name, mapped.model);
       CountSeconds("retries", timer);
     }
-    if (model.images.empty()) {
-      throw DataError(fmt::format(
-          "COLMAP found no model: the {} photos do not overlap enough, or were taken from "
-          "almost one place; take photos of one scene from many places, each sharing most "
-          "of what it shows with the next",
-          photos_.size()));
-    }
-    Rename(model, linked_, photos_);
-    return model;
+    Rename(mapped.model, linked_, photos_);
+    return mapped;
   }
 
  private:
-  // The database with features and matches.
-  fs::path FindMatches(const ExtractOptions& extract, const fs::path& cache) {
-    const fs::path features = cache / "features.db",
-                   database = cache / fmt::format("{}.db", Name(options_.matcher));
+  // The database with features and matches, by the first lens. No match depends on the lens: all
+  // begin without distortion and with the same focal length.
+  void FindMatches() {
+    const fs::path features = cache_ / "features.db";
+    matches_ = cache_ / fmt::format("{}.db", Name(options_.matcher));
     Timer timer;
     if (!fs::exists(features)) {
-      ExtractFeatures(colmap_, linked_.folder, linked_.names, extract, cache / "parts", features);
-      fs::remove_all(cache / "parts");
+      ExtractFeatures(colmap_, linked_.folder, linked_.names, extract_, cache_ / "parts", features);
+      fs::remove_all(cache_ / "parts");
     }
-    if (!fs::exists(database)) CopyDatabase(features, database);
+    if (!fs::exists(matches_)) CopyDatabase(features, matches_);
     CountSeconds("features", timer);
     timer = {};
-    const MatchCounts matches = MatchFeatures(colmap_, database, options_.matcher, scratch_);
+    const MatchCounts matches = MatchFeatures(colmap_, matches_, options_.matcher, scratch_);
     LogInfo("{} matches in {} pairs", WithThousands(matches.matches), WithThousands(matches.pairs));
     stage_.Count("pairs", matches.pairs);
     stage_.Count("matches", matches.matches);
     CountSeconds("matching", timer);
-    return database;
   }
 
   // By all lenses together.
@@ -379,39 +386,91 @@ class PhotoMapper {
   ColmapProgram colmap_;
   fs::path scratch_;
   LinkedPhotos linked_;
+  SfmLens first_lens_;
+  ExtractOptions extract_;
+  fs::path cache_, matches_;
   std::map<std::string, double> seconds_;
 };
 
-// Why a lens of the model cannot be undone inside the photos, if one cannot. Where the features lie
-// only in the middle of the photos, nothing determines a lens of many parameters at the borders.
-std::optional<std::string> WhyNotUndone(const ColmapModel& model, int max_size) {
+// Why the photos may not determine the lens that was found.
+struct LensDoubt {
+  std::string reason;
+  bool is_unusable = false;  // the lens cannot be undone inside the photos
+  // Of the photos that it registered, those that a simpler lens must register to be taken instead.
+  double least_photos = 1;
+};
+
+// Where features lie only in the middle of the photos, nothing determines a lens of many parameters
+// at the borders. And where the camera is always level and the photos are few, or a subject turns
+// before it, nothing determines how wide a pixel is.
+std::optional<LensDoubt> DoubtOf(const ColmapModel& model, int max_size) {
+  // What is stretched more than a little is wrong, and so is where its photos are.
+  constexpr double kLargestStretch = 0.01, kGrossStretch = 0.1;
   try {
     for (const auto& [id, camera] : model.cameras) UndistortedCamera(camera, max_size);
   } catch (const DataError& error) {
-    return error.what();
+    return LensDoubt{error.what(), true};
+  }
+  for (const auto& [id, camera] : model.cameras) {
+    if (FocalLengths(camera.model) == 1) continue;
+    const double width = camera.params[1] / camera.params[0];
+    if (std::abs(width - 1) > kLargestStretch) {
+      return LensDoubt{fmt::format("a pixel would be {:.3f} times as wide as high", width), false,
+                       std::abs(width - 1) > kGrossStretch ? 0.5 : 1.0};
+    }
   }
   return std::nullopt;
+}
+
+// Whether a model by a simpler lens takes the place of a doubted one. A lens that cannot show what
+// the photos show, as they are of oblong pixels, loses photos or points, or its error grows.
+bool Replaces(const ColmapModel& simpler, const ColmapModel& model, const LensDoubt& doubt,
+              size_t photos) {
+  constexpr double kLeastPoints = 0.5, kErrorGrowth = 1.5, kErrorSpare_px = 0.1;
+  if (doubt.is_unusable) return HasEnoughPhotos(simpler, photos);
+  return double(simpler.images.size()) >= doubt.least_photos * double(model.images.size()) &&
+         double(simpler.points.size()) >= kLeastPoints * double(model.points.size()) &&
+         MeanReprojectionError_px(simpler) <=
+             kErrorGrowth * MeanReprojectionError_px(model) + kErrorSpare_px;
 }
 
 }  // namespace
 
 ColmapModel MapPhotos(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage) {
   PhotoMapper mapper(options, photos, stage);
-  SfmLens lens = LensFor(options, photos.size(), mapper.cameras());
-  ColmapModel model = mapper.MapWith(lens);
-  while (options.camera_model == SfmLens::kAuto && lens != SfmLens::kPinhole &&
-         HasEnoughPhotos(model, photos.size())) {
-    const std::optional<std::string> why = WhyNotUndone(model, options.max_size);
-    if (!why) break;
-    const SfmLens simpler = lens == SfmLens::kOpenCv ? SfmLens::kSimpleRadial : SfmLens::kPinhole;
-    LogInfo("lens {}: {}; trying again with {}", Name(lens), *why, Name(simpler));
-    lens = simpler;
-    stage.Count("retries", 0);
-    stage.Note("retries", nlohmann::json::array());
-    model = mapper.MapWith(lens);
+  SfmLens lens = mapper.first_lens();
+  Mapped mapped = mapper.MapWith(lens);
+  if (mapped.model.images.empty()) {
+    throw DataError(fmt::format(
+        "COLMAP found no model: the {} photos do not overlap enough, or were taken from almost one "
+        "place; take photos of one scene from many places, each sharing most of what it shows with "
+        "the next",
+        photos.size()));
   }
+  while (options.camera_model == SfmLens::kAuto && lens != SfmLens::kSimplePinhole &&
+         HasEnoughPhotos(mapped.model, photos.size())) {
+    const std::optional<LensDoubt> doubt = DoubtOf(mapped.model, options.max_size);
+    if (!doubt) break;
+    const SfmLens simpler =
+        lens == SfmLens::kOpenCv ? SfmLens::kSimpleRadial : SfmLens::kSimplePinhole;
+    LogInfo("lens {}: {}; trying again with {}", Name(lens), doubt->reason, Name(simpler));
+    Mapped other = mapper.MapWith(simpler);
+    const bool is_taken = Replaces(other.model, mapped.model, *doubt, photos.size());
+    LogInfo(
+        "lens {}: {} photos, {} points, mean reprojection error {:.3f} px ({}: {}, {}, {:.3f}): {}",
+        Name(simpler), other.model.images.size(), WithThousands(other.model.points.size()),
+        MeanReprojectionError_px(other.model), Name(lens), mapped.model.images.size(),
+        WithThousands(mapped.model.points.size()), MeanReprojectionError_px(mapped.model),
+        is_taken ? "taken" : "not taken");
+    if (!is_taken) break;
+    lens = simpler;
+    mapped = std::move(other);
+  }
+  if (mapped.models > 0) stage.Count("models", mapped.models);
+  stage.Count("retries", mapped.retries.size());
+  stage.Note("retries", mapped.retries);
   stage.Note("lens", Name(lens));
-  return model;
+  return std::move(mapped.model);
 }
 
 }  // namespace tetrec

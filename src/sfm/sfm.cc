@@ -31,7 +31,7 @@ namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kLensAdvice = "try camera model SIMPLE_RADIAL or PINHOLE, or auto";
+constexpr const char* kLensAdvice = "try camera model SIMPLE_RADIAL or SIMPLE_PINHOLE, or auto";
 
 // A photo that the camera took; the folder of the photos if it took none.
 fs::path PhotoOfCamera(const ColmapModel& model, uint32_t camera, const fs::path& photos) {

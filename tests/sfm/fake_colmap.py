@@ -9,7 +9,8 @@ idle COMMAND: like COLMAP 4.0, and does nothing without a message.
 late: the last two images are registered only when the mapper runs for the second time. never: not even then.
 wide: half of the images are registered, and all if the mapper demands few inliers of each.
 folded: like good, but the lens model folds over inside the images.
-bent: the same for images whose cameras were to be OPENCV.
+bent: the same by the lens OPENCV.                  oblong: good, but pixels are oblong by the lens OPENCV.
+anamorphic: the same, and other lenses fit badly.
 """
 import math
 import os
@@ -31,6 +32,16 @@ VERSIONS = {"newer": "3.11.1", "rigs": "3.12.0", "renamed": "4.0.1", "unknown": 
 MODE = os.environ["FAKE_COLMAP"]
 VERSION = VERSIONS.get(MODE.split()[0], "3.8")
 WIDTH, HEIGHT, FOCAL = 64, 48, 80.0
+# COLMAP's number of a lens model, and how many focal lengths and parameters it has.
+MODELS = {"SIMPLE_PINHOLE": (0, 1, 3), "PINHOLE": (1, 2, 4), "SIMPLE_RADIAL": (2, 1, 4), "RADIAL": (3, 1, 5),
+          "OPENCV": (4, 2, 8)}
+
+
+def first_lens(name):
+    """The number and the parameters of a lens that nothing is known of."""
+    number, focal_lengths, count = MODELS[name]
+    params = [FOCAL] * focal_lengths + [WIDTH / 2, HEIGHT / 2]
+    return number, struct.pack(f"<{count}d", *params, *[0.0] * (count - len(params)))
 
 
 def open_database(path):
@@ -51,8 +62,8 @@ def extract(options):
             masks = options.get("ImageReader.mask_path")
             if masks and not os.path.exists(os.path.join(masks, name + ".png")):
                 sys.exit("no such mask: " + name)
-            database.execute("INSERT OR IGNORE INTO cameras VALUES (1, 1, ?, ?, ?, 0)",
-                             (WIDTH, HEIGHT, options["ImageReader.camera_model"]))
+            number, params = first_lens(options["ImageReader.camera_model"])
+            database.execute("INSERT OR IGNORE INTO cameras VALUES (1, ?, ?, ?, ?, 0)", (number, WIDTH, HEIGHT, params))
             cursor = database.execute("INSERT INTO images (name, camera_id) VALUES (?, 1)", (name,))
             database.execute("INSERT INTO keypoints VALUES (?, 0, 6, X'')", (cursor.lastrowid,))
             database.execute("INSERT INTO descriptors VALUES (?, 0, 128, X'')", (cursor.lastrowid,))
@@ -91,12 +102,13 @@ def ring_pose(k, count):
     return [v / length for v in q], t
 
 
-def write_model(folder, names, point_count, folded=False):
-    camera = (2, WIDTH, HEIGHT, FOCAL, WIDTH / 2, HEIGHT / 2, -30.0) if folded else \
-        (1, WIDTH, HEIGHT, FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2)  # SIMPLE_RADIAL or PINHOLE
+def write_model(folder, names, point_count, shape="square", error=0.4):
+    number, params = {"folded": (2, (FOCAL, WIDTH / 2, HEIGHT / 2, -30.0)),  # SIMPLE_RADIAL
+                      "oblong": (1, (FOCAL, 1.2 * FOCAL, WIDTH / 2, HEIGHT / 2)),  # PINHOLE
+                      "square": (1, (FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2))}[shape]
     os.makedirs(folder)
     with open(os.path.join(folder, "cameras.bin"), "wb") as f:
-        f.write(struct.pack("<QIiQQ4d", 1, 1, *camera))
+        f.write(struct.pack("<QIiQQ4d", 1, 1, number, WIDTH, HEIGHT, *params))
     with open(os.path.join(folder, "images.bin"), "wb") as f:
         f.write(struct.pack("<Q", len(names)))
         for k, name in enumerate(names):
@@ -111,7 +123,7 @@ def write_model(folder, names, point_count, folded=False):
             # A spiral on the unit ball.
             z = 1 - 2 * (point + 0.5) / point_count
             r, turn = math.sqrt(1 - z * z), 2.4 * point
-            f.write(struct.pack("<Q3d3Bd", point + 1, r * math.cos(turn), r * math.sin(turn), z, 200, 100, 50, 0.4))
+            f.write(struct.pack("<Q3d3Bd", point + 1, r * math.cos(turn), r * math.sin(turn), z, 200, 100, 50, error))
             f.write(struct.pack("<Q", len(names)))
             for k in range(len(names)):
                 f.write(struct.pack("<II", k + 1, point))
@@ -120,7 +132,13 @@ def write_model(folder, names, point_count, folded=False):
 def map_scene(options):
     database = open_database(options["database_path"])
     names = [row[0] for row in database.execute("SELECT name FROM images ORDER BY image_id")]
-    is_bent = MODE == "bent" and ("OPENCV",) in database.execute("SELECT params FROM cameras")
+    lens = list(database.execute("SELECT model, params FROM cameras"))
+    known = {first_lens(name): name for name in MODELS}
+    if len(lens) != 1 or lens[0] not in known:
+        sys.exit("unexpected cameras: " + repr(lens))
+    is_opencv = known[lens[0]] == "OPENCV"
+    shape = "folded" if MODE == "folded" or (MODE == "bent" and is_opencv) else \
+        "oblong" if MODE in ("oblong", "anamorphic") and is_opencv else "square"
     folder = os.path.join(options["output_path"], "0")
     if MODE == "none":
         print("WARNING: No images with matches found in the database.")
@@ -132,7 +150,8 @@ def map_scene(options):
         write_model(folder, names[::2], 300)
     else:
         write_model(os.path.join(options["output_path"], "0"), names[:2], 61)  # the first is not the largest
-        write_model(os.path.join(options["output_path"], "1"), names, 300, MODE == "folded" or is_bent)
+        write_model(os.path.join(options["output_path"], "1"), names, 300, shape,
+                    1.0 if MODE == "anamorphic" and not is_opencv else 0.4)
 
 
 def main():

@@ -99,6 +99,10 @@ class SfmTest : public ::testing::Test {
     const std::string text = ReadText(fs::path(scene_) / "manifest.json");
     return nlohmann::json::parse(text)["notes"]["retries"];
   }
+  std::string Lens() const {
+    const std::string manifest = ReadText(fs::path(scene_) / "manifest.json");
+    return nlohmann::json::parse(manifest)["notes"]["lens"];
+  }
 
   ScratchFolder folder_;
   const std::string photos_ = folder_ / "photos", scene_ = folder_ / "run/1_scene";
@@ -305,9 +309,32 @@ TEST_F(SfmTest, ALensThatFoldsOverIsReplacedByASimplerOne) {
   const Outcome outcome = Run("bent");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(Calls("mapper"), 2u);
+  EXPECT_EQ(Calls("feature_extractor"), 2u) << "once for each half of the photos";
   EXPECT_THAT(outcome.err, HasSubstr("folds over; trying again with SIMPLE_RADIAL"));
-  const std::string manifest = ReadText(fs::path(scene_) / "manifest.json");
-  EXPECT_EQ(nlohmann::json::parse(manifest)["notes"]["lens"], "SIMPLE_RADIAL");
+  EXPECT_EQ(Lens(), "SIMPLE_RADIAL");
+}
+
+TEST_F(SfmTest, ALensOfOblongPixelsIsReplacedByASimplerOneThatFitsAsWell) {
+  WritePhotos(12);
+  const Outcome outcome = Run("oblong");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(Calls("mapper"), 2u);
+  EXPECT_THAT(outcome.err, HasSubstr("a pixel would be 1.200 times as wide as high; trying again "
+                                     "with SIMPLE_RADIAL"));
+  EXPECT_EQ(Lens(), "SIMPLE_RADIAL");
+  const Camera camera = ReadScene(scene_).cameras[0];
+  EXPECT_NEAR(camera.fx, camera.fy, 1e-9);
+}
+
+TEST_F(SfmTest, ALensOfOblongPixelsStaysIfSimplerOnesFitWorse) {
+  WritePhotos(12);
+  const Outcome outcome = Run("anamorphic");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(Calls("mapper"), 2u);
+  EXPECT_THAT(outcome.err, HasSubstr("not taken"));
+  EXPECT_EQ(Lens(), "OPENCV");
+  const Camera camera = ReadScene(scene_).cameras[0];
+  EXPECT_NEAR(camera.fy / camera.fx, 1.2, 0.02);
 }
 
 TEST_F(SfmTest, ALensThatWasAskedForIsNotReplaced) {
@@ -316,7 +343,8 @@ TEST_F(SfmTest, ALensThatWasAskedForIsNotReplaced) {
   options.camera_model = SfmLens::kOpenCv;
   const Outcome outcome = Run("bent", options);
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_THAT(outcome.err, HasSubstr("; try camera model SIMPLE_RADIAL or PINHOLE, or auto"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("; try camera model SIMPLE_RADIAL or SIMPLE_PINHOLE, or auto"));
   EXPECT_EQ(Calls("mapper"), 1u);
 }
 
@@ -326,7 +354,8 @@ TEST_F(SfmTest, LensesThatAllFoldOverAreNamedWithAPhotoAndAdvice) {
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_EQ(Calls("mapper"), 3u);
   EXPECT_THAT(outcome.err, HasSubstr("photo 00.png (lens SIMPLE_RADIAL): the lens distortion"));
-  EXPECT_THAT(outcome.err, HasSubstr("; try camera model SIMPLE_RADIAL or PINHOLE, or auto"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("; try camera model SIMPLE_RADIAL or SIMPLE_PINHOLE, or auto"));
 }
 
 TEST_F(SfmTest, AMissingColmapAFullDiskAndAKilledColmapAreEnvironmentErrors) {
