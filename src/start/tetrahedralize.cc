@@ -148,6 +148,7 @@ void ReportStereo(const StereoResult& stereo, Stage& stage) {
                         {"matched", stereo.matched},
                         {"confirmed", stereo.confirmed},
                         {"views_without", stereo.views_without},
+                        {"slanted", stereo.is_slanted},
                         {"points", stereo.fusion.points.size()},
                         {"contradicted_points", stereo.fusion.contradicted},
                         {"spacing_px", stereo.fusion.spacing_px}});

@@ -116,13 +116,17 @@ uint64_t CountDepths(const StereoDepth& map) {
       std::count_if(map.depth.begin(), map.depth.end(), [](float depth) { return depth > 0; }));
 }
 
-int ViewsToConfirm(std::span<const StereoDepth> maps) {
+double ShareConfirmedByTwo(std::span<const StereoDepth> maps) {
   uint64_t depths = 0, by_two = 0;
   for (const StereoDepth& map : maps) {
     depths += CountDepths(map);
     by_two += uint64_t(std::ranges::count_if(map.agreement, [](uint8_t n) { return n >= 2; }));
   }
-  return 2 * by_two >= depths ? 2 : 1;
+  return depths > 0 ? double(by_two) / double(depths) : 0.0;
+}
+
+int ViewsToConfirm(std::span<const StereoDepth> maps) {
+  return ShareConfirmedByTwo(maps) >= 0.5 ? 2 : 1;
 }
 
 uint64_t KeepConfirmed(StereoDepth& map, int least_views, int least_evidence, double tolerance) {

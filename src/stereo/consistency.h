@@ -21,9 +21,12 @@ std::vector<StereoDepth> CountAgreement(std::span<const StereoDepth> maps,
 
 uint64_t CountDepths(const StereoDepth& map);
 
-// How many other views must confirm a depth: two if two confirm at least half of all depths.
-// Otherwise the views are so far apart that two others seldom see the same surface, and one must
-// do.
+// The share of all depths that two other views confirm or more; 0 without depths. Where photos are
+// far apart it is small, because two others seldom see the same surface.
+double ShareConfirmedByTwo(std::span<const StereoDepth> maps);
+
+// How many other views must confirm a depth: two if two confirm at least half of all depths,
+// otherwise one.
 int ViewsToConfirm(std::span<const StereoDepth> maps);
 
 // Keeps the depths that at least `least_views` other views (1 or more) confirm, in patches with

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/wide_loops.h"
+#include "stereo/view_projection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,24 +15,6 @@ namespace {
 // nothing.
 constexpr float kNoiseVariance = 2e-5f;
 constexpr float kUnseen = 4.0f;  // above every cost
-
-// Homogeneous image coordinates in a neighbour of the pixel (x, y) of the view at inverse depth w:
-// base x (x + 0.5, y + 0.5, 1) + w shift.
-struct Projection {
-  glm::dmat3 base;
-  glm::dvec3 shift;
-};
-
-glm::dmat3 Intrinsics(const Camera& c) {
-  return glm::dmat3(glm::dvec3(c.fx, 0, 0), glm::dvec3(0, c.fy, 0), glm::dvec3(c.cx, c.cy, 1));
-}
-
-Projection ProjectionInto(const StereoView& view, const StereoView& neighbor) {
-  const Rigid3 neighbor_from_view = neighbor.cam_from_world * view.cam_from_world.Inverse();
-  const glm::dmat3 k = Intrinsics(neighbor.camera);
-  return {k * neighbor_from_view.rotation * glm::inverse(Intrinsics(view.camera)),
-          k * neighbor_from_view.translation};
-}
 
 // Sums over the windows of one row, from sums over their columns.
 struct RowSums {
@@ -136,7 +119,7 @@ struct Warped {
 // A view's neighbour, prepared for warping.
 struct Source {
   const StereoView* view;
-  Projection projection;
+  ViewProjection projection;
   std::vector<float> grey;        // less a half
   std::vector<float> least_cost;  // by pixel
 };
@@ -267,7 +250,7 @@ SweepPlanes ChoosePlanes(const StereoView& view, std::span<const StereoView* con
   // the middle tell how fast.
   double longest = 1;
   for (const StereoView* neighbor : neighbors) {
-    const Projection projection = ProjectionInto(view, *neighbor);
+    const ViewProjection projection = ProjectionInto(view, *neighbor);
     for (const double x : {0.1, 0.5, 0.9}) {
       for (const double y : {0.1, 0.5, 0.9}) {
         const glm::dvec3 ray =

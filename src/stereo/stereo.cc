@@ -1,17 +1,21 @@
 // Depth maps and a dense cloud of points from the training photos of a scene.
 #include "stereo/stereo.h"
 
+#include "core/log.h"
 #include "core/option_range.h"
 #include "core/parallel.h"
 #include "stereo/consistency.h"
 #include "stereo/neighbors.h"
 #include "stereo/plane_sweep.h"
+#include "stereo/slanted_planes.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace tetrec {
 namespace {
+
+constexpr const char* kNothingKept = "nothing of this stage is kept";
 
 // The first `count` of each list.
 std::vector<std::vector<uint32_t>> FirstOf(std::span<const std::vector<uint32_t>> lists,
@@ -23,14 +27,20 @@ std::vector<std::vector<uint32_t>> FirstOf(std::span<const std::vector<uint32_t>
   return first;
 }
 
+// What is known of a view before it is matched.
+struct MatchedView {
+  std::vector<const StereoView*> neighbors;
+  DepthRange range;
+};
+
 // An empty map if the view cannot be matched.
-StereoDepth MatchView(const StereoView& view, std::span<const StereoView* const> neighbors,
-                      const DepthRange& range, const StereoOptions& options) {
+StereoDepth MatchView(const StereoView& view, const MatchedView& with,
+                      const StereoOptions& options) {
   StereoDepth map = MakeStereoDepth(view.view, view.camera);
-  if (neighbors.empty() || range.IsEmpty()) return map;
+  if (with.neighbors.empty() || with.range.IsEmpty()) return map;
   const SweepPlanes planes =
-      ChoosePlanes(view, neighbors, range, options.plane_step_px, options.max_planes);
-  const CostVolume volume = SweepPlanesOf(view, neighbors, planes, options.window_radius);
+      ChoosePlanes(view, with.neighbors, with.range, options.plane_step_px, options.max_planes);
+  const CostVolume volume = SweepPlanesOf(view, with.neighbors, planes, options.window_radius);
   const PlaneChoice choice = ChooseSmoothPlanes(volume, view.grey, planes.count, options.smoothing);
   const double max_cost = options.max_cost * kLargestCost;
   for (size_t i = 0; i < map.depth.size(); ++i) {
@@ -39,6 +49,18 @@ StereoDepth MatchView(const StereoView& view, std::span<const StereoView* const>
     if (is_good) map.depth[i] = float(1 / planes.InverseDepth(choice.plane[i]));
   }
   return map;
+}
+
+// Fits the map once more, on slanted planes; an empty map stays empty.
+void Slant(const StereoView& view, const MatchedView& with, const StereoOptions& options,
+           StereoDepth& map) {
+  if (CountDepths(map) == 0) return;
+  std::vector<float> inverse_depths;
+  for (const float depth : map.depth) inverse_depths.push_back(depth > 0 ? 1 / depth : 0.0f);
+  FitSlantedPlanes(view, with.neighbors, with.range, options.slanted, inverse_depths);
+  for (size_t i = 0; i < map.depth.size(); ++i) {
+    map.depth[i] = inverse_depths[i] > 0 ? 1 / inverse_depths[i] : 0.0f;
+  }
 }
 
 // The same patch has evidence in proportion to the map's pixels. `usual`: in a map of 400 x 300.
@@ -60,6 +82,9 @@ void StereoOptions::Check() const {
   CheckRange("max_planes", max_planes, 2, 1024);
   CheckRange("window_radius", window_radius, 1, 10);
   CheckRange("max_cost", max_cost, 0.0, 1.0);
+  CheckRange("slant_below", slant_below, 0.0, 1.0);
+  CheckRange("slanted_rounds", slanted.rounds, 1, 100);
+  CheckRange("slanted_max_cost", slanted.max_cost, 0.0, 1.0);
   CheckRange<uint64_t>("dense_points", fusion.max_points, 0, 10'000'000);
 }
 
@@ -71,13 +96,22 @@ StereoResult FindDepths(const Scene& scene, std::span<const StereoView> views,
   const std::vector<std::vector<uint32_t>> matched = FirstOf(checked, size_t(options.neighbors));
 
   std::vector<StereoDepth> maps(views.size());
-  ParallelForEach(views.size(), "depth maps", "nothing of this stage is kept", [&](size_t i) {
-    std::vector<const StereoView*> neighbors;
-    for (const uint32_t j : matched[i]) neighbors.push_back(&views[j]);
-    maps[i] = MatchView(views[i], neighbors, FindDepthRange(views[i], points, scene), options);
+  std::vector<MatchedView> with(views.size());
+  ParallelForEach(views.size(), "depth maps", kNothingKept, [&](size_t i) {
+    for (const uint32_t j : matched[i]) with[i].neighbors.push_back(&views[j]);
+    with[i].range = FindDepthRange(views[i], points, scene);
+    maps[i] = MatchView(views[i], with[i], options);
   });
-
   StereoResult result;
+  const double confirmed =
+      ShareConfirmedByTwo(CountAgreement(maps, views, checked, options.tolerance));
+  result.is_slanted = confirmed < options.slant_below;
+  if (result.is_slanted) {
+    LogInfo("two other views confirm {:.0f} % of the depths: fitting slanted planes",
+            100 * confirmed);
+    ParallelForEach(views.size(), "slanted planes", kNothingKept,
+                    [&](size_t i) { Slant(views[i], with[i], options, maps[i]); });
+  }
   for (const StereoDepth& map : maps) {
     const uint64_t depths = CountDepths(map);
     result.pixels += map.depth.size();

@@ -5,6 +5,7 @@
 #include "scene/scene.h"
 #include "stereo/fusion.h"
 #include "stereo/semi_global.h"
+#include "stereo/slanted_planes.h"
 #include "stereo/stereo_view.h"
 
 #include <cstdint>
@@ -25,6 +26,10 @@ struct StereoOptions {
   int window_radius = 2;  // of the windows that are compared [px]
   double max_cost = 0.6;  // of a chosen plane, before smoothing; 0 is a perfect match
   SemiGlobalOptions smoothing;
+  // Where two other views confirm a smaller share of the depths than this, photos are far apart,
+  // and depths are fitted once more, on slanted planes, which takes some seconds per view.
+  double slant_below = 0.6;
+  SlantedOptions slanted;
   FusionOptions fusion;
 
   void Check() const;  // throws UsageError naming the option and its value
@@ -36,6 +41,7 @@ struct StereoResult {
   uint64_t pixels = 0;            // of all maps
   uint64_t matched = 0;           // depths before other views were asked
   uint64_t confirmed = 0;         // depths in `maps`
+  bool is_slanted = false;        // depths are of slanted planes
   uint64_t views_without = 0;     // views that share too little with others to be matched
 };
 

@@ -231,10 +231,10 @@ GRASS = painted(1, ((0.05, 0.12, 0.03), (0.30, 0.42, 0.14)), 30)
 STONE = painted(3, ((0.25, 0.22, 0.2), (0.6, 0.55, 0.5)), 14)
 
 
-def brick(seed, size=0.22):
+def brick(seed):
     rng = np.random.default_rng(seed)
     color = np.array([0.35, 0.2, 0.12]) + rng.random(3) * [0.35, 0.3, 0.3]
-    return painted(10 + 2 * seed, (color * 0.45, np.minimum(color * 1.5, 1)), 8, size)
+    return painted(10 + 2 * seed, (color * 0.45, np.minimum(color * 1.5, 1)), 8, 0.22)
 
 
 def blotchy(seed):
@@ -248,7 +248,7 @@ def subject(turn=0.0):
 
     def at(x, y, z):
         return (c * x - s * y, s * x + c * y, z)
-    return [Box(at(0, 0, 0.6), (0.55, 0.4, 0.6), 0.3 + turn, brick(0, 0.15)),
+    return [Box(at(0, 0, 0.6), (0.55, 0.4, 0.6), 0.3 + turn, blotchy(8)),
             Box(at(0.1, 0.0, 1.4), (0.25, 0.3, 0.2), 0.9 + turn, blotchy(1)),
             Ball(at(0.9, -0.6, 0.35), 0.35, blotchy(2)), Ball(at(-0.95, 0.5, 0.25), 0.25, blotchy(3)),
             Box(at(-0.8, -0.8, 0.3), (0.1, 0.5, 0.3), 0.7 + turn, blotchy(4)),

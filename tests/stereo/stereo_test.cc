@@ -94,6 +94,7 @@ TEST(FindDepths, KeepsNothingWithoutEnoughEvidence) {
   const std::vector<StereoView> views = ViewsOf(synthetic);
   StereoOptions options;
   options.evidence = 1'000'000;  // 77,000 in maps of 96 x 96 pixels
+  options.slant_below = 0;
   EXPECT_EQ(FindDepths(synthetic.scene, views, options).confirmed, 0u);
 }
 
