@@ -68,7 +68,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   app.add_option("--density-decay", options.density_decay,
                  "Pull of visible vertices towards empty, as a share of Adam's largest step; by "
                  "default 0.05 for photos and 0 for pictures with alpha. Surfaces that many photos "
-                 "have in their frame are not pulled")
+                 "see are not pulled")
       ->check(CLI::Range(0.0, 1.0));
   app.add_option(
          "--jitter", options.jitter_px,
@@ -197,7 +197,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   tetrec::StageCommand command(
-      "optimize", 20,
+      "optimize", 21,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

@@ -14,12 +14,12 @@
 namespace tetrec {
 
 FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
-                         TrainingRenderer& renderer, BatchDrawer& batches, SeenSpace seen_space,
+                         TrainingRenderer& renderer, BatchDrawer& batches, PhotoSight sight,
                          double density_of_surfaces)
     : renderer_(renderer),
       batches_(batches),
-      seen_space_(std::move(seen_space)),
-      photo_frames_(scene),
+      sight_(std::move(sight)),
+      keeps_seen_space_empty_(options.seen_space == SpaceContent::kEmpty),
       density_of_surfaces_(density_of_surfaces) {
   const glm::dvec3 size = scene.subject_bounds.Size();
   subject_size_ = std::max({size.x, size.y, size.z});
@@ -114,12 +114,12 @@ std::vector<float> FittedField::RoomOfVertices() const {
 
 std::vector<RowRates> FittedField::RatesAt(std::span<const glm::vec3> places) const {
   const std::vector<uint8_t> has_cameras = InsideCapsules(places, camera_space_);
-  const std::vector<uint8_t> is_seen_empty = seen_space_.Contains(places);
-  const std::vector<uint8_t> many_look = photo_frames_.ManyShow(places);
+  const std::vector<PlaceSight> sights = sight_.Of(places);
   std::vector<RowRates> rates(places.size());
   for (size_t row = 0; row < places.size(); ++row) {
-    if (has_cameras[row] || is_seen_empty[row]) rates[row].share = 0.0f;
-    if (many_look[row]) rates[row].kept_density = float(density_of_surfaces_);
+    const bool is_seen_empty = keeps_seen_space_empty_ && sights[row] == PlaceSight::kEmpty;
+    if (has_cameras[row] || is_seen_empty) rates[row].share = 0.0f;
+    if (sights[row] == PlaceSight::kMany) rates[row].kept_density = float(density_of_surfaces_);
   }
   return rates;
 }

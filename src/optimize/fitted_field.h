@@ -7,8 +7,7 @@
 #include "optimize/batches.h"
 #include "optimize/camera_space.h"
 #include "optimize/optimize_options.h"
-#include "optimize/photo_frames.h"
-#include "optimize/seen_space.h"
+#include "optimize/photo_sight.h"
 #include "render/training_renderer.h"
 #include "scene/scene.h"
 
@@ -20,14 +19,14 @@
 namespace tetrec {
 
 // Whatever state it is given, there is no density in the space of the cameras and in what photos
-// see to be empty, and none grows there. Surfaces that many photos have in their frame do not
-// decay: decay would let light through them wherever the photos show the same colour behind.
+// see to be empty, and none grows there. Surfaces that many photos see do not decay: decay would
+// let light through them wherever the photos show the same colour behind.
 class FittedField {
  public:
   // Tells `batches` whether colours depend on the view. What has `density_of_surfaces` or more is
   // a surface [1 / world unit].
   FittedField(const OptimizeOptions& options, const Scene& scene, TrainingRenderer& renderer,
-              BatchDrawer& batches, SeenSpace seen_space = {},
+              BatchDrawer& batches, PhotoSight sight = {},
               double density_of_surfaces = std::numeric_limits<double>::infinity());
 
   void Put(TetMesh mesh, FieldState state);
@@ -67,8 +66,8 @@ class FittedField {
   TrainingRenderer& renderer_;
   BatchDrawer& batches_;
   std::vector<Capsule> camera_space_;
-  SeenSpace seen_space_;
-  PhotoFrames photo_frames_;
+  PhotoSight sight_;
+  bool keeps_seen_space_empty_;
   double density_of_surfaces_;
   double subject_size_ = 0;
   std::vector<RowRates> row_rates_;

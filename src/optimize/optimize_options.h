@@ -18,7 +18,7 @@
 namespace tetrec {
 
 // What is in space that should be empty: where the cameras stand and move (camera_space.h), and
-// what a few photos see to be empty (seen_space.h).
+// what a few photos see to be empty (photo_sight.h).
 enum class SpaceContent {
   kEmpty,    // no density
   kLearned,  // what the photos ask for

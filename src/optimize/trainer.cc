@@ -20,12 +20,12 @@
 #include "optimize/harmonics_trials.h"
 #include "optimize/mesh_budget.h"
 #include "optimize/motion_trial.h"
+#include "optimize/photo_sight.h"
 #include "optimize/pose_sweeps.h"
 #include "optimize/rate_trial.h"
 #include "optimize/refinement_rounds.h"
 #include "optimize/run_length.h"
 #include "optimize/run_outputs.h"
-#include "optimize/seen_space.h"
 #include "optimize/training_history.h"
 #include "optimize/training_pictures.h"
 #include "optimize/training_steps.h"
@@ -62,7 +62,7 @@ bool CamerasWereEstimated(const fs::path& scene_folder) {
 class Trainer {
  public:
   Trainer(const OptimizeOptions& options, const fs::path& scene_folder, const Scene& scene,
-          TrainingSet set, SeenSpace seen_space, const TetMesh& start, Stage& stage)
+          TrainingSet set, PhotoSight sight, const TetMesh& start, Stage& stage)
       : options_(options),
         scene_folder_(scene_folder),
         scene_(scene),
@@ -76,8 +76,7 @@ class Trainer {
                  ChooseWatchedViews(scene, options.watched_views)},
         pictures_(options, std::move(set), BackgroundColor(scene.background), *renderer_),
         batches_(options, pictures_.set(), *renderer_, pictures_.background_srgb(), scene_folder),
-        field_(options, scene, *renderer_, batches_, std::move(seen_space),
-               DensityOfSurfaces(start)),
+        field_(options, scene, *renderer_, batches_, std::move(sight), DensityOfSurfaces(start)),
         motion_(options, field_, *renderer_, pictures_.set().views.size()),
         steps_(options, scene.has_alpha, batches_, *renderer_, motion_),
         rate_trial_(options, field_, pictures_, steps_),
@@ -494,10 +493,8 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   // Refinement fills it with new tets.
   NamingFile(start_file.string(), [&] { CheckConvexDomain(start.mesh); });
   TrainingSet set = LoadTrainingSet(scene_folder, scene, scene.ViewsOf(Split::kTrain));
-  SeenSpace seen_space;
-  if (options.seen_space == SpaceContent::kEmpty) seen_space = SeenSpace::Read(scene, start_folder);
-  Trainer trainer(options, scene_folder, scene, std::move(set), std::move(seen_space), start.mesh,
-                  stage);
+  Trainer trainer(options, scene_folder, scene, std::move(set),
+                  PhotoSight::Read(scene, start_folder), start.mesh, stage);
   WriteField(stage.Output("field.tetf"), trainer.Run(std::move(start)));
   trainer.WriteEstimates();
   WriteWorld(scene, scene_folder, stage);

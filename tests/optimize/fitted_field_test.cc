@@ -64,14 +64,20 @@ TEST(FittedField, HasNoDensityWherePhotosSeeNothing) {
     std::fill(maps[view].agreement.begin(), maps[view].agreement.end(), uint8_t(2));
   }
   const RadianceField box = LargeBox();
-  const SeenSpace space(scene, maps);
-  const std::vector<uint8_t> is_empty = space.Contains(box.mesh.positions);
-  FittedField field(run.options, scene, *run.renderer, run.batches, space);
+  const PhotoSight sight(scene, maps);
+  const std::vector<PlaceSight> sights = sight.Of(box.mesh.positions);
+  FittedField field(run.options, scene, *run.renderer, run.batches, sight);
   const std::vector<float> density = DensityOf(field, box);
-  for (size_t v = 0; v < density.size(); ++v) EXPECT_EQ(density[v] < 1e-20f, is_empty[v] != 0) << v;
+  for (size_t v = 0; v < density.size(); ++v) {
+    EXPECT_EQ(density[v] < 1e-20f, sights[v] == PlaceSight::kEmpty) << v;
+  }
   EXPECT_GT(field.seen_empty_rows(), 0u);
   EXPECT_LT(field.seen_empty_rows(), density.size());
   EXPECT_EQ(field.emptied_rows(), 0u);
+  run.options.seen_space = SpaceContent::kLearned;
+  FittedField learned(run.options, scene, *run.renderer, run.batches, sight);
+  DensityOf(learned, box);
+  EXPECT_EQ(learned.seen_empty_rows(), 0u);
 }
 
 // The whole box is in the frame of each photo, and all of it is denser than 1.
@@ -82,7 +88,8 @@ TEST(FittedField, KeepsTheDensityOfSurfacesWhereManyPhotosLook) {
     SmallRun run(options);
     Scene scene = RingOfCameras(photos, 0);
     for (View& view : scene.views) view.cam_from_world = {glm::dmat3(1.0), {0.0, 0.0, 4.0}};
-    FittedField field(run.options, scene, *run.renderer, run.batches, {}, density_of_surfaces);
+    FittedField field(run.options, scene, *run.renderer, run.batches, PhotoSight(scene),
+                      density_of_surfaces);
     const RadianceField box = WavyBox(0.4);
     field.Put(box.mesh, StateOf(box));
     run.steps.Take(AtProgress(0.1), false);

@@ -1,0 +1,57 @@
+// What the training photos see of a place, by their frames and by the depth maps of a dense start.
+#pragma once
+
+#include "geometry/camera.h"
+#include "geometry/rigid3.h"
+#include "run/stereo_depth.h"
+#include "scene/scene.h"
+
+#include <glm/glm.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace tetrec {
+
+// Many photos forbid fog by themselves and agree on what is solid; a few do not.
+enum class PlaceSight : uint8_t {
+  kFew,    // few photos see the place
+  kEmpty,  // few photos see it, and it is known to be empty
+  kMany,   // more than 12 photos see it
+};
+
+// A photo sees a place that is in its frame, unless its depth map shows something clearly in front
+// of the place. A place that few photos see is empty if at least 2 maps show something clearly
+// behind it and none shows something near it. Only depths that at least 2 other views confirm
+// count.
+class PhotoSight {
+ public:
+  // No photo sees anything.
+  PhotoSight() = default;
+  // `scene` has the training cameras. `maps`: of some of the training views, or of none.
+  explicit PhotoSight(const Scene& scene, std::span<const StereoDepth> maps = {});
+
+  std::vector<PlaceSight> Of(std::span<const glm::vec3> places) const;  // [world units]
+
+  // Reads the depth maps that tetrec-tetrahedralize --start dense wrote below `start_folder`, if
+  // there are any. Throws DataError, naming the file, for a map that does not fit the scene.
+  static PhotoSight Read(const Scene& scene, const std::filesystem::path& start_folder);
+
+ private:
+  struct Photo {
+    Rigid3 cam_from_world;
+    Camera camera;  // with a map, of its blocks
+    // height x width: the least depth that is confirmed in each block of the map, z in the camera
+    // frame [world units]; 0: unknown. Empty without a map.
+    std::vector<float> least_depth;
+
+    float LeastDepthAt(const glm::dvec3& in_cam) const;
+  };
+  PlaceSight Of(const glm::dvec3& place) const;
+
+  std::vector<Photo> photos_;
+};
+
+}  // namespace tetrec
