@@ -95,7 +95,7 @@ TEST(FitSlantedPlanes, DropsWhatDoesNotMatch) {
     const auto kept = std::ranges::count_if(of.inverse_depths, [](float w) { return w > 0; });
     return double(kept) / double(of.inverse_depths.size());
   };
-  EXPECT_GT(kept_share(wall), 0.9);
+  EXPECT_GT(kept_share(wall), 0.8);
   // A search among many planes finds some by which even noise is alike.
   EXPECT_LT(kept_share(noisy), 0.2);
 }
