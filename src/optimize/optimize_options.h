@@ -123,7 +123,7 @@ struct OptimizeOptions {
   double harmonics_decay = 0.3;
   double max_density = AdamUpdate().max_density;  // [1 / world unit]
   // Pull of seen vertices towards empty, as a share of Adam's largest step; surfaces that many
-  // photos have in their frame are not pulled (FittedField). By default DensityDecay.
+  // photos see are not pulled (FittedField). By default DensityDecay.
   std::optional<double> density_decay;
   // Rays are moved inside their share of the pixel by up to half of this part of it: more blurs.
   double jitter_px = 0.0;

@@ -18,9 +18,11 @@ constexpr int kLeastMaps = 2;
 // Other views that must confirm a depth: a wrong one would keep empty what is full, which learning
 // cannot mend.
 constexpr int kLeastAgreement = 2;
-// Shares of a depth by which a place must lie in front of it to be empty, or behind it to be
-// hidden. What hangs behind the edge of a table is hidden by a little.
-constexpr double kMarginInFront = 0.05, kMarginBehind = 0.02;
+// What is within this share of a depth is near it, and may be what the map shows.
+constexpr double kNear = 0.05;
+// Share of a depth by which a place behind it is hidden: what hangs behind the edge of a table is
+// behind it by little.
+constexpr double kHiddenBehind = 0.02;
 // Pixels of a map per block, along each side: small against what a vertex shows.
 constexpr int kBlock = 4;
 
@@ -33,53 +35,54 @@ Camera CameraOfBlocks(const Camera& camera) {
           .cy = camera.cy / kBlock};
 }
 
-// For each block of the map the least depth that is confirmed, or 0.
-std::vector<float> LeastDepths(const StereoDepth& map, const Camera& blocks) {
-  std::vector<float> least(size_t(blocks.width) * size_t(blocks.height), 0.0f);
-  for (int y = 0; y < map.camera.height; ++y) {
-    for (int x = 0; x < map.camera.width; ++x) {
-      const size_t pixel = map.Index(x, y);
-      if (map.agreement[pixel] < kLeastAgreement) continue;
-      float& depth = least[size_t(y / kBlock) * size_t(blocks.width) + size_t(x / kBlock)];
-      if (depth == 0 || map.depth[pixel] < depth) depth = map.depth[pixel];
-    }
-  }
-  return least;
-}
-
 }  // namespace
 
 PhotoSight::PhotoSight(const Scene& scene, std::span<const StereoDepth> maps) {
   for (const int v : scene.ViewsOf(Split::kTrain)) {
     const View& view = scene.views[size_t(v)];
-    Photo photo{view.cam_from_world, scene.cameras[size_t(view.camera)], {}};
-    const auto map = std::ranges::find(maps, uint32_t(v), &StereoDepth::view);
-    if (map != maps.end()) {
-      photo.camera = CameraOfBlocks(map->camera);
-      photo.least_depth = LeastDepths(*map, photo.camera);
-    }
-    photos_.push_back(std::move(photo));
+    photos_.push_back(
+        {uint32_t(v), view.cam_from_world, scene.cameras[size_t(view.camera)], {}, {}});
+  }
+  for (const StereoDepth& map : maps) {
+    const auto photo = std::ranges::find(photos_, map.view, &Photo::view);
+    if (photo != photos_.end()) photo->Summarize(map);
   }
 }
 
 PhotoSight PhotoSight::Read(const Scene& scene, const fs::path& start_folder) {
-  std::vector<StereoDepth> maps;
-  for (const int view : scene.ViewsOf(Split::kTrain)) {
-    const fs::path path = start_folder / "depth" / StereoDepthName(uint32_t(view));
+  PhotoSight sight(scene);
+  for (Photo& photo : sight.photos_) {
+    const fs::path path = start_folder / "depth" / StereoDepthName(photo.view);
     if (!fs::exists(path)) continue;
-    maps.push_back(ReadStereoDepth(path));
-    if (maps.back().view != uint32_t(view)) {
+    const StereoDepth map = ReadStereoDepth(path);
+    if (map.view != photo.view) {
       throw DataError(fmt::format("{}: is the depth map of view {}, not {}", path.string(),
-                                  maps.back().view, view));
+                                  map.view, photo.view));
     }
+    photo.Summarize(map);
   }
-  return PhotoSight(scene, maps);
+  return sight;
 }
 
-float PhotoSight::Photo::LeastDepthAt(const glm::dvec3& in_cam) const {
-  if (least_depth.empty()) return 0;
-  const glm::dvec2 block = camera.ImageFromCam(in_cam);
-  return least_depth[size_t(block.y) * size_t(camera.width) + size_t(block.x)];
+void PhotoSight::Photo::Summarize(const StereoDepth& map) {
+  map_blocks = CameraOfBlocks(map.camera);
+  depths.assign(size_t(map_blocks.width) * size_t(map_blocks.height), {});
+  for (int y = 0; y < map.camera.height; ++y) {
+    for (int x = 0; x < map.camera.width; ++x) {
+      const size_t pixel = map.Index(x, y);
+      if (map.agreement[pixel] < kLeastAgreement) continue;
+      Depths& block = depths[size_t(y / kBlock) * size_t(map_blocks.width) + size_t(x / kBlock)];
+      const float depth = map.depth[pixel];
+      block.least = block.least == 0 ? depth : std::min(block.least, depth);
+      block.largest = std::max(block.largest, depth);
+    }
+  }
+}
+
+PhotoSight::Depths PhotoSight::Photo::DepthsAt(const glm::dvec3& in_cam) const {
+  if (depths.empty() || !map_blocks.Shows(in_cam)) return {};
+  const glm::dvec2 block = map_blocks.ImageFromCam(in_cam);
+  return depths[size_t(block.y) * size_t(map_blocks.width) + size_t(block.x)];
 }
 
 PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
@@ -88,11 +91,12 @@ PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
   for (const Photo& photo : photos_) {
     const glm::dvec3 in_cam = photo.cam_from_world * place;
     if (!photo.camera.Shows(in_cam)) continue;
-    const double depth = photo.LeastDepthAt(in_cam);
-    if (depth > 0 && in_cam.z > (1 + kMarginBehind) * depth) continue;
-    if (++photos > kFewPhotos) return PlaceSight::kMany;
-    if (depth == 0) continue;
-    if (in_cam.z > (1 - kMarginInFront) * depth) {
+    const Depths shown = photo.DepthsAt(in_cam);
+    const bool is_known = shown.least > 0;
+    const bool is_hidden = is_known && in_cam.z > (1 + kHiddenBehind) * shown.largest;
+    if (!is_hidden && ++photos > kFewPhotos) return PlaceSight::kMany;
+    if (!is_known || in_cam.z > (1 + kNear) * shown.least) continue;
+    if (in_cam.z > (1 - kNear) * shown.least) {
       is_near = true;
     } else {
       ++maps_behind;

@@ -22,10 +22,9 @@ enum class PlaceSight : uint8_t {
   kMany,   // more than 12 photos see it
 };
 
-// A photo sees a place that is in its frame, unless its depth map shows something clearly in front
-// of the place. A place that few photos see is empty if at least 2 maps show something clearly
-// behind it and none shows something near it. Only depths that at least 2 other views confirm
-// count.
+// A photo sees a place that is in its frame, unless its depth map shows only what is in front of
+// the place. A place that few photos see is empty if at least 2 maps show something clearly behind
+// it and none shows something near it. Only depths that at least 2 other views confirm count.
 class PhotoSight {
  public:
   // No photo sees anything.
@@ -40,14 +39,21 @@ class PhotoSight {
   static PhotoSight Read(const Scene& scene, const std::filesystem::path& start_folder);
 
  private:
+  // z in the camera frame [world units]; 0: unknown.
+  struct Depths {
+    float least = 0, largest = 0;
+  };
   struct Photo {
+    uint32_t view = 0;  // index into Scene::views
     Rigid3 cam_from_world;
-    Camera camera;  // with a map, of its blocks
-    // height x width: the least depth that is confirmed in each block of the map, z in the camera
-    // frame [world units]; 0: unknown. Empty without a map.
-    std::vector<float> least_depth;
+    Camera camera;
+    // Of the depth map: its blocks, and the confirmed depths in each, height x width; empty without
+    // a map.
+    Camera map_blocks;
+    std::vector<Depths> depths;
 
-    float LeastDepthAt(const glm::dvec3& in_cam) const;
+    void Summarize(const StereoDepth& map);
+    Depths DepthsAt(const glm::dvec3& in_cam) const;
   };
   PlaceSight Of(const glm::dvec3& place) const;
 

@@ -396,38 +396,42 @@ class PhotoMapper {
 struct LensDoubt {
   std::string reason;
   bool is_unusable = false;  // the lens cannot be undone inside the photos
-  // Of the photos that it registered, those that a simpler lens must register to be taken instead.
+  // The share of the photos it registered that a simpler lens must register, too, to be taken.
   double least_photos = 1;
 };
 
 // Where features lie only in the middle of the photos, nothing determines a lens of many parameters
 // at the borders. And where the camera is always level and the photos are few, or a subject turns
-// before it, nothing determines how wide a pixel is.
+// in front of it, nothing determines how wide a pixel is.
 std::optional<LensDoubt> DoubtOf(const ColmapModel& model, int max_size) {
-  // What is stretched more than a little is wrong, and so is where its photos are.
-  constexpr double kLargestStretch = 0.01, kGrossStretch = 0.1;
+  // Logarithms. Photos that only a grossly stretched lens registers are in wrong places.
+  constexpr double kLargestStretch = 0.01, kGrossStretch = 0.1, kLeastPhotosOfGross = 0.8;
   try {
     for (const auto& [id, camera] : model.cameras) UndistortedCamera(camera, max_size);
   } catch (const DataError& error) {
     return LensDoubt{error.what(), true};
   }
+  double stretched = 1;  // the width of a pixel that is farthest from its height
   for (const auto& [id, camera] : model.cameras) {
     if (FocalLengths(camera.model) == 1) continue;
     const double width = camera.params[1] / camera.params[0];
-    if (std::abs(width - 1) > kLargestStretch) {
-      return LensDoubt{fmt::format("a pixel would be {:.3f} times as wide as high", width), false,
-                       std::abs(width - 1) > kGrossStretch ? 0.5 : 1.0};
-    }
+    if (std::abs(std::log(width)) > std::abs(std::log(stretched))) stretched = width;
   }
-  return std::nullopt;
+  const double stretch = std::abs(std::log(stretched));
+  if (!(stretch > kLargestStretch)) return std::nullopt;
+  return LensDoubt{fmt::format("a pixel would be {:.3f} times as wide as it is high", stretched),
+                   false, stretch > kGrossStretch ? kLeastPhotosOfGross : 1.0};
 }
 
 // Whether a model by a simpler lens takes the place of a doubted one. A lens that cannot show what
-// the photos show, as they are of oblong pixels, loses photos or points, or its error grows.
+// the photos show, as those of oblong pixels, loses photos or points, or its error grows.
 bool Replaces(const ColmapModel& simpler, const ColmapModel& model, const LensDoubt& doubt,
-              size_t photos) {
+              size_t photos, int max_size) {
   constexpr double kLeastPoints = 0.5, kErrorGrowth = 1.5, kErrorSpare_px = 0.1;
-  if (doubt.is_unusable) return HasEnoughPhotos(simpler, photos);
+  if (!HasEnoughPhotos(simpler, photos)) return false;
+  if (doubt.is_unusable) return true;
+  const std::optional<LensDoubt> other_doubt = DoubtOf(simpler, max_size);
+  if (other_doubt && other_doubt->is_unusable) return false;
   return double(simpler.images.size()) >= doubt.least_photos * double(model.images.size()) &&
          double(simpler.points.size()) >= kLeastPoints * double(model.points.size()) &&
          MeanReprojectionError_px(simpler) <=
@@ -455,7 +459,8 @@ ColmapModel MapPhotos(const SfmOptions& options, const std::vector<Photo>& photo
         lens == SfmLens::kOpenCv ? SfmLens::kSimpleRadial : SfmLens::kSimplePinhole;
     LogInfo("lens {}: {}; trying again with {}", Name(lens), doubt->reason, Name(simpler));
     Mapped other = mapper.MapWith(simpler);
-    const bool is_taken = Replaces(other.model, mapped.model, *doubt, photos.size());
+    const bool is_taken =
+        Replaces(other.model, mapped.model, *doubt, photos.size(), options.max_size);
     LogInfo(
         "lens {}: {} photos, {} points, mean reprojection error {:.3f} px ({}: {}, {}, {:.3f}): {}",
         Name(simpler), other.model.images.size(), WithThousands(other.model.points.size()),

@@ -21,7 +21,7 @@ inline constexpr auto kWords<CameraSharing> =
                                         {CameraSharing::kPerImage, "per-image"}});
 
 // The lens model that COLMAP fits. kAuto: OPENCV, or SIMPLE_RADIAL for few photos per camera; or a
-// simpler one where that cannot be undone.
+// simpler one where the photos do not determine that (MapPhotos).
 enum class SfmLens { kAuto, kOpenCv, kRadial, kSimpleRadial, kPinhole, kSimplePinhole };
 template <>
 inline constexpr auto kWords<SfmLens> =

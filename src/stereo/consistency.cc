@@ -122,7 +122,7 @@ double ShareConfirmedByTwo(std::span<const StereoDepth> maps) {
     depths += CountDepths(map);
     by_two += uint64_t(std::ranges::count_if(map.agreement, [](uint8_t n) { return n >= 2; }));
   }
-  return depths > 0 ? double(by_two) / double(depths) : 0.0;
+  return depths > 0 ? double(by_two) / double(depths) : 1.0;
 }
 
 int ViewsToConfirm(std::span<const StereoDepth> maps) {

@@ -21,7 +21,7 @@ std::vector<StereoDepth> CountAgreement(std::span<const StereoDepth> maps,
 
 uint64_t CountDepths(const StereoDepth& map);
 
-// The share of all depths that two other views confirm or more; 0 without depths. Where photos are
+// The share of all depths that two other views or more confirm; 1 without depths. Where photos are
 // far apart it is small, because two others seldom see the same surface.
 double ShareConfirmedByTwo(std::span<const StereoDepth> maps);
 

@@ -16,7 +16,7 @@ namespace {
 
 // Windows of every second pixel, up to kReach away. Arrays are filled up to whole vectors with
 // samples of weight 0.
-constexpr int kReach = 4, kSide = kReach + 1, kSamples = 32;
+constexpr int kReach = 4, kSamples = 32;
 constexpr float kGreySpread = 0.1f, kReachSpread = 4.0f;  // of the weights: grey values, pixels
 constexpr float kNoiseVariance = 2e-5f;                   // as in the plane sweep
 constexpr float kUnseen = 4.0f;                           // above every cost
@@ -230,11 +230,11 @@ class Fit {
   void Change(int x, int y, double size) {
     for (const int what : {3, 1, 2}) {
       Plane plane = planes_[view_.Index(x, y)];
-      const float slope = plane.inverse_depth / float(view_.camera.fx);
+      const float tangent = plane.inverse_depth / float(std::min(view_.camera.fx, view_.camera.fy));
       if ((what & 1) != 0) plane.inverse_depth += Spread(0.1 * size) * plane.inverse_depth;
       if ((what & 2) != 0) {
-        plane.right += Spread(4 * size) * slope;
-        plane.down += Spread(4 * size) * slope;
+        plane.right += Spread(4 * size) * tangent;
+        plane.down += Spread(4 * size) * tangent;
       }
       Offer(x, y, plane);
     }

@@ -122,6 +122,7 @@ class Ball:
     center: tuple
     radius: float
     paint: object
+    turn: float = 0.0
 
     def hit(self, origin, direction):
         o = origin - np.array(self.center)
@@ -132,7 +133,7 @@ class Ball:
 
     def look(self, point, direction):
         normal = (point - np.array(self.center)) / self.radius
-        angle = np.arctan2(normal[:, 1], normal[:, 0])
+        angle = np.arctan2(normal[:, 1], normal[:, 0]) - self.turn
         return normal, self.paint(self.radius * angle, self.radius * np.arcsin(np.clip(normal[:, 2], -1, 1)))
 
 
@@ -207,23 +208,27 @@ class Camera:
     target: np.ndarray
     width_degrees: float = 62
 
-    def rays(self):
-        w, h = SIZE[0] * RAYS, SIZE[1] * RAYS
+    def axes(self):
+        """Rows: to the right, down and ahead in the world."""
         ahead = unit(self.target - self.position)
         right = unit(np.cross(ahead, [0, 0, 1]))
-        down = np.cross(ahead, right)
+        return np.stack([right, np.cross(ahead, right), ahead])
+
+    def rays(self):
+        w, h = SIZE[0] * RAYS, SIZE[1] * RAYS
+        right, down, ahead = self.axes()
         focal = 0.5 * w / math.tan(math.radians(self.width_degrees) / 2)
         x, y = np.meshgrid((np.arange(w) + 0.5 - w / 2) / focal, (np.arange(h) + 0.5 - h / 2) / focal)
         direction = unit(ahead + x[..., None] * right + y[..., None] * down).reshape(-1, 3)
         return np.broadcast_to(self.position, direction.shape), direction
 
 
-def develop(linear, exposure):
+def develop(linear, exposure, seed):
     """8-bit sRGB of the mean of each pixel's rays, with a photo's noise."""
     pixels = linear.reshape(SIZE[1], RAYS, SIZE[0], RAYS, 3).mean((1, 3)) * exposure
     pixels = np.clip(pixels, 0, 1)
     coded = np.where(pixels < 0.0031308, 12.92 * pixels, 1.055 * np.maximum(pixels, 1e-9)**(1 / 2.4) - 0.055)
-    grain = np.random.default_rng(int(1e6 * linear[0, 0])).normal(0, 1.0, coded.shape)
+    grain = np.random.default_rng(seed).normal(0, 1.0, coded.shape)
     return np.clip(255 * coded + grain, 0, 255).round().astype(np.uint8)
 
 
@@ -250,10 +255,10 @@ def subject(turn=0.0):
         return (c * x - s * y, s * x + c * y, z)
     return [Box(at(0, 0, 0.6), (0.55, 0.4, 0.6), 0.3 + turn, blotchy(8)),
             Box(at(0.1, 0.0, 1.4), (0.25, 0.3, 0.2), 0.9 + turn, blotchy(1)),
-            Ball(at(0.9, -0.6, 0.35), 0.35, blotchy(2)), Ball(at(-0.95, 0.5, 0.25), 0.25, blotchy(3)),
+            Ball(at(0.9, -0.6, 0.35), 0.35, blotchy(2), turn), Ball(at(-0.95, 0.5, 0.25), 0.25, blotchy(3), turn),
             Box(at(-0.8, -0.8, 0.3), (0.1, 0.5, 0.3), 0.7 + turn, blotchy(4)),
             Box(at(0.7, 0.9, 0.7), (0.06, 0.06, 0.7), 0.2 + turn, blotchy(5)),
-            Ball(at(0.7, 0.9, 1.5), 0.18, blotchy(6))]
+            Ball(at(0.7, 0.9, 1.5), 0.18, blotchy(6), turn)]
 
 
 def yard():
@@ -337,7 +342,7 @@ KINDS = {kind.__name__: kind for kind in (yard, forward, turntable, room, wide, 
 def photo(job):
     kind, index = job
     world, camera, exposure = KINDS[kind]()[index]
-    return develop(world.light(*camera.rays()), exposure)
+    return develop(world.light(*camera.rays()), exposure, [list(KINDS).index(kind), index])
 
 
 def main():

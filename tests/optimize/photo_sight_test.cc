@@ -106,6 +106,24 @@ TEST(PhotoSight, IsNotOfPhotosWhoseMapsShowSomethingInFront) {
   EXPECT_EQ(SightOf(PhotoSight(scene), behind), PlaceSight::kMany);
 }
 
+// A place that one map may show is not known to be empty, even where that map hides it by a little.
+TEST(PhotoSight, IsNotEmptyCloseBehindWhatAMapShows) {
+  const Scene scene = ViewsOfAWall(3);
+  std::vector<StereoDepth> maps = MapsOf(scene, 2, 8.0f);
+  maps.push_back(MapOf(scene, 2, 4.0f));
+  EXPECT_FALSE(IsEmpty(PhotoSight(scene, maps), {0.0f, 0.0f, 4.15f}));
+  EXPECT_TRUE(IsEmpty(PhotoSight(scene, maps), {0.0f, 0.0f, 4.3f}));
+}
+
+// A floor at a flat angle does not hide itself, and a pole hides nothing beside it.
+TEST(PhotoSight, IsHiddenOnlyBehindTheLargestDepthOfABlock) {
+  const Scene scene = ViewsOfAWall(13);
+  std::vector<StereoDepth> maps = MapsOf(scene, 13, 4.0f);
+  for (StereoDepth& map : maps) map.depth[map.Index(33, 25)] = 2.5f;
+  EXPECT_EQ(SightOf(PhotoSight(scene, maps), {0.0f, 0.0f, 4.0f}), PlaceSight::kMany);
+  EXPECT_EQ(SightOf(PhotoSight(scene, maps), {0.0f, 0.0f, 4.2f}), PlaceSight::kFew);
+}
+
 TEST(PhotoSight, IsReadFromTheMapsOfTheStart) {
   const ScratchFolder folder;
   const Scene scene = ViewsOfAWall(2);

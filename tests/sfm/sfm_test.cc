@@ -19,8 +19,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <optional>
+#include <thread>
 
 namespace tetrec {
 namespace {
@@ -304,12 +306,17 @@ TEST_F(SfmTest, TheErrorOfAnEarlierAttemptIsNotPrintedAgain) {
   EXPECT_THAT(outcome.err, Not(HasSubstr("signal 9")));
 }
 
+// COLMAP's extractor runs once on each core, for a part of the photos.
+size_t ExtractorsOf(size_t photos) {
+  return std::min(photos, size_t{std::max(1u, std::thread::hardware_concurrency())});
+}
+
 TEST_F(SfmTest, ALensThatFoldsOverIsReplacedByASimplerOne) {
   WritePhotos(12);
   const Outcome outcome = Run("bent");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(Calls("mapper"), 2u);
-  EXPECT_EQ(Calls("feature_extractor"), 2u) << "once for each half of the photos";
+  EXPECT_EQ(Calls("feature_extractor"), ExtractorsOf(12)) << "features are found once";
   EXPECT_THAT(outcome.err, HasSubstr("folds over; trying again with SIMPLE_RADIAL"));
   EXPECT_EQ(Lens(), "SIMPLE_RADIAL");
 }
@@ -319,8 +326,8 @@ TEST_F(SfmTest, ALensOfOblongPixelsIsReplacedByASimplerOneThatFitsAsWell) {
   const Outcome outcome = Run("oblong");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(Calls("mapper"), 2u);
-  EXPECT_THAT(outcome.err, HasSubstr("a pixel would be 1.200 times as wide as high; trying again "
-                                     "with SIMPLE_RADIAL"));
+  EXPECT_THAT(outcome.err, HasSubstr("a pixel would be 1.200 times as wide as it is high; trying "
+                                     "again with SIMPLE_RADIAL"));
   EXPECT_EQ(Lens(), "SIMPLE_RADIAL");
   const Camera camera = ReadScene(scene_).cameras[0];
   EXPECT_NEAR(camera.fx, camera.fy, 1e-9);

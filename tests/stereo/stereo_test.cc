@@ -79,7 +79,8 @@ TEST(FindDepths, FindsARoomAndWhatIsInIt) {
   const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 400);
   const std::vector<StereoView> views = ViewsOf(synthetic);
   const StereoResult result = FindDepths(synthetic.scene, views, {});
-  EXPECT_GT(result.confirmed, result.pixels / 4);
+  EXPECT_TRUE(result.is_slanted);
+  EXPECT_GT(result.confirmed, result.pixels / 2);
   size_t right = 0;
   for (const DensePoint& point : result.fusion.points) {
     const glm::dvec3 p = glm::abs(point.position);
@@ -95,7 +96,9 @@ TEST(FindDepths, KeepsNothingWithoutEnoughEvidence) {
   StereoOptions options;
   options.evidence = 1'000'000;  // 77,000 in maps of 96 x 96 pixels
   options.slant_below = 0;
-  EXPECT_EQ(FindDepths(synthetic.scene, views, options).confirmed, 0u);
+  const StereoResult result = FindDepths(synthetic.scene, views, options);
+  EXPECT_EQ(result.confirmed, 0u);
+  EXPECT_FALSE(result.is_slanted);
 }
 
 TEST(FindDepths, FindsNothingInASinglePhoto) {
@@ -104,6 +107,7 @@ TEST(FindDepths, FindsNothingInASinglePhoto) {
   const StereoResult result = FindDepths(synthetic.scene, one, {});
   EXPECT_EQ(result.confirmed, 0u);
   EXPECT_EQ(result.views_without, 1u);
+  EXPECT_FALSE(result.is_slanted);
   EXPECT_TRUE(result.fusion.points.empty());
 }
 
