@@ -23,16 +23,33 @@ constexpr double kNear = 0.05;
 // Share of a depth by which a place behind it is hidden: what hangs behind the edge of a table is
 // behind it by little.
 constexpr double kHiddenBehind = 0.02;
-// Pixels of a map per block, along each side: small against what a vertex shows.
-constexpr int kBlock = 4;
+// Pixels of a map per block, along each side. Where something is near, small against what a vertex
+// shows; where something hides a place, small against the edge of what hides it.
+constexpr int kBlockOfLeast = 4, kBlockOfLargest = 2;
 
-Camera CameraOfBlocks(const Camera& camera) {
-  return {.width = (camera.width + kBlock - 1) / kBlock,
-          .height = (camera.height + kBlock - 1) / kBlock,
-          .fx = camera.fx / kBlock,
-          .fy = camera.fy / kBlock,
-          .cx = camera.cx / kBlock,
-          .cy = camera.cy / kBlock};
+Camera CameraOfBlocks(const Camera& camera, int side) {
+  return {.width = (camera.width + side - 1) / side,
+          .height = (camera.height + side - 1) / side,
+          .fx = camera.fx / side,
+          .fy = camera.fy / side,
+          .cx = camera.cx / side,
+          .cy = camera.cy / side};
+}
+
+// What `choose` leaves of the confirmed depths in each block of side x side pixels.
+template <typename Choose>
+std::vector<float> DepthOfBlocks(const StereoDepth& map, int side, Choose choose) {
+  const Camera blocks = CameraOfBlocks(map.camera, side);
+  std::vector<float> depths(size_t(blocks.width) * size_t(blocks.height), 0.0f);
+  for (int y = 0; y < map.camera.height; ++y) {
+    for (int x = 0; x < map.camera.width; ++x) {
+      const size_t pixel = map.Index(x, y);
+      if (map.agreement[pixel] < kLeastAgreement) continue;
+      float& depth = depths[size_t(y / side) * size_t(blocks.width) + size_t(x / side)];
+      depth = depth == 0 ? map.depth[pixel] : choose(depth, map.depth[pixel]);
+    }
+  }
+  return depths;
 }
 
 }  // namespace
@@ -65,24 +82,16 @@ PhotoSight PhotoSight::Read(const Scene& scene, const fs::path& start_folder) {
 }
 
 void PhotoSight::Photo::Summarize(const StereoDepth& map) {
-  map_blocks = CameraOfBlocks(map.camera);
-  depths.assign(size_t(map_blocks.width) * size_t(map_blocks.height), {});
-  for (int y = 0; y < map.camera.height; ++y) {
-    for (int x = 0; x < map.camera.width; ++x) {
-      const size_t pixel = map.Index(x, y);
-      if (map.agreement[pixel] < kLeastAgreement) continue;
-      Depths& block = depths[size_t(y / kBlock) * size_t(map_blocks.width) + size_t(x / kBlock)];
-      const float depth = map.depth[pixel];
-      block.least = block.least == 0 ? depth : std::min(block.least, depth);
-      block.largest = std::max(block.largest, depth);
-    }
-  }
+  least = {CameraOfBlocks(map.camera, kBlockOfLeast),
+           DepthOfBlocks(map, kBlockOfLeast, [](float a, float b) { return std::min(a, b); })};
+  largest = {CameraOfBlocks(map.camera, kBlockOfLargest),
+             DepthOfBlocks(map, kBlockOfLargest, [](float a, float b) { return std::max(a, b); })};
 }
 
-PhotoSight::Depths PhotoSight::Photo::DepthsAt(const glm::dvec3& in_cam) const {
-  if (depths.empty() || !map_blocks.Shows(in_cam)) return {};
-  const glm::dvec2 block = map_blocks.ImageFromCam(in_cam);
-  return depths[size_t(block.y) * size_t(map_blocks.width) + size_t(block.x)];
+float PhotoSight::Blocks::DepthAt(const glm::dvec3& in_cam) const {
+  if (depth.empty() || !camera.Shows(in_cam)) return 0;
+  const glm::dvec2 block = camera.ImageFromCam(in_cam);
+  return depth[size_t(block.y) * size_t(camera.width) + size_t(block.x)];
 }
 
 PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
@@ -91,12 +100,11 @@ PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
   for (const Photo& photo : photos_) {
     const glm::dvec3 in_cam = photo.cam_from_world * place;
     if (!photo.camera.Shows(in_cam)) continue;
-    const Depths shown = photo.DepthsAt(in_cam);
-    const bool is_known = shown.least > 0;
-    const bool is_hidden = is_known && in_cam.z > (1 + kHiddenBehind) * shown.largest;
+    const double largest = photo.largest.DepthAt(in_cam), least = photo.least.DepthAt(in_cam);
+    const bool is_hidden = largest > 0 && in_cam.z > (1 + kHiddenBehind) * largest;
     if (!is_hidden && ++photos > kFewPhotos) return PlaceSight::kMany;
-    if (!is_known || in_cam.z > (1 + kNear) * shown.least) continue;
-    if (in_cam.z > (1 - kNear) * shown.least) {
+    if (least == 0 || in_cam.z > (1 + kNear) * least) continue;
+    if (in_cam.z > (1 - kNear) * least) {
       is_near = true;
     } else {
       ++maps_behind;

@@ -39,21 +39,21 @@ class PhotoSight {
   static PhotoSight Read(const Scene& scene, const std::filesystem::path& start_folder);
 
  private:
-  // z in the camera frame [world units]; 0: unknown.
-  struct Depths {
-    float least = 0, largest = 0;
+  // A smaller map: a confirmed depth in each block, or 0, height x width, z in the camera frame
+  // [world units].
+  struct Blocks {
+    Camera camera;
+    std::vector<float> depth;
+
+    float DepthAt(const glm::dvec3& in_cam) const;  // 0 beside the map, too
   };
   struct Photo {
     uint32_t view = 0;  // index into Scene::views
     Rigid3 cam_from_world;
     Camera camera;
-    // Of the depth map: its blocks, and the confirmed depths in each, height x width; empty without
-    // a map.
-    Camera map_blocks;
-    std::vector<Depths> depths;
+    Blocks least, largest;  // of its depth map; without one, empty
 
     void Summarize(const StereoDepth& map);
-    Depths DepthsAt(const glm::dvec3& in_cam) const;
   };
   PlaceSight Of(const glm::dvec3& place) const;
 
