@@ -151,7 +151,7 @@ def map_scene(options):
     else:
         write_model(os.path.join(options["output_path"], "0"), names[:2], 61)  # the first is not the largest
         write_model(os.path.join(options["output_path"], "1"), names, 300, shape,
-                    1.0 if MODE == "anamorphic" and not is_opencv else 0.4)
+                    0.6 if MODE == "anamorphic" and not is_opencv else 0.4)
 
 
 def main():
