@@ -78,7 +78,9 @@ TEST(FindDepths, PutsPointsOnTheSurfaceOfAMaskedSubjectWithoutSparsePoints) {
 TEST(FindDepths, FindsARoomAndWhatIsInIt) {
   const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 400);
   const std::vector<StereoView> views = ViewsOf(synthetic);
-  const StereoResult result = FindDepths(synthetic.scene, views, {});
+  StereoOptions options;
+  options.slanted.rounds = 1;
+  const StereoResult result = FindDepths(synthetic.scene, views, options);
   EXPECT_TRUE(result.is_slanted);
   EXPECT_GT(result.confirmed, result.pixels / 2);
   size_t right = 0;
