@@ -78,8 +78,8 @@ int main(int argc, char** argv) {
   tetrec::AddWordOption(
       app, "--camera-model", options.camera_model,
       "Lens model: auto (OPENCV, or SIMPLE_RADIAL for fewer than 8 photos per camera; a simpler "
-      "model if that one folds over inside the photos, or has oblong pixels though square ones fit "
-      "as well), OPENCV, RADIAL, SIMPLE_RADIAL, PINHOLE, "
+      "model if that one folds over inside the photos, or if its pixels are oblong and square ones "
+      "fit as well), OPENCV, RADIAL, SIMPLE_RADIAL, PINHOLE, "
       "SIMPLE_PINHOLE");
   std::vector<double> bounds;
   app.add_option("--bounds", bounds,

@@ -154,7 +154,8 @@ void Rename(ColmapModel& model, const LinkedPhotos& linked, const std::vector<Ph
 // COLMAP found none.
 struct Mapping {
   ColmapModel model;
-  size_t models = 0;  // found now; 0: from the cache, or none
+  size_t models = 0;                                 // found now; 0: from the cache, or none
+  nlohmann::json retries = nlohmann::json::array();  // notes of further tries
 };
 
 Mapping Map(const ColmapProgram& colmap, const fs::path& photos, const fs::path& database,
@@ -297,13 +298,6 @@ nlohmann::json Retry(const SfmWork& work, const fs::path& database, const std::s
   return notes;
 }
 
-// What one lens gave.
-struct Mapped {
-  ColmapModel model;  // without images: COLMAP found none
-  size_t models = 0;  // found now
-  nlohmann::json retries = nlohmann::json::array();
-};
-
 // Features and matches of the photos, and a model of them by one lens after another.
 class PhotoMapper {
  public:
@@ -328,7 +322,7 @@ class PhotoMapper {
   SfmLens first_lens() const { return first_lens_; }
 
   // From the cache as far as it has them.
-  Mapped MapWith(SfmLens lens) {
+  Mapping MapWith(SfmLens lens) {
     const std::string suffix = lens == first_lens_ ? "" : fmt::format("-{}", Name(lens));
     const fs::path database = cache_ / fmt::format("{}{}.db", Name(options_.matcher), suffix);
     if (!fs::exists(database)) {
@@ -343,15 +337,14 @@ class PhotoMapper {
     Mapping mapping = Map(colmap_, linked_.folder, database, photos_.size(), options_.seed,
                           kUsualDemands, scratch_, cache_ / model_name);
     CountSeconds("mapping", timer);
-    Mapped mapped{std::move(mapping.model), mapping.models};
-    if (options_.retries > 0 && mapped.model.images.size() < photos_.size()) {
+    if (options_.retries > 0 && mapping.model.images.size() < photos_.size()) {
       timer = {};
-      mapped.retries = Retry({options_, colmap_, linked_, extract_, scratch_, cache_}, database,
-                             model_name, mapped.model);
+      mapping.retries = Retry({options_, colmap_, linked_, extract_, scratch_, cache_}, database,
+                              model_name, mapping.model);
       CountSeconds("retries", timer);
     }
-    Rename(mapped.model, linked_, photos_);
-    return mapped;
+    Rename(mapping.model, linked_, photos_);
+    return mapping;
   }
 
  private:
@@ -423,9 +416,9 @@ std::optional<LensDoubt> DoubtOf(const ColmapModel& model, int max_size) {
                    false, stretch > kGrossStretch ? kLeastPhotosOfGross : 1.0};
 }
 
-// Whether a model by a simpler lens takes the place of a doubted one. A lens that cannot show what
-// the photos show, as those of oblong pixels, loses photos or points, or its error grows: by 46 %
-// for a level walk in pixels of 0.77, and not at all where pixels are square.
+// Whether a model with a simpler lens replaces the doubted one. If the pixels really are oblong, a
+// lens with square ones registers fewer photos or points, or its error is larger: by 46 % on a
+// level walk whose pixels are 0.77 times as wide as high. If they are square, it is not.
 bool Replaces(const ColmapModel& simpler, const ColmapModel& model, const LensDoubt& doubt,
               size_t photos, int max_size) {
   constexpr double kLeastPoints = 0.5, kErrorGrowth = 1.2;
@@ -443,8 +436,8 @@ bool Replaces(const ColmapModel& simpler, const ColmapModel& model, const LensDo
 ColmapModel MapPhotos(const SfmOptions& options, const std::vector<Photo>& photos, Stage& stage) {
   PhotoMapper mapper(options, photos, stage);
   SfmLens lens = mapper.first_lens();
-  Mapped mapped = mapper.MapWith(lens);
-  if (mapped.model.images.empty()) {
+  Mapping mapping = mapper.MapWith(lens);
+  if (mapping.model.images.empty()) {
     throw DataError(fmt::format(
         "COLMAP found no model: the {} photos do not overlap enough, or were taken from almost one "
         "place; take photos of one scene from many places, each sharing most of what it shows with "
@@ -452,30 +445,30 @@ ColmapModel MapPhotos(const SfmOptions& options, const std::vector<Photo>& photo
         photos.size()));
   }
   while (options.camera_model == SfmLens::kAuto && lens != SfmLens::kSimplePinhole &&
-         HasEnoughPhotos(mapped.model, photos.size())) {
-    const std::optional<LensDoubt> doubt = DoubtOf(mapped.model, options.max_size);
+         HasEnoughPhotos(mapping.model, photos.size())) {
+    const std::optional<LensDoubt> doubt = DoubtOf(mapping.model, options.max_size);
     if (!doubt) break;
     const SfmLens simpler =
         lens == SfmLens::kOpenCv ? SfmLens::kSimpleRadial : SfmLens::kSimplePinhole;
     LogInfo("lens {}: {}; trying again with {}", Name(lens), doubt->reason, Name(simpler));
-    Mapped other = mapper.MapWith(simpler);
+    Mapping other = mapper.MapWith(simpler);
     const bool is_taken =
-        Replaces(other.model, mapped.model, *doubt, photos.size(), options.max_size);
+        Replaces(other.model, mapping.model, *doubt, photos.size(), options.max_size);
     LogInfo(
         "lens {}: {} photos, {} points, mean reprojection error {:.3f} px ({}: {}, {}, {:.3f}): {}",
         Name(simpler), other.model.images.size(), WithThousands(other.model.points.size()),
-        MeanReprojectionError_px(other.model), Name(lens), mapped.model.images.size(),
-        WithThousands(mapped.model.points.size()), MeanReprojectionError_px(mapped.model),
+        MeanReprojectionError_px(other.model), Name(lens), mapping.model.images.size(),
+        WithThousands(mapping.model.points.size()), MeanReprojectionError_px(mapping.model),
         is_taken ? "taken" : "not taken");
     if (!is_taken) break;
     lens = simpler;
-    mapped = std::move(other);
+    mapping = std::move(other);
   }
-  if (mapped.models > 0) stage.Count("models", mapped.models);
-  stage.Count("retries", mapped.retries.size());
-  stage.Note("retries", mapped.retries);
+  if (mapping.models > 0) stage.Count("models", mapping.models);
+  stage.Count("retries", mapping.retries.size());
+  stage.Note("retries", mapping.retries);
   stage.Note("lens", Name(lens));
-  return std::move(mapped.model);
+  return std::move(mapping.model);
 }
 
 }  // namespace tetrec

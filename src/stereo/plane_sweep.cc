@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/wide_loops.h"
+#include "stereo/match_cost.h"
 #include "stereo/view_projection.h"
 
 #include <algorithm>
@@ -10,11 +11,6 @@
 
 namespace tetrec {
 namespace {
-
-// Added to both variances: windows whose grey values differ by less than about 1/256 correlate with
-// nothing.
-constexpr float kNoiseVariance = 2e-5f;
-constexpr float kUnseen = 4.0f;  // above every cost
 
 // Sums over the windows of one row, from sums over their columns.
 struct RowSums {
@@ -213,11 +209,11 @@ void OfferCosts(const float* __restrict sum, const float* __restrict square,
 
 // Turns the best two costs of each pixel into bytes.
 TETREC_WIDE_LOOPS
-void MixCosts(const float* __restrict best, const float* __restrict second, bool two_count,
+void MixCosts(const float* __restrict best, const float* __restrict second, size_t neighbors,
               size_t pixels, uint8_t* __restrict costs) {
   for (size_t i = 0; i < pixels; ++i) {
-    const float other = two_count && second[i] < kUnseen ? second[i] : best[i];
-    const float cost = std::max(0.0f, 0.5f * (best[i] + other)) * float(kLargestCost) + 0.5f;
+    const float mixed = CostOfNeighbors(best[i], second[i], neighbors);
+    const float cost = std::max(0.0f, mixed) * float(kLargestCost) + 0.5f;
     costs[i] = best[i] < kUnseen ? uint8_t(int(cost)) : kUnknownCost;
   }
 }
@@ -297,7 +293,7 @@ CostVolume SweepPlanesOf(const StereoView& view, std::span<const StereoView* con
                                     width, &plane.best[row], &plane.second[row]);
                        });
     }
-    MixCosts(plane.best.data(), plane.second.data(), neighbors.size() > 2, pixels, costs.data());
+    MixCosts(plane.best.data(), plane.second.data(), neighbors.size(), pixels, costs.data());
     Store(costs, d, volume);
   }
   return volume;

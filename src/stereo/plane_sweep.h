@@ -38,9 +38,8 @@ struct CostVolume {
 };
 
 // A cost is 255 (1 - r), r the correlation of the windows of (2 radius + 1)^2 pixels, 0 where it is
-// negative. Of up to two neighbours the better one counts, of more the mean of the best two,
-// because the others may not see the pixel. kUnknownCost where no neighbour sees it. Where a
-// neighbour shows the empty background nothing can be, so its cost is the largest.
+// negative, of several neighbours as in CostOfNeighbors. kUnknownCost where no neighbour sees it.
+// Where a neighbour shows the empty background nothing can be, so its cost is the largest.
 CostVolume SweepPlanesOf(const StereoView& view, std::span<const StereoView* const> neighbors,
                          const SweepPlanes& planes, int radius);
 

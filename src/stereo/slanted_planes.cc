@@ -3,6 +3,7 @@
 
 #include "core/random.h"
 #include "core/wide_loops.h"
+#include "stereo/match_cost.h"
 #include "stereo/view_projection.h"
 
 #include <glm/glm.hpp>
@@ -18,8 +19,6 @@ namespace {
 // samples of weight 0.
 constexpr int kReach = 4, kSamples = 32;
 constexpr float kGreySpread = 0.1f, kReachSpread = 4.0f;  // of the weights: grey values, pixels
-constexpr float kNoiseVariance = 2e-5f;                   // as in the plane sweep
-constexpr float kUnseen = 4.0f;                           // above every cost
 constexpr uint64_t kSeed = 1;
 constexpr float kLeastGain = 1e-3f;  // of cost, without which a pixel keeps its plane
 constexpr double kSteepest = 8;      // tangent of the largest angle between a plane and the image
@@ -184,8 +183,6 @@ class Fit {
   }
 
  private:
-  // Of up to two neighbours the better one counts, of more the mean of the best two, as in the
-  // plane sweep.
   float CostOf(int x, int y, const Plane& plane) const {
     const glm::vec3 pixel(float(x) + 0.5f, float(y) + 0.5f, 1.0f);
     const Window& window = windows_[view_.Index(x, y)];
@@ -195,7 +192,7 @@ class Fit {
       second = std::min(second, std::max(best, cost));
       best = std::min(best, cost);
     }
-    return sources_.size() > 2 && second < kUnseen ? 0.5f * (best + second) : best;
+    return CostOfNeighbors(best, second, sources_.size());
   }
 
   void Offer(int x, int y, const Plane& plane) {

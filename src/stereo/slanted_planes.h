@@ -16,7 +16,7 @@
 namespace tetrec {
 
 struct SlantedOptions {
-  int rounds = 4;         // in each of which every plane spreads and changes
+  int rounds = 4;         // in each, planes spread to other pixels and change
   double max_cost = 0.5;  // 1 - correlation of a depth that is kept
 };
 

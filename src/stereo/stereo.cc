@@ -103,14 +103,15 @@ StereoResult FindDepths(const Scene& scene, std::span<const StereoView> views,
     maps[i] = MatchView(views[i], with[i], options);
   });
   StereoResult result;
-  const double confirmed =
-      ShareConfirmedByTwo(CountAgreement(maps, views, checked, options.tolerance));
+  result.maps = CountAgreement(maps, views, checked, options.tolerance);
+  const double confirmed = ShareConfirmedByTwo(result.maps);
   result.is_slanted = confirmed < options.slant_below;
   if (result.is_slanted) {
-    LogInfo("two other views confirm {:.0f} % of the depths: fitting slanted planes",
+    LogInfo("two other views confirm only {:.0f} % of the depths: fitting slanted planes",
             100 * confirmed);
     ParallelForEach(views.size(), "slanted planes", kNothingKept,
                     [&](size_t i) { Slant(views[i], with[i], options, maps[i]); });
+    result.maps = CountAgreement(maps, views, checked, options.tolerance);
   }
   for (const StereoDepth& map : maps) {
     const uint64_t depths = CountDepths(map);
@@ -118,7 +119,6 @@ StereoResult FindDepths(const Scene& scene, std::span<const StereoView> views,
     result.matched += depths;
     result.views_without += depths == 0 ? 1 : 0;
   }
-  result.maps = CountAgreement(maps, views, checked, options.tolerance);
   const int least_views = ViewsToConfirm(result.maps);
   for (StereoDepth& map : result.maps) {
     result.confirmed += KeepConfirmed(map, least_views, LeastEvidence(map, options.evidence),

@@ -331,6 +331,11 @@ TEST_F(SfmTest, ALensOfOblongPixelsIsReplacedByASimplerOneThatFitsAsWell) {
   EXPECT_EQ(Lens(), "SIMPLE_RADIAL");
   const Camera camera = ReadScene(scene_).cameras[0];
   EXPECT_NEAR(camera.fx, camera.fy, 1e-9);
+  SfmOptions options;
+  options.holdout = 4;
+  ASSERT_EQ(Run("oblong", options).exit_code, 0);
+  EXPECT_EQ(Calls("mapper"), 2u) << "both models come from the cache";
+  EXPECT_EQ(Lens(), "SIMPLE_RADIAL");
 }
 
 TEST_F(SfmTest, ALensOfOblongPixelsStaysIfSimplerOnesFitWorse) {
