@@ -18,13 +18,13 @@ constexpr int kLeastMaps = 2;
 // Other views that must confirm a depth: a wrong one would keep empty what is full, which learning
 // cannot mend.
 constexpr int kLeastAgreement = 2;
-// What is within this share of a depth is near it, and may be what the map shows.
+// A place within this share of a depth is near it, and may be what the map shows.
 constexpr double kNear = 0.05;
-// Share of a depth by which a place behind it is hidden: what hangs behind the edge of a table is
-// behind it by little.
+// A place is hidden if it lies behind a depth by more than this share of it. What hangs from the
+// edge of a table is only slightly behind that edge.
 constexpr double kHiddenBehind = 0.02;
-// Pixels of a map per block, along each side. Where something is near, small against what a vertex
-// shows; where something hides a place, small against the edge of what hides it.
+// Pixels of a map per block, along each side: for what is near, few compared with what a vertex
+// covers; for what hides a place, as few as memory allows, because edges are sharp.
 constexpr int kBlockOfLeast = 4, kBlockOfLargest = 2;
 
 Camera CameraOfBlocks(const Camera& camera, int side) {
@@ -36,7 +36,7 @@ Camera CameraOfBlocks(const Camera& camera, int side) {
           .cy = camera.cy / side};
 }
 
-// What `choose` leaves of the confirmed depths in each block of side x side pixels.
+// The one that `choose` selects of the confirmed depths in each block of side x side pixels.
 template <typename Choose>
 std::vector<float> DepthOfBlocks(const StereoDepth& map, int side, Choose choose) {
   const Camera blocks = CameraOfBlocks(map.camera, side);

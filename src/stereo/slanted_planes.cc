@@ -15,13 +15,13 @@
 namespace tetrec {
 namespace {
 
-// Windows of every second pixel, up to kReach away. Arrays are filled up to whole vectors with
+// Windows of every second pixel, up to kReach away. Arrays are padded to whole vectors with
 // samples of weight 0.
 constexpr int kReach = 4, kSamples = 32;
 constexpr float kGreySpread = 0.1f, kReachSpread = 4.0f;  // of the weights: grey values, pixels
 constexpr uint64_t kSeed = 1;
-constexpr float kLeastGain = 1e-3f;  // of cost, without which a pixel keeps its plane
-constexpr double kSteepest = 8;      // tangent of the largest angle between a plane and the image
+constexpr float kLeastGain = 1e-3f;  // in cost; for less, a pixel keeps its plane
+constexpr double kSteepest = 8;      // tangent of the largest angle between plane and image
 
 struct Window {
   std::array<float, kSamples> x{}, y{};  // from the middle [px]
@@ -163,7 +163,8 @@ class Fit {
     }
   }
 
-  // Pixels of one colour of a chessboard after the other take planes from around, then change them.
+  // In the order of a chessboard's colours, each pixel tries the planes of pixels around it, then
+  // random changes of its own.
   void Round(double size) {
     for (const int color : {0, 1}) {
       for (int y = 0; y < view_.camera.height; ++y) {
@@ -223,7 +224,8 @@ class Fit {
 
   float Spread(double size) { return float(size * (2 * random_.Uniform() - 1)); }
 
-  // Both, the depth alone, the slope alone. `size`: share of the range, and tangents.
+  // Tries another depth and slope, then another depth alone, then another slope alone. `size` is 1
+  // for changes of up to a tenth of the inverse depth and of up to 4 in the tangents.
   void Change(int x, int y, double size) {
     for (const int what : {3, 1, 2}) {
       Plane plane = planes_[view_.Index(x, y)];

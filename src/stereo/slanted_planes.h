@@ -2,8 +2,8 @@
 //
 // Windows of constant depth match badly where photos are far apart: from the next camera, a floor
 // or a wall is squeezed. Here each pixel has a plane; planes that match well spread to the pixels
-// around, and are changed at random (PatchMatch stereo, Bleyer et al. 2011, between several views
-// as in Galliani et al. 2015). Windows are weighted by how alike their pixels are to the middle.
+// around, and change at random (PatchMatch stereo, Bleyer et al. 2011, between several views
+// as in Galliani et al. 2015). The pixels of a window count by their likeness to its middle.
 #pragma once
 
 #include "stereo/neighbors.h"

@@ -27,7 +27,7 @@ std::vector<std::vector<uint32_t>> FirstOf(std::span<const std::vector<uint32_t>
   return first;
 }
 
-// What is known of a view before it is matched.
+// What a view is matched with, and between which depths.
 struct MatchedView {
   std::vector<const StereoView*> neighbors;
   DepthRange range;
