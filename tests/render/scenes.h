@@ -73,6 +73,14 @@ inline RadianceField ConstantField(TetMesh mesh, float density, const glm::vec3&
           std::vector<glm::vec3>(vertices, color)};
 }
 
+// How far pictures may be from those of the reference: in a ray's frame, vertices have an error of
+// 2e-7 of the distance (3 here, with a box of size 1), so that errors of lengths are 1e-6;
+// densities are up to 10, colours up to 1.
+inline constexpr double kPictureTolerance = 2e-5;
+// The same for gradients, relative to the largest. Hundreds of rays are added in float, in any
+// order.
+inline constexpr double kGradientTolerance = 3e-5;
+
 // A camera at `eye` that looks at `target`; focal length in image widths.
 inline RenderView LookAt(const glm::dvec3& eye, const glm::dvec3& target, int width, int height,
                          double focal = 1.0) {

@@ -73,11 +73,14 @@ void ExpectSameBits(const FieldState& a, const FieldState& b) {
   EXPECT_TRUE(SameBits(a.second_moment, b.second_moment));
 }
 
-constexpr int kWidth = 40, kHeight = 30;
+constexpr int kDeterministicWidth = 40, kDeterministicHeight = 30;
 
 void SetGreyTargets(ProbedRenderer& renderer) {
-  const TargetImage grey{kWidth, kHeight, std::vector<uint32_t>(kWidth * kHeight, 0xFF808080u)};
-  renderer.SetTargets(ThreeViews(kWidth, kHeight), std::vector<TargetImage>(3, grey));
+  const TargetImage grey{
+      kDeterministicWidth, kDeterministicHeight,
+      std::vector<uint32_t>(kDeterministicWidth * kDeterministicHeight, 0xFF808080u)};
+  renderer.SetTargets(ThreeViews(kDeterministicWidth, kDeterministicHeight),
+                      std::vector<TargetImage>(3, grey));
 }
 
 struct Learned {
@@ -91,11 +94,12 @@ Learned Learn(ProbedRenderer& renderer, uint32_t order, uint32_t read_back_at = 
   const RadianceField start = RandomField(300, 71, 6.0f);
   renderer.SetField(start);
   SetGreyTargets(renderer);
-  std::vector<RayBlock> blocks = BlocksOf(ThreeViews(kWidth, kHeight));
+  std::vector<RayBlock> blocks = BlocksOf(ThreeViews(kDeterministicWidth, kDeterministicHeight));
   for (uint32_t i = 1; i <= 9; ++i) {
     std::mt19937 random(order + i);
     if (order > 0) std::shuffle(blocks.begin(), blocks.end(), random);
-    const auto tile = AllBlocks(ThreeViews(kWidth, kHeight)[i % 3].camera, i % 3);
+    const auto tile =
+        AllBlocks(ThreeViews(kDeterministicWidth, kDeterministicHeight)[i % 3].camera, i % 3);
     renderer.Step({.blocks = renderer.NeedsTiles() ? tile : blocks,
                    .background_srgb = glm::vec3(0.3f),
                    .jitter_px = renderer.NeedsTiles() ? 1.0f : 0.0f,
@@ -227,7 +231,8 @@ TEST_P(FixedPointTest, AddendsTooLargeAreCounted) {
   ProbedRenderer& renderer = MakeRenderer({.deterministic = true});
   renderer.SetField(field);
   SetGreyTargets(renderer);
-  renderer.Step({.blocks = AllBlocks(ThreeViews(kWidth, kHeight)[0].camera)}, {});
+  renderer.Step(
+      {.blocks = AllBlocks(ThreeViews(kDeterministicWidth, kDeterministicHeight)[0].camera)}, {});
   const FieldState state = renderer.ReadState();
   EXPECT_GT(renderer.counts().clamped_addends, 0u);
   for (const float value : state.parameters) EXPECT_TRUE(std::isfinite(value));

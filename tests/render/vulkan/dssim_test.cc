@@ -5,6 +5,7 @@
 #include "eval/image_metrics.h"
 #include "render/reference/render_picture.h"
 #include "render/scenes.h"
+#include "render/targets.h"
 #include "shared/ssim.glsl.h"
 
 #include <gtest/gtest.h>
@@ -124,28 +125,12 @@ TEST(Dssim, GradientAgreesWithDifferences) {
   }
 }
 
-constexpr int kWidth = 20, kHeight = 14;
-const glm::vec3 kBackground(0.1f, 0.7f, 0.4f);
+constexpr int kDssimWidth = 20, kDssimHeight = 14;
+const glm::vec3 kDssimBackground(0.1f, 0.7f, 0.4f);
 
 std::vector<RenderView> SomeViews() {
-  return {LookAt({1.7, -1.1, -1.0}, {0.0, 0.35, 0.65}, kWidth, kHeight),
-          LookAt({0.1, 0.4, 0.5}, {0.0, 0.35, 0.65}, kWidth, kHeight)};
-}
-
-std::vector<TargetImage> RandomTargets(size_t count) {
-  std::mt19937 random(8);
-  std::vector<TargetImage> targets(count, {kWidth, kHeight, {}});
-  for (TargetImage& target : targets) {
-    for (int i = 0; i < kWidth * kHeight; ++i) {
-      const uint32_t alpha = uint32_t(random() % 256);
-      uint32_t rgba = alpha << 24;
-      for (int c = 0; c < 3; ++c) rgba |= uint32_t(random() % (alpha + 1)) << (8 * c);
-      // A corner and some pixels elsewhere are not judged.
-      const bool in_corner = i % kWidth < 4 && i / kWidth < 5;
-      target.rgba8.push_back(in_corner || random() % 16 == 0 ? kNotJudgedTarget : rgba);
-    }
-  }
-  return targets;
+  return {LookAt({1.7, -1.1, -1.0}, {0.0, 0.35, 0.65}, kDssimWidth, kDssimHeight),
+          LookAt({0.1, 0.4, 0.5}, {0.0, 0.35, 0.65}, kDssimWidth, kDssimHeight)};
 }
 
 // The expected result of a step: loss, and the gradient with respect to colour and log density of
@@ -161,14 +146,14 @@ Expected ExpectedOf(const RadianceField& field, const std::vector<RenderView>& v
                     double weight) {
   const int width = int(tiles.columns) * kRayBlockWidth, height = int(tiles.rows) * kRayBlockHeight;
   const double share = 1.0 / double(views.size()), per_ray = share / (3.0 * width * height);
-  const glm::dvec3 background(kBackground);
+  const glm::dvec3 background(kDssimBackground);
   Expected expected{0, std::vector<glm::dvec4>(field.density.size(), glm::dvec4(0.0))};
   for (size_t v = 0; v < views.size(); ++v) {
     const ReferenceImage image = RenderReference(field, views[v], 0.0);
     Pixels shown, wanted;
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
-        const size_t pixel = size_t(y) * kWidth + size_t(x);
+        const size_t pixel = size_t(y) * kDssimWidth + size_t(x);
         const uint32_t rgba = targets[v].rgba8[pixel];
         const glm::dvec3 rgb(rgba & 255, rgba >> 8 & 255, rgba >> 16 & 255);
         shown.push_back(image.color_srgb[pixel] +
@@ -179,7 +164,7 @@ Expected ExpectedOf(const RadianceField& field, const std::vector<RenderView>& v
     }
     const Dssim dssim = EvaluateDssim(shown, wanted, width, height);
     expected.loss += weight * share * dssim.value;
-    std::vector<glm::dvec4> by_pixel(size_t(kWidth) * kHeight, glm::dvec4(0.0));
+    std::vector<glm::dvec4> by_pixel(size_t(kDssimWidth) * kDssimHeight, glm::dvec4(0.0));
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         const size_t i = size_t(y) * size_t(width) + size_t(x);
@@ -190,7 +175,7 @@ Expected ExpectedOf(const RadianceField& field, const std::vector<RenderView>& v
         const glm::dvec3 g =
             (1.0 - weight) * per_ray * (l1 ? glm::sign(residual) : 2.0 * residual) +
             weight * share * dssim.gradient[i];
-        by_pixel[size_t(y) * kWidth + size_t(x)] = glm::dvec4(g, glm::dot(g, background));
+        by_pixel[size_t(y) * kDssimWidth + size_t(x)] = glm::dvec4(g, glm::dot(g, background));
       }
     }
     const ReferenceGradient gradient = BackpropagateReference(field, views[v], by_pixel, 0.0);
@@ -206,7 +191,7 @@ Expected ExpectedOf(const RadianceField& field, const std::vector<RenderView>& v
 void ExpectStep(ProbedRenderer& renderer, const std::vector<RenderView>& views,
                 const TileShape& tiles, LossKind kind, float weight) {
   const RadianceField field = RandomField(40, 55, 3.0f);
-  const std::vector<TargetImage> targets = RandomTargets(views.size());
+  const std::vector<TargetImage> targets = RandomTargets(views.size(), kDssimWidth, kDssimHeight);
   renderer.SetTargets(views, targets);
   renderer.SetField(field);
   std::vector<RayBlock> blocks;
@@ -221,7 +206,7 @@ void ExpectStep(ProbedRenderer& renderer, const std::vector<RenderView>& views,
                            .loss = kind,
                            .dssim_weight = weight,
                            .tiles = tiles,
-                           .background_srgb = kBackground};
+                           .background_srgb = kDssimBackground};
   renderer.Step(step, kStandingUpdate);
   const std::vector<glm::vec4> moments = StandardRows(renderer.ReadState().first_moment);
   renderer.Step(step, kStandingUpdate);
@@ -265,7 +250,7 @@ TEST_F(DssimRenderer, OfSeveralTilesHasTheReferencesLossAndGradient) {
 TEST_F(DssimRenderer, RefusesTilesThatHoldNoWindowOrLeaveTheirPicture) {
   ProbedRenderer& renderer = MakeRenderer();
   const std::vector<RenderView> views = SomeViews();
-  renderer.SetTargets(views, RandomTargets(views.size()));
+  renderer.SetTargets(views, RandomTargets(views.size(), kDssimWidth, kDssimHeight));
   renderer.SetField(RandomField(40, 55, 3.0f));
   const std::vector<RayBlock> blocks = AllBlocks(views[0].camera);
   std::vector<RayBlock> moved = blocks;

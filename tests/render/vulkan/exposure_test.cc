@@ -3,6 +3,7 @@
 #include "render/exposure.h"
 
 #include "render/scenes.h"
+#include "render/targets.h"
 #include "shared/exposure.glsl.h"
 
 #include <gtest/gtest.h>
@@ -14,31 +15,16 @@
 namespace tetrec::test {
 namespace {
 
-constexpr int kWidth = 20, kHeight = 14;
-constexpr glm::vec3 kBackground(0.1f, 0.7f, 0.4f);
+constexpr int kExposureWidth = 20, kExposureHeight = 14;
+constexpr glm::vec3 kExposureBackground(0.1f, 0.7f, 0.4f);
 
 std::vector<RenderView> TwoViews() {
-  return {LookAt({1.7, -1.1, -1.0}, {0.0, 0.35, 0.65}, kWidth, kHeight),
-          LookAt({0.1, 0.4, 0.5}, {0.0, 0.35, 0.65}, kWidth, kHeight)};
+  return {LookAt({1.7, -1.1, -1.0}, {0.0, 0.35, 0.65}, kExposureWidth, kExposureHeight),
+          LookAt({0.1, 0.4, 0.5}, {0.0, 0.35, 0.65}, kExposureWidth, kExposureHeight)};
 }
 
 std::vector<ViewExposure> TwoExposures() {
   return {{{0.7, 0.95, 0.8}, {0.05, -0.02, 0.01}}, {{0.9, 0.6, 0.75}, {-0.04, 0.03, 0.02}}};
-}
-
-// Random images with alpha; some pixels are not judged.
-std::vector<TargetImage> RandomTargets(size_t count) {
-  std::mt19937 random(8);
-  std::vector<TargetImage> targets(count, {kWidth, kHeight, {}});
-  for (TargetImage& target : targets) {
-    for (int i = 0; i < kWidth * kHeight; ++i) {
-      const uint32_t alpha = uint32_t(random() % 256);
-      uint32_t rgba = alpha << 24;
-      for (int c = 0; c < 3; ++c) rgba |= uint32_t(random() % (alpha + 1)) << (8 * c);
-      target.rgba8.push_back(random() % 16 == 0 ? kNotJudgedTarget : rgba);
-    }
-  }
-  return targets;
 }
 
 // What the views show of the field under these exposures by samples x samples rays per pixel,
@@ -53,7 +39,7 @@ std::vector<TargetImage> ExposedTargets(const RadianceField& field,
   const std::vector<RenderView> views = TwoViews();
   for (size_t v = 0; v < views.size(); ++v) {
     const RenderedImage image = renderer->Render(views[v], samples);
-    targets.push_back({kWidth, kHeight, {}});
+    targets.push_back({kExposureWidth, kExposureHeight, {}});
     for (size_t i = 0; i < image.color_srgb.size(); ++i) {
       const double transmittance = double(image.transmittance[i]);
       uint32_t rgba = uint32_t(std::lround(255 * (1 - transmittance))) << 24;
@@ -80,8 +66,8 @@ std::vector<RayBlock> BlocksOfView(uint32_t view, int samples) {
 TrainingBatch BatchOf(const std::vector<RayBlock>& blocks, float dssim_weight) {
   return {.blocks = blocks,
           .dssim_weight = dssim_weight,
-          .tiles = {kWidth / kRayBlockWidth, kHeight / kRayBlockHeight},
-          .background_srgb = kBackground};
+          .tiles = {kExposureWidth / kRayBlockWidth, kExposureHeight / kRayBlockHeight},
+          .background_srgb = kExposureBackground};
 }
 
 class ExposureTest : public EveryRendererTest {};
@@ -92,7 +78,7 @@ INSTANTIATE_TEST_SUITE_P(, ExposureTest, kEveryRenderer, RendererName);
 double LossOfField(const RadianceField& field, const TrainingBatch& batch) {
   const auto renderer =
       CreateProbedRenderer({.kind = RendererKind::kReference, .stop_transmittance = 0.0f});
-  renderer->SetTargets(TwoViews(), RandomTargets(2));
+  renderer->SetTargets(TwoViews(), RandomTargets(2, kExposureWidth, kExposureHeight));
   renderer->SetExposures(TwoExposures());
   renderer->SetField(field);
   return renderer->Forward(batch).loss;
@@ -122,7 +108,7 @@ TEST_P(ExposureTest, GradientsAgreeWithDifferencesOfTheLoss) {
     batch.samples = samples;
     batch.alpha_weight = alpha_weight;
     ProbedRenderer& renderer = MakeRenderer({.stop_transmittance = 0.0f});
-    renderer.SetTargets(TwoViews(), RandomTargets(2));
+    renderer.SetTargets(TwoViews(), RandomTargets(2, kExposureWidth, kExposureHeight));
     renderer.SetExposures(TwoExposures());
     renderer.SetField(field);
     EXPECT_NEAR(renderer.Forward(batch).loss, LossOfField(field, batch), 1e-5);
@@ -152,7 +138,7 @@ TEST_P(ExposureTest, GradientsAgreeWithDifferencesOfTheLoss) {
 TEST_P(ExposureTest, LossOfFineRaysIsThatOfTheRenderedPicture) {
   const RadianceField field = RandomField(40, 55, 3.0f);
   ProbedRenderer& renderer = MakeRenderer({.stop_transmittance = 0.0f});
-  const std::vector<TargetImage> targets = RandomTargets(2);
+  const std::vector<TargetImage> targets = RandomTargets(2, kExposureWidth, kExposureHeight);
   renderer.SetTargets(TwoViews(), targets);
   renderer.SetField(field);
   const std::vector<RayBlock> blocks = BlocksOfView(0, 2);
@@ -169,9 +155,9 @@ TEST_P(ExposureTest, LossOfFineRaysIsThatOfTheRenderedPicture) {
     squares_of_opacity += (opacity - alpha) * (opacity - alpha);
     for (int c = 0; c < 3; ++c) {
       const double wanted =
-          double(rgba >> (8 * c) & 255) / 255 + (1 - alpha) * double(kBackground[c]);
-      const double shown =
-          double(image.color_srgb[i][c]) + double(image.transmittance[i]) * double(kBackground[c]);
+          double(rgba >> (8 * c) & 255) / 255 + (1 - alpha) * double(kExposureBackground[c]);
+      const double shown = double(image.color_srgb[i][c]) +
+                           double(image.transmittance[i]) * double(kExposureBackground[c]);
       squares += (shown - wanted) * (shown - wanted);
     }
   }
@@ -223,7 +209,7 @@ TEST_P(ExposureTest, UnderTheirOwnExposuresTargetsLeaveNoLoss) {
 TEST_P(ExposureTest, SumsAreTheSameBitsHoweverOftenTheyAreTaken) {
   const RadianceField field = RandomField(40, 55, 3.0f);
   ProbedRenderer& renderer = MakeRenderer();
-  renderer.SetTargets(TwoViews(), RandomTargets(2));
+  renderer.SetTargets(TwoViews(), RandomTargets(2, kExposureWidth, kExposureHeight));
   renderer.SetState(field.mesh, StateOf(field));
   std::vector<ExposureSums> at_once(2), step_by_step(2);
   const auto step = [&](uint32_t i) {
@@ -248,7 +234,7 @@ TEST_P(ExposureTest, ScoresAreErrorsOfWhatTheViewShows) {
   const RadianceField field = RandomField(40, 55, 3.0f);
   const std::vector<RayBlock> blocks = AllBlocks(TwoViews()[0].camera, 0);
   const auto scores_of = [&](ProbedRenderer& renderer) {
-    renderer.SetTargets(TwoViews(), RandomTargets(2));
+    renderer.SetTargets(TwoViews(), RandomTargets(2, kExposureWidth, kExposureHeight));
     renderer.SetField(field);
     renderer.SetExposures(TwoExposures());
     renderer.ClearScores();

@@ -12,7 +12,7 @@
 namespace tetrec::test {
 namespace {
 
-constexpr int kWidth = 24, kHeight = 18;
+constexpr int kHarmonicsWidth = 24, kHarmonicsHeight = 18;
 
 // Coefficients of all functions, as large as the colours.
 RadianceField ShinyField(int points, uint32_t seed, int degree,
@@ -42,8 +42,8 @@ class HarmonicsTest : public EveryRendererTest {
     std::mt19937 random(41);
     std::vector<TargetImage> targets;
     for (size_t v = 0; v < views_.size(); ++v) {
-      targets.push_back({kWidth, kHeight, {}});
-      for (int i = 0; i < kWidth * kHeight; ++i) {
+      targets.push_back({kHarmonicsWidth, kHarmonicsHeight, {}});
+      for (int i = 0; i < kHarmonicsWidth * kHarmonicsHeight; ++i) {
         targets.back().rgba8.push_back(uint32_t(random()) & 0x7F7F7F7Fu);
       }
     }
@@ -70,7 +70,7 @@ class HarmonicsTest : public EveryRendererTest {
   }
 
   std::vector<RenderView> FiveViews() const {
-    std::vector<RenderView> views = ThreeViews(kWidth, kHeight);
+    std::vector<RenderView> views = ThreeViews(kHarmonicsWidth, kHarmonicsHeight);
     for (const size_t v : {0u, 1u}) {
       views.push_back(views[v]);
       views.back().cam_from_world.translation += glm::dvec3(0.2, 0.1, 0.1);

@@ -123,9 +123,6 @@ INSTANTIATE_TEST_SUITE_P(Holes, HolesTest,
                          ::testing::Values(RendererKind::kMarch, RendererKind::kPpll),
                          RendererName);
 
-// As in march_reference_test: errors of lengths are 1e-6 of the box, densities are up to 10.
-constexpr double kPictureTolerance = 2e-5;
-
 TEST_P(HolesTest, PicturesAreThoseOfTheReference) {
   for (float stop : {0.0f, 1e-3f}) {
     ProbedRenderer& renderer = MakeRenderer({.stop_transmittance = stop});

@@ -12,7 +12,7 @@
 namespace tetrec::test {
 namespace {
 
-constexpr int kWidth = 40, kHeight = 32;
+constexpr int kInvertedWidth = 40, kInvertedHeight = 32;
 
 // A field whose inner vertices were moved by about `most`, without regard for tets.
 RadianceField Jumbled(float most) {
@@ -29,7 +29,7 @@ RadianceField Jumbled(float most) {
 
 class InvertedTetsTest : public EveryRendererTest {
  protected:
-  std::vector<RenderView> views_ = ThreeViews(kWidth, kHeight);
+  std::vector<RenderView> views_ = ThreeViews(kInvertedWidth, kInvertedHeight);
   std::vector<RayBlock> blocks_ = AllBlocks(views_[1].camera, 1);
 };
 
@@ -58,9 +58,10 @@ TEST_P(InvertedTetsTest, LeaveImagesAndGradientsFinite) {
       }
     }
     renderer.SetTargets(
-        views_, std::vector<TargetImage>(
-                    views_.size(),
-                    {kWidth, kHeight, std::vector<uint32_t>(kWidth * kHeight, 0x7F405060u)}));
+        views_,
+        std::vector<TargetImage>(
+            views_.size(), {kInvertedWidth, kInvertedHeight,
+                            std::vector<uint32_t>(kInvertedWidth * kInvertedHeight, 0x7F405060u)}));
     for (int i = 0; i < 3; ++i) {
       renderer.Step({.blocks = blocks_, .parts = GradientParts::kColorDensityPosition}, {});
     }

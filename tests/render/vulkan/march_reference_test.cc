@@ -14,10 +14,6 @@ namespace {
 const Scene kScenes[] = {{0, 1, 45, 33},   {0, 2, 45, 33},   {20, 3, 45, 33},
                          {300, 4, 37, 27}, {300, 5, 37, 27}, {3000, 6, 21, 15}};
 
-// In the ray's frame, vertices have an error of 2e-7 of the distance (3 here, with a box of size
-// 1): errors of lengths are 1e-6, densities are up to 10, colours up to 1.
-constexpr double kPictureTolerance = 2e-5;
-
 INSTANTIATE_TEST_SUITE_P(Pictures, EveryRendererTest, kEveryRenderer, RendererName);
 
 TEST_P(EveryRendererTest, PicturesAreThoseOfTheReference) {
@@ -100,9 +96,6 @@ double RelativeError(const std::vector<double>& values, const std::vector<double
   }
   return difference / largest;
 }
-
-// Hundreds of rays are added in float, in any order; images agree to 1e-5 (above).
-constexpr double kGradientTolerance = 3e-5;
 
 void ExpectSameGradient(const FieldGradient& gradient, const ReferenceGradient& truth,
                         double tolerance = kGradientTolerance) {

@@ -1,6 +1,7 @@
 // The march renderer learns: steps, state, scores.
 #include "render/reference/render_picture.h"
 #include "render/scenes.h"
+#include "render/targets.h"
 
 #include <gtest/gtest.h>
 
@@ -11,28 +12,15 @@
 namespace tetrec::test {
 namespace {
 
-constexpr int kWidth = 20, kHeight = 14;
+constexpr int kTrainingWidth = 20, kTrainingHeight = 14;
 
 std::vector<RenderView> FourViews() {
   std::vector<RenderView> views;
   for (const glm::dvec3 eye : {glm::dvec3(1.7, -1.1, -1.0), glm::dvec3(-1.5, 1.0, -0.5),
                                glm::dvec3(0.1, 0.4, 2.5), glm::dvec3(0.1, 0.4, 0.5)}) {
-    views.push_back(LookAt(eye, {0.0, 0.35, 0.65}, kWidth, kHeight));
+    views.push_back(LookAt(eye, {0.0, 0.35, 0.65}, kTrainingWidth, kTrainingHeight));
   }
   return views;
-}
-
-TargetImage TargetOf(const RenderedImage& image) {
-  TargetImage target{image.width, image.height, {}};
-  for (size_t i = 0; i < image.color_srgb.size(); ++i) {
-    const auto byte = [](float value) {
-      return uint32_t(std::lround(255.0f * std::clamp(value, 0.0f, 1.0f)));
-    };
-    const glm::vec3& c = image.color_srgb[i];
-    target.rgba8.push_back(byte(c.r) | byte(c.g) << 8 | byte(c.b) << 16 |
-                           byte(1.0f - image.transmittance[i]) << 24);
-  }
-  return target;
 }
 
 std::vector<TargetImage> TargetsOf(ProbedRenderer& renderer, const std::vector<RenderView>& views) {
@@ -58,7 +46,7 @@ void ForEachResidual(ProbedRenderer& renderer, const std::vector<RenderView>& vi
     const auto blocks = AllBlocks(views[v].camera);
     const auto rays = renderer.MarchBlocks(views[v], blocks);
     for (size_t r = 0; r < rays.size(); ++r) {
-      const size_t pixel = (blocks[r / 8].y + r % 8 / 4) * kWidth + blocks[r / 8].x + r % 4;
+      const size_t pixel = (blocks[r / 8].y + r % 8 / 4) * kTrainingWidth + blocks[r / 8].x + r % 4;
       body(glm::dvec3(Residual(rays[r], targets[v].rgba8[pixel], background)), double(rays[r].a));
     }
   }

@@ -15,7 +15,7 @@
 namespace tetrec::test {
 namespace {
 
-constexpr int kWidth = 40, kHeight = 32;
+constexpr int kMovedWidth = 40, kMovedHeight = 32;
 
 class MovedVerticesTest : public EveryRendererTest {
  protected:
@@ -24,7 +24,8 @@ class MovedVerticesTest : public EveryRendererTest {
         MakeRenderer({.stop_transmittance = 0.0f, .deterministic = deterministic});
     renderer.SetField(field);
     std::vector<TargetImage> targets(
-        views_.size(), {kWidth, kHeight, std::vector<uint32_t>(kWidth * kHeight, 0x7F405060u)});
+        views_.size(), {kMovedWidth, kMovedHeight,
+                        std::vector<uint32_t>(kMovedWidth * kMovedHeight, 0x7F405060u)});
     renderer.SetTargets(views_, targets);
     return renderer;
   }
@@ -81,7 +82,7 @@ class MovedVerticesTest : public EveryRendererTest {
   TrainingBatch Whole(GradientParts parts) const { return {.blocks = blocks_, .parts = parts}; }
 
   RadianceField field_ = RandomField(150, 42, 6.0f);
-  std::vector<RenderView> views_ = ThreeViews(kWidth, kHeight);
+  std::vector<RenderView> views_ = ThreeViews(kMovedWidth, kMovedHeight);
   std::vector<RayBlock> blocks_ = AllBlocks(views_[1].camera, 1);
 };
 

@@ -2,6 +2,7 @@
 #include "core/log.h"
 #include "render/reference_loss.h"
 #include "render/scenes.h"
+#include "render/targets.h"
 #include "render/vulkan/visibility_order.h"
 
 #include <gtest/gtest.h>
@@ -11,10 +12,6 @@
 
 namespace tetrec::test {
 namespace {
-
-// As for the march (march_reference_test.cc): errors are 2e-7 of the distance for coordinates and
-// 1e-6 for lengths, densities are up to 10, colours up to 1.
-constexpr double kPictureTolerance = 2e-5;
 
 const RendererOptions kProjection{.kind = RendererKind::kProjection};
 
@@ -42,9 +39,6 @@ double GradientError(const FieldGradient& gradient, const ReferenceGradient& tru
   }
   return std::max(difference[0] / largest[0], difference[1] / largest[1]);
 }
-
-// Hundreds of rays are added in float, in any order; images agree to 1e-5.
-constexpr double kGradientTolerance = 3e-5;
 
 bool SameBits(const RenderedImage& a, const RenderedImage& b) {
   return a.color_srgb == b.color_srgb && a.transmittance == b.transmittance;
@@ -256,19 +250,6 @@ TEST(VisibilityOrder, CyclesAreCountedAndEveryTetIsRankedOnce) {
   EXPECT_EQ(RankTies(mesh, ties, eye).ranks, ranks.ranks);
   std::sort(ranks.ranks.begin(), ranks.ranks.end());
   EXPECT_EQ(ranks.ranks, (std::vector<uint32_t>{0, 1, 2}));
-}
-
-TargetImage TargetOf(const RenderedImage& image) {
-  TargetImage target{image.width, image.height, {}};
-  const auto byte = [](float value) {
-    return uint32_t(std::lround(255.0f * std::clamp(value, 0.0f, 1.0f)));
-  };
-  for (size_t i = 0; i < image.color_srgb.size(); ++i) {
-    const glm::vec3& c = image.color_srgb[i];
-    target.rgba8.push_back(byte(c.r) | byte(c.g) << 8 | byte(c.b) << 16 |
-                           byte(1.0f - image.transmittance[i]) << 24);
-  }
-  return target;
 }
 
 // A step's rays are the same for every renderer, jitter included, and so is the result.

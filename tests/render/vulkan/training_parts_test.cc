@@ -18,7 +18,7 @@
 namespace tetrec::test {
 namespace {
 
-constexpr int kWidth = 40, kHeight = 32;
+constexpr int kPartsWidth = 40, kPartsHeight = 32;
 constexpr glm::vec3 kBackground(0.2f, 0.7f, 0.4f);
 
 class TrainingPartsTest : public EveryRendererTest {
@@ -46,8 +46,8 @@ class TrainingPartsTest : public EveryRendererTest {
     std::mt19937 random(41);
     std::vector<TargetImage> targets;
     for (size_t v = 0; v < views_.size(); ++v) {
-      targets.push_back({kWidth, kHeight, {}});
-      for (int i = 0; i < kWidth * kHeight; ++i) {
+      targets.push_back({kPartsWidth, kPartsHeight, {}});
+      for (int i = 0; i < kPartsWidth * kPartsHeight; ++i) {
         targets.back().rgba8.push_back(uint32_t(random()) & 0x7F7F7F7Fu);
       }
     }
@@ -61,7 +61,7 @@ class TrainingPartsTest : public EveryRendererTest {
   TrainingBatch Whole() const { return {.blocks = blocks_, .background_srgb = kBackground}; }
 
   RadianceField field_ = RandomField(150, 42, 6.0f);
-  std::vector<RenderView> views_ = ThreeViews(kWidth, kHeight);
+  std::vector<RenderView> views_ = ThreeViews(kPartsWidth, kPartsHeight);
   std::vector<RayBlock> blocks_ = AllBlocks(views_[1].camera, 1);
 };
 
@@ -208,7 +208,7 @@ TEST_P(TrainingPartsTest, TilesOfDssimCanBeSummedToo) {
   ProbedRenderer& halves = MakeLearner(true);
   TrainingBatch batch = Whole();
   batch.dssim_weight = 0.3f;
-  batch.tiles = {kWidth / kRayBlockWidth, kHeight / kRayBlockHeight / 2};
+  batch.tiles = {kPartsWidth / kRayBlockWidth, kPartsHeight / kRayBlockHeight / 2};
   whole.Step(batch, {});
   for (const TrainingBatch& half : Halves(batch)) {
     halves.Forward(half);
@@ -342,7 +342,8 @@ TEST_P(TrainingPartsTest, ParametersOfAnotherOptimiserLowerTheLoss) {
 TEST_P(TrainingPartsTest, PositionsAndTheirAbsoluteSumsAreThoseOfBackpropagation) {
   for (const bool deterministic : {false, true}) {
     ProbedRenderer& renderer = MakeLearner(deterministic);
-    const TargetImage black{kWidth, kHeight, std::vector<uint32_t>(kWidth * kHeight, 0xFF000000u)};
+    const TargetImage black{kPartsWidth, kPartsHeight,
+                            std::vector<uint32_t>(kPartsWidth * kPartsHeight, 0xFF000000u)};
     renderer.SetTargets(views_, std::vector<TargetImage>(views_.size(), black));
     TrainingBatch batch = Whole();
     batch.background_srgb = glm::vec3(0.0f);
@@ -393,7 +394,8 @@ TEST_P(TrainingPartsTest, RefusesPartsInAnOrderThatMeansNothing) {
 
 TEST_P(TrainingPartsTest, ScoresCanShareOutAbsoluteResiduals) {
   ProbedRenderer& renderer = MakeLearner(true);
-  const TargetImage black{kWidth, kHeight, std::vector<uint32_t>(kWidth * kHeight, 0xFF000000u)};
+  const TargetImage black{kPartsWidth, kPartsHeight,
+                          std::vector<uint32_t>(kPartsWidth * kPartsHeight, 0xFF000000u)};
   renderer.SetTargets(views_, std::vector<TargetImage>(views_.size(), black));
   double squares = 0, absolutes = 0, residuals = 0;
   for (const glm::vec4& ray : renderer.MarchBlocks(views_[1], AllBlocks(views_[1].camera))) {
