@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "surface", 13,
+      "surface", 14,
       "Extracts the surface of a field, with vertex colours and a texture, and writes it, and the "
       "field if asked "
       "for, in formats of other programs. The files have the run's world as coordinates: z is up, "
@@ -16,11 +16,11 @@ int main(int argc, char** argv) {
   tetrec::SurfaceOptions options;
   command.InputStage("field", "Folder that tetrec-optimize wrote", {"optimize"});
   CLI::App& app = command.app();
-  AddWordOption(
-      app, "--level", options.level,
-      "What the surface is a level of: opacity (where the training cameras' rays have "
-      "lost a third of their light), density, or auto (opacity, but density with --isovalue "
-      "or where the scene or Vulkan is missing)");
+  AddWordOption(app, "--level", options.level,
+                "What the surface is a level of: opacity (where the training cameras' rays have "
+                "lost a third of their light, or more where haze takes it), density, or auto "
+                "(opacity, but density with --isovalue "
+                "or where the scene or Vulkan is missing)");
   app.add_option(
       "--isovalue", options.isovalue,
       "density: density of the surface [1 / world unit]; 0: a fiftieth of the typical density "

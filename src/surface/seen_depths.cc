@@ -8,6 +8,8 @@
 #include "run/camera_corrections.h"
 #include "scene/scene.h"
 
+#include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
 #include <string>
@@ -16,10 +18,16 @@ namespace tetrec {
 namespace {
 namespace fs = std::filesystem;
 
-// The optical depth of the surface. At half of the light, 0.69, the demo's surface lies 0.17 % of
-// its diagonal too deep in the median, because the colour of what lies behind a soft surface is the
-// same; at 0.35 its table, which many rays meet at a flat angle, lies too high.
-constexpr double kSurfaceDepth = 0.4;
+// Optical depths of the surface. At half of the light, 0.69, the demo's surface lies 0.17 % of its
+// diagonal too deep in the median, because the colour of what lies behind a soft surface is the
+// same; at 0.35 its table, which many rays meet at a flat angle, lies too high. The others are for
+// haze: with the last, 14 % of the light are left.
+constexpr std::array kSurfaceDepths = {0.4, 0.8, 1.2, 2.0};
+// What lies in front of something by more than this share of the depth does not belong to it, and
+// more than this share of the rays do not pass outlines, leaves or glass.
+constexpr double kFarInFront = 0.05, kMostFarInFront = 0.25;
+// Of the training views, at regular distances, by which the surface's depth is chosen.
+constexpr size_t kViewsOfChoice = 5;
 
 std::map<std::string, Rigid3> CorrectedCameras(const fs::path& field_folder) {
   std::map<std::string, Rigid3> cameras;
@@ -31,10 +39,55 @@ std::map<std::string, Rigid3> CorrectedCameras(const fs::path& field_folder) {
   return cameras;
 }
 
+bool IsInside(const Bounds3& bounds, const RenderView& view, const DepthMap& map, size_t pixel) {
+  const double depth = double(map.depth[pixel]);
+  if (map.depth[pixel] == kNoDepth) return false;
+  const size_t width = size_t(map.width);
+  const glm::dvec2 center(double(pixel % width) + 0.5, double(pixel / width) + 0.5);
+  const glm::dvec3 in_cam = depth * view.camera.CamFromImage(center);
+  return bounds.Contains(view.cam_from_world.Inverse() * in_cam);
+}
+
+// The share of the rays, of those that are stopped in `solid` inside the bounds, that are stopped
+// far in front of that in `maps`.
+double ShareFarInFront(const std::vector<DepthMap>& maps, const std::vector<DepthMap>& solid,
+                       std::span<const RenderView> views, const Bounds3& bounds) {
+  size_t far = 0, all = 0;
+  for (size_t v = 0; v < views.size(); ++v) {
+    for (size_t i = 0; i < solid[v].depth.size(); ++i) {
+      if (!IsInside(bounds, views[v], solid[v], i)) continue;
+      ++all;
+      far += double(maps[v].depth[i]) < (1 - kFarInFront) * double(solid[v].depth[i]);
+    }
+  }
+  return all == 0 ? 0.0 : double(far) / double(all);
+}
+
+std::vector<RenderView> RegularlyChosen(std::span<const RenderView> views, size_t count) {
+  std::vector<RenderView> chosen;
+  count = std::min(count, views.size());
+  for (size_t i = 0; i < count; ++i) chosen.push_back(views[i * views.size() / count]);
+  return chosen;
+}
+
 }  // namespace
 
-std::vector<SeenDepth> RenderSeenDepths(const RadianceField& field, const fs::path& scene_folder,
-                                        const fs::path& field_folder, const DeviceOptions& device) {
+double FindSurfaceDepth(TrainingRenderer& renderer, std::span<const RenderView> views,
+                        const Bounds3& subject_in_world) {
+  const auto maps_at = [&](double optical_depth) {
+    std::vector<DepthMap> maps;
+    for (const RenderView& view : views) maps.push_back(renderer.RenderDepth(view, optical_depth));
+    return maps;
+  };
+  const std::vector<DepthMap> solid = maps_at(kSurfaceDepths.back());
+  return *std::ranges::find_if(kSurfaceDepths, [&](double depth) {
+    return depth == kSurfaceDepths.back() ||
+           ShareFarInFront(maps_at(depth), solid, views, subject_in_world) <= kMostFarInFront;
+  });
+}
+
+SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_folder,
+                            const fs::path& field_folder, const DeviceOptions& device) {
   const Scene scene = ReadScene(scene_folder);
   const std::map<std::string, Rigid3> corrected = CorrectedCameras(field_folder);
   RendererOptions options;
@@ -42,17 +95,24 @@ std::vector<SeenDepth> RenderSeenDepths(const RadianceField& field, const fs::pa
   if (CountDegenerateTets(field.mesh) > 0) options.AcceptInvertedTets();
   const std::unique_ptr<TrainingRenderer> renderer = CreateRenderer(options);
   renderer->SetField(field);
-  const std::vector<int> views = scene.ViewsOf(Split::kTrain);
-  Progress progress("depth", double(views.size()));
-  std::vector<SeenDepth> seen;
-  for (const int v : views) {
-    ThrowIfStopRequested("the surface will be extracted again");
+  std::vector<RenderView> views;
+  std::vector<std::string> names;
+  for (const int v : scene.ViewsOf(Split::kTrain)) {
     const View& view = scene.views[size_t(v)];
-    const Camera& camera = scene.cameras[size_t(view.camera)];
     const auto found = corrected.find(view.name);
-    const Rigid3 pose = found == corrected.end() ? view.cam_from_world : found->second;
-    seen.push_back({camera, pose, renderer->RenderDepth({camera, pose}, kSurfaceDepth)});
-    progress.Update(double(seen.size()), view.name);
+    views.push_back({scene.cameras[size_t(view.camera)],
+                     found == corrected.end() ? view.cam_from_world : found->second});
+    names.push_back(view.name);
+  }
+  SeenDepths seen;
+  seen.optical_depth =
+      FindSurfaceDepth(*renderer, RegularlyChosen(views, kViewsOfChoice), scene.subject_bounds);
+  Progress progress("depth", double(views.size()));
+  for (size_t v = 0; v < views.size(); ++v) {
+    ThrowIfStopRequested("the surface will be extracted again");
+    seen.views.push_back({views[v].camera, views[v].cam_from_world,
+                          renderer->RenderDepth(views[v], seen.optical_depth)});
+    progress.Update(double(v + 1), names[v]);
   }
   return seen;
 }

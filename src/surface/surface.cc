@@ -24,6 +24,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace tetrec {
@@ -88,10 +89,12 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld
   std::optional<std::string> why_not;
   try {
     const auto scene_folder = PreviousStage(field_folder, {"sfm", "import"});
-    const std::vector<SeenDepth> views =
+    const SeenDepths seen_depths =
         RenderSeenDepths(stored, scene_folder, field_folder, options.device);
-    LogInfo("level: where the rays of {} training views have lost a third of their light",
-            views.size());
+    const std::vector<SeenDepth>& views = seen_depths.views;
+    LogInfo("level: where the rays of {} training views have lost {:.0f} % of their light",
+            views.size(), 100 * (1 - std::exp(-seen_depths.optical_depth)));
+    stage.Note("optical_depth", seen_depths.optical_depth);
     const LevelSet all = MarchToOpacity(stored.mesh, views);
     if (options.close) return all;
     LevelSet seen = SeenPart(all, views, kLargestGap * glm::length(world.subject_bounds.Size()));

@@ -23,7 +23,7 @@ inline constexpr auto kWords<SurfaceExtent> = std::to_array<Word<SurfaceExtent>>
 
 enum class SurfaceLevel {
   kAuto,     // opacity if the scene is there and no isovalue is given, otherwise density
-  kOpacity,  // where the training cameras' rays have lost a third of their light (MarchToOpacity)
+  kOpacity,  // where the training cameras' rays have lost part of their light (RenderSeenDepths)
   kDensity,  // a level of density (SmoothedOccupancy)
 };
 template <>
