@@ -18,9 +18,9 @@ int main(int argc, char** argv) {
   CLI::App& app = command.app();
   AddWordOption(app, "--level", options.level,
                 "What the surface is a level of: opacity (where the training cameras' rays have "
-                "lost a third of their light, or more where haze takes it), density, or auto "
-                "(opacity, but density with --isovalue "
-                "or where the scene or Vulkan is missing)");
+                "lost a third of their light, or more of it if the field is hazy), density, or "
+                "auto (opacity, but density with --isovalue or where the scene or Vulkan is "
+                "missing)");
   app.add_option(
       "--isovalue", options.isovalue,
       "density: density of the surface [1 / world unit]; 0: a fiftieth of the typical density "

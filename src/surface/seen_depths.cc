@@ -18,16 +18,16 @@ namespace tetrec {
 namespace {
 namespace fs = std::filesystem;
 
-// Optical depths of the surface. At half of the light, 0.69, the demo's surface lies 0.17 % of its
-// diagonal too deep in the median, because the colour of what lies behind a soft surface is the
-// same; at 0.35 its table, which many rays meet at a flat angle, lies too high. The others are for
-// haze: with the last, 14 % of the light are left.
+// Optical depths at which a surface may lie. At half of the light, 0.69, the demo's surface lies
+// 0.17 % of its diagonal too deep in the median, because the colour of what lies behind a soft
+// surface is the same; at 0.35 its table, which many rays meet at a flat angle, lies too high. The
+// others are for haze; at the last, 14 % of the light is left.
 constexpr std::array kSurfaceDepths = {0.4, 0.8, 1.2, 2.0};
-// What lies in front of something by more than this share of the depth does not belong to it, and
-// more than this share of the rays do not pass outlines, leaves or glass.
+// A ray is stopped far in front of a surface if it falls short of it by more than this share of its
+// depth. At outlines and in leaves some rays do so without any haze; more than this share do not.
 constexpr double kFarInFront = 0.05, kMostFarInFront = 0.25;
-// Of the training views, at regular distances, by which the surface's depth is chosen.
-constexpr size_t kViewsOfChoice = 5;
+// The number of training views whose rays decide which optical depth is used.
+constexpr size_t kDecidingViews = 5;
 
 std::map<std::string, Rigid3> CorrectedCameras(const fs::path& field_folder) {
   std::map<std::string, Rigid3> cameras;
@@ -39,31 +39,29 @@ std::map<std::string, Rigid3> CorrectedCameras(const fs::path& field_folder) {
   return cameras;
 }
 
-bool IsInside(const Bounds3& bounds, const RenderView& view, const DepthMap& map, size_t pixel) {
-  const double depth = double(map.depth[pixel]);
-  if (map.depth[pixel] == kNoDepth) return false;
-  const size_t width = size_t(map.width);
-  const glm::dvec2 center(double(pixel % width) + 0.5, double(pixel / width) + 0.5);
-  const glm::dvec3 in_cam = depth * view.camera.CamFromImage(center);
-  return bounds.Contains(view.cam_from_world.Inverse() * in_cam);
-}
-
-// The share of the rays, of those that are stopped in `solid` inside the bounds, that are stopped
-// far in front of that in `maps`.
-double ShareFarInFront(const std::vector<DepthMap>& maps, const std::vector<DepthMap>& solid,
+// Of the rays that are stopped inside the bounds in `solid`, the share that is stopped far in front
+// of that in `maps`.
+double ShareFarInFront(std::span<const DepthMap> maps, std::span<const DepthMap> solid,
                        std::span<const RenderView> views, const Bounds3& bounds) {
   size_t far = 0, all = 0;
   for (size_t v = 0; v < views.size(); ++v) {
-    for (size_t i = 0; i < solid[v].depth.size(); ++i) {
-      if (!IsInside(bounds, views[v], solid[v], i)) continue;
-      ++all;
-      far += double(maps[v].depth[i]) < (1 - kFarInFront) * double(solid[v].depth[i]);
+    const Rigid3 world_from_cam = views[v].cam_from_world.Inverse();
+    for (int y = 0; y < solid[v].height; ++y) {
+      for (int x = 0; x < solid[v].width; ++x) {
+        if (solid[v].At(x, y) == kNoDepth) continue;
+        const double depth = double(solid[v].At(x, y));
+        const glm::dvec3 in_cam = depth * views[v].camera.CamFromImage({x + 0.5, y + 0.5});
+        if (!bounds.Contains(world_from_cam * in_cam)) continue;
+        ++all;
+        far += double(maps[v].At(x, y)) < (1 - kFarInFront) * depth;
+      }
     }
   }
   return all == 0 ? 0.0 : double(far) / double(all);
 }
 
-std::vector<RenderView> RegularlyChosen(std::span<const RenderView> views, size_t count) {
+// As many of the views, or all if there are fewer, from all parts of their sequence.
+std::vector<RenderView> SpreadChoice(std::span<const RenderView> views, size_t count) {
   std::vector<RenderView> chosen;
   count = std::min(count, views.size());
   for (size_t i = 0; i < count; ++i) chosen.push_back(views[i * views.size() / count]);
@@ -106,7 +104,7 @@ SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_fo
   }
   SeenDepths seen;
   seen.optical_depth =
-      FindSurfaceDepth(*renderer, RegularlyChosen(views, kViewsOfChoice), scene.subject_bounds);
+      FindSurfaceDepth(*renderer, SpreadChoice(views, kDecidingViews), scene.subject_bounds);
   Progress progress("depth", double(views.size()));
   for (size_t v = 0; v < views.size(); ++v) {
     ThrowIfStopRequested("the surface will be extracted again");

@@ -1,5 +1,5 @@
 // Where the rays of the training cameras are stopped in a field: where they have lost a third of
-// their light or, if that is in haze before what is solid, more of it.
+// their light, or more of it if there is haze in front of the surfaces.
 #pragma once
 
 #include "field/radiance_field.h"
@@ -13,10 +13,10 @@
 
 namespace tetrec {
 
-// The optical depth by which the rays of these views have come to what is solid: the least of some
-// by which at most a quarter of the rays are far in front of where they have lost most of their
-// light, of those that lose it inside the subject's bounds. Photos in one direction are explained
-// as well by haze in front of colours of more contrast.
+// The optical depth at which rays are stopped: the least of four (0.4 to 2) at which no more than a
+// quarter of these views' rays end far in front of the place where they have lost 86 % of their
+// light. Only rays for which that place is inside the subject's bounds count. Photos taken in one
+// direction can be explained by haze in front of surfaces whose colours have too much contrast.
 double FindSurfaceDepth(TrainingRenderer& renderer, std::span<const RenderView> views,
                         const Bounds3& subject_in_world);
 

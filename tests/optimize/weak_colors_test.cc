@@ -14,8 +14,7 @@
 namespace tetrec {
 namespace {
 
-// By pictures of fields in which the colour of one of the vertices differs: the sum for all of
-// them.
+// The sum over the vertices, each by pictures of a field in which only its colour differs.
 double EvidenceByPictures(SmallRun& run, const std::vector<size_t>& vertices) {
   constexpr float kChange = 0.25f;
   double evidence = 0;

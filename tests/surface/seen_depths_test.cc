@@ -15,10 +15,9 @@ namespace {
 constexpr float kWallBegins = 0.8f;
 const Bounds3 kSubject{glm::dvec3(-1, -1, 0.5), glm::dvec3(1, 1, 1.2)};
 
-// A box with layers of vertices: an opaque wall at the back, haze of an optical depth in front.
+// A box that contains an opaque wall at its back, and haze of this optical depth in front of it.
 RadianceField HazeBeforeAWall(float optical_depth_of_haze) {
   std::vector<glm::vec3> places;
-  std::vector<float> densities;
   for (const float z : {-1.0f, 0.0f, 0.7f, kWallBegins, 1.0f}) {
     for (const float x : {-1.0f, 0.0f, 1.0f}) {
       for (const float y : {-1.0f, 0.0f, 1.0f}) places.emplace_back(x, y, z);
