@@ -3,6 +3,7 @@
 #include "core/random.h"
 #include "core/stop_request.h"
 #include "optimize/small_run.h"
+#include "sanitized.h"
 #include "scratch_folder.h"
 
 #include <gtest/gtest.h>
@@ -166,6 +167,7 @@ TEST_F(RefinementRoundsTest, NeverExceedTheBudget) {
   for (const RefineScheme scheme :
        {RefineScheme::kInsert, RefineScheme::kHalve, RefineScheme::kPrism, RefineScheme::kBisect}) {
     for (const double share : {1.0, 1.001, 1.3}) {
+      if (kIsSanitized && share != 1.001) continue;
       OptimizeOptions options = SmallRunOptions();
       options.refine = scheme;
       options.budget = BudgetChoice::kFull;
@@ -283,7 +285,7 @@ struct LateRun {
   }
   static OptimizeOptions Options() {
     OptimizeOptions options = SmallRunOptions();
-    options.rays_per_step = 512;
+    options.rays_per_step = 256;
     return options;
   }
   void Advance() { rounds.Advance(7.0, {0.3, 1.2}); }

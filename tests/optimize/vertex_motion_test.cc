@@ -114,7 +114,7 @@ TEST(VertexMotion, KeepsTetsBetterWithARegulariser) {
     run.options.quality = {strength, kSharpness};
     run.options.position_rate = 0.02;
     run.PutMoved(0.06f);
-    run.Take(160, 0.1);
+    run.Take(80, 0.1);
     return RegulariserOf(run.field.mesh(), {1, kSharpness});
   };
   EXPECT_LT(badness_after(1e3), 0.99 * badness_after(0));

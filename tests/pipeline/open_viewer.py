@@ -1,6 +1,5 @@
 """Opens the viewer's page in headless Chromium and prints as JSON how it answers. Runs under Debian's
 Python, for which python3-selenium is installed: open_viewer.py ADDRESS [FOLDER for screenshots]"""
-import hashlib
 import json
 import pathlib
 import sys
@@ -29,15 +28,17 @@ def wait_for_full_picture(browser):
 
 
 def picture(browser):
-    """Hash and number of colours of what the canvas shows."""
+    """Hash and number of colours of what the canvas shows; the page counts, since pixels are slow to fetch."""
     wait_for_full_picture(browser)
-    pixels = browser.execute_script("""
+    return browser.execute_async_script("""
+        const finish = arguments[0];
         const canvas = document.querySelector('canvas'), {width, height} = canvas;
         const copy = new OffscreenCanvas(width, height).getContext('2d', {willReadFrequently: true});
         copy.drawImage(canvas, 0, 0);
-        return [...copy.getImageData(0, 0, width, height).data]""")
-    colors = {tuple(pixels[i:i + 3]) for i in range(0, len(pixels), 4 * 17)}
-    return hashlib.sha256(bytes(pixels)).hexdigest(), len(colors)
+        const pixels = copy.getImageData(0, 0, width, height).data, colors = new Set();
+        for (let i = 0; i < pixels.length; i += 4 * 17) colors.add(pixels.slice(i, i + 3).join());
+        crypto.subtle.digest('SHA-256', pixels).then(
+            hash => finish([new Uint8Array(hash).join(), colors.size]))""")
 
 
 def drag(browser, canvas):

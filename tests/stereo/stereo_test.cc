@@ -11,10 +11,10 @@
 namespace tetrec {
 namespace {
 
-SyntheticScene SomeScene(SyntheticKind kind, int points) {
+SyntheticScene SomeScene(SyntheticKind kind, int points, int views) {
   SyntheticOptions options;
   options.kind = kind;
-  options.train_views = 60;
+  options.train_views = views;
   options.validation_views = options.test_views = 0;
   options.width = options.height = 96;
   options.rays_per_side = 2;
@@ -51,7 +51,7 @@ bool IsOnSubject(SyntheticKind kind, const DensePoint& point, double tolerance) 
 }
 
 TEST(FindDepths, PutsPointsOnTheSurfaceOfAMaskedSubjectWithoutSparsePoints) {
-  const SyntheticScene synthetic = SomeScene(SyntheticKind::kTwoBalls, 0);
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kTwoBalls, 0, 30);
   const std::vector<StereoView> views = ViewsOf(synthetic);
   StereoOptions options;
   options.fusion.max_points = 1500;
@@ -76,7 +76,7 @@ TEST(FindDepths, PutsPointsOnTheSurfaceOfAMaskedSubjectWithoutSparsePoints) {
 }
 
 TEST(FindDepths, FindsARoomAndWhatIsInIt) {
-  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 400);
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 400, 60);
   const std::vector<StereoView> views = ViewsOf(synthetic);
   StereoOptions options;
   options.slanted.rounds = 1;
@@ -93,7 +93,7 @@ TEST(FindDepths, FindsARoomAndWhatIsInIt) {
 }
 
 TEST(FindDepths, KeepsNothingWithoutEnoughEvidence) {
-  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 400);
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 400, 12);
   const std::vector<StereoView> views = ViewsOf(synthetic);
   StereoOptions options;
   options.evidence = 1'000'000;  // 77,000 in maps of 96 x 96 pixels
@@ -104,7 +104,7 @@ TEST(FindDepths, KeepsNothingWithoutEnoughEvidence) {
 }
 
 TEST(FindDepths, FindsNothingInASinglePhoto) {
-  const SyntheticScene synthetic = SomeScene(SyntheticKind::kBall, 0);
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kBall, 0, 2);
   const std::vector<StereoView> one = {ViewsOf(synthetic)[0]};
   const StereoResult result = FindDepths(synthetic.scene, one, {});
   EXPECT_EQ(result.confirmed, 0u);
@@ -114,7 +114,7 @@ TEST(FindDepths, FindsNothingInASinglePhoto) {
 }
 
 TEST(ChooseNeighbors, PrefersViewsAtAUsefulAngle) {
-  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 200);
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 200, 60);
   const std::vector<StereoView> views = ViewsOf(synthetic);
   const auto neighbors = ChooseNeighbors(views, OverlapPoints(synthetic.scene), 3);
   for (size_t i = 0; i < views.size(); ++i) {
@@ -129,7 +129,7 @@ TEST(ChooseNeighbors, PrefersViewsAtAUsefulAngle) {
 }
 
 TEST(FindDepthRange, ReachesBeyondThePointsOfAPhoto) {
-  SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 200);
+  SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 200, 12);
   const StereoView view = ViewsOf(synthetic)[0];
   const Rigid3 world_from_cam = view.cam_from_world.Inverse();
   const std::vector<glm::dvec3> points(10, world_from_cam * glm::dvec3(0, 0, 2));
