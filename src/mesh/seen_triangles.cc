@@ -50,18 +50,45 @@ struct PixelBox {
   bool IsEmpty() const { return x_begin >= x_end || y_begin >= y_end; }
 };
 
-// The pixels whose centres may be inside the triangle, up to rounding; all of them if it crosses
-// the camera's plane. Small triangles often have none.
+// A rectangle of the image plane [px], which may reach to infinity.
+struct Extent {
+  glm::dvec2 low{std::numeric_limits<double>::infinity()}, high = -low;
+
+  void Add(const glm::dvec2& pixel) {
+    low = glm::min(low, pixel);
+    high = glm::max(high, pixel);
+  }
+  // What is seen along an edge from a corner in front of the camera to one behind it goes to
+  // infinity towards where the edge meets the camera's plane: to both sides where rounding hides
+  // which.
+  void AddEdgeTo(const glm::dvec3& behind, const glm::dvec3& in_front) {
+    constexpr double kRounding = 1e-12;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double a = behind[axis] * in_front.z, b = -in_front[axis] * behind.z;
+      const double margin = kRounding * (std::abs(a) + std::abs(b));
+      if (a + b <= margin) low[axis] = -std::numeric_limits<double>::infinity();
+      if (a + b >= -margin) high[axis] = std::numeric_limits<double>::infinity();
+    }
+  }
+};
+
+Extent ExtentOf(const std::array<SeenVertex, 3>& corners) {
+  Extent extent;
+  for (const SeenVertex& corner : corners) {
+    if (corner.is_behind()) continue;
+    extent.Add(corner.pixel);
+    for (const SeenVertex& other : corners) {
+      if (other.is_behind()) extent.AddEdgeTo(other.in_cam, corner.in_cam);
+    }
+  }
+  return extent;
+}
+
+// The pixels whose centres may be inside the part of the triangle in front of the camera, up to
+// rounding. Small triangles often have none.
 PixelBox BoxOf(const std::array<SeenVertex, 3>& corners, const Camera& camera) {
   constexpr double kRounding = 1e-3;  // [px]
-  const auto count = std::ranges::count_if(corners, &SeenVertex::is_behind);
-  if (count == 3) return {0, 0, 0, 0};
-  if (count > 0) return {0, camera.width, 0, camera.height};
-  glm::dvec2 low(std::numeric_limits<double>::infinity()), high = -low;
-  for (const SeenVertex& corner : corners) {
-    low = glm::min(low, corner.pixel);
-    high = glm::max(high, corner.pixel);
-  }
+  const Extent extent = ExtentOf(corners);
   const auto clamped = [](double value, int size) {
     return int(std::clamp(value, 0.0, double(size)));
   };
@@ -71,8 +98,8 @@ PixelBox BoxOf(const std::array<SeenVertex, 3>& corners, const Camera& camera) {
   const auto end = [&](double most, int size) {
     return clamped(std::floor(most - 0.5 + kRounding) + 1, size);
   };
-  return {begin(low.x, camera.width), end(high.x, camera.width), begin(low.y, camera.height),
-          end(high.y, camera.height)};
+  return {begin(extent.low.x, camera.width), end(extent.high.x, camera.width),
+          begin(extent.low.y, camera.height), end(extent.high.y, camera.height)};
 }
 
 // A corner's weight by pixel: it is linear over the image.
