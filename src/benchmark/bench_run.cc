@@ -6,6 +6,7 @@
 #include "core/log.h"
 #include "core/manifest.h"
 #include "core/progress.h"
+#include "core/spread_choice.h"
 #include "core/timer.h"
 #include "field/change_storage.h"
 #include "render/create_renderer.h"
@@ -349,11 +350,8 @@ BenchResult RunBench(const BenchOptions& options, const RadianceField* field,
   std::sort(sorted.tets.begin(), sorted.tets.end());
   Bench bench(sorted, [&](int size) {
     if (field == nullptr) return ViewsAroundCube(kViews, size);
-    std::vector<RenderView> chosen;
-    const size_t count = std::min<size_t>(kViews, views.size());
-    for (size_t i = 0; i < count; ++i) {
-      chosen.push_back(SquareMiddle(views[i * views.size() / count], size));
-    }
+    std::vector<RenderView> chosen = SpreadChoice<RenderView>(views, kViews);
+    for (RenderView& view : chosen) view = SquareMiddle(view, size);
     return chosen;
   });
   const FieldStorage storage =

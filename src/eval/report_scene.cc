@@ -4,13 +4,13 @@
 #include "core/base64.h"
 #include "core/file.h"
 #include "core/progress.h"
+#include "core/spread_choice.h"
 #include "eval/html.h"
 #include "eval/up_direction.h"
 #include "report_scripts.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -51,9 +51,7 @@ struct Cloud {
 // At most kMostPoints, evenly from the list.
 Cloud SomePoints(const std::vector<ScenePoint>& points) {
   Cloud cloud;
-  const size_t count = std::min(points.size(), kMostPoints);
-  for (size_t i = 0; i < count; ++i) {
-    const ScenePoint& point = points[i * points.size() / count];
+  for (const ScenePoint& point : SpreadChoice<ScenePoint>(points, kMostPoints)) {
     Append(cloud.positions, point.position);
     cloud.colors_srgb.insert(cloud.colors_srgb.end(), point.color_srgb.begin(),
                              point.color_srgb.end());

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/random.h"
+#include "core/spread_choice.h"
 #include "image/srgb.h"
 
 #include <algorithm>
@@ -64,10 +65,8 @@ Image BoxBlurred(const Image& image, int radius) {
 void KeepTrainingViews(SceneWithImages& given, size_t count) {
   const std::vector<int> training = given.scene.ViewsOf(Split::kTrain);
   std::vector<bool> keep(given.scene.views.size(), true);
-  for (const int view : training) keep[size_t(view)] = training.size() <= count;
-  for (size_t i = 0; i < count && training.size() > count; ++i) {
-    keep[size_t(training[i * training.size() / count])] = true;
-  }
+  for (const int view : training) keep[size_t(view)] = false;
+  for (const int view : SpreadChoice<int>(training, count)) keep[size_t(view)] = true;
   SceneWithImages kept = given;
   kept.scene.views.clear();
   kept.images.clear();

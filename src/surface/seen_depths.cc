@@ -2,6 +2,7 @@
 #include "surface/seen_depths.h"
 
 #include "core/progress.h"
+#include "core/spread_choice.h"
 #include "core/stop_request.h"
 #include "mesh/tet_mesh.h"
 #include "render/create_renderer.h"
@@ -60,14 +61,6 @@ double ShareFarInFront(std::span<const DepthMap> maps, std::span<const DepthMap>
   return all == 0 ? 0.0 : double(far) / double(all);
 }
 
-// As many of the views, or all if there are fewer, from all parts of their sequence.
-std::vector<RenderView> SpreadChoice(std::span<const RenderView> views, size_t count) {
-  std::vector<RenderView> chosen;
-  count = std::min(count, views.size());
-  for (size_t i = 0; i < count; ++i) chosen.push_back(views[i * views.size() / count]);
-  return chosen;
-}
-
 }  // namespace
 
 double FindSurfaceDepth(TrainingRenderer& renderer, std::span<const RenderView> views,
@@ -103,8 +96,8 @@ SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_fo
     names.push_back(view.name);
   }
   SeenDepths seen;
-  seen.optical_depth =
-      FindSurfaceDepth(*renderer, SpreadChoice(views, kDecidingViews), scene.subject_bounds);
+  seen.optical_depth = FindSurfaceDepth(*renderer, SpreadChoice<RenderView>(views, kDecidingViews),
+                                        scene.subject_bounds);
   Progress progress("depth", double(views.size()));
   for (size_t v = 0; v < views.size(); ++v) {
     ThrowIfStopRequested("the surface will be extracted again");
