@@ -29,6 +29,7 @@ constexpr std::array kSurfaceDepths = {0.4, 0.8, 1.2, 2.0};
 constexpr double kFarInFront = 0.05, kMostFarInFront = 0.25;
 // The number of training views whose rays decide which optical depth is used.
 constexpr size_t kDecidingViews = 5;
+constexpr const char* kAfterAStop = "the surface will be extracted again";
 
 std::map<std::string, Rigid3> CorrectedCameras(const fs::path& field_folder) {
   std::map<std::string, Rigid3> cameras;
@@ -67,7 +68,10 @@ double FindSurfaceDepth(TrainingRenderer& renderer, std::span<const RenderView> 
                         const Bounds3& subject_in_world) {
   const auto maps_at = [&](double optical_depth) {
     std::vector<DepthMap> maps;
-    for (const RenderView& view : views) maps.push_back(renderer.RenderDepth(view, optical_depth));
+    for (const RenderView& view : views) {
+      ThrowIfStopRequested(kAfterAStop);
+      maps.push_back(renderer.RenderDepth(view, optical_depth));
+    }
     return maps;
   };
   const std::vector<DepthMap> solid = maps_at(kSurfaceDepths.back());
@@ -100,7 +104,7 @@ SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_fo
                                         scene.subject_bounds);
   Progress progress("depth", double(views.size()));
   for (size_t v = 0; v < views.size(); ++v) {
-    ThrowIfStopRequested("the surface will be extracted again");
+    ThrowIfStopRequested(kAfterAStop);
     seen.views.push_back({views[v].camera, views[v].cam_from_world,
                           renderer->RenderDepth(views[v], seen.optical_depth)});
     progress.Update(double(v + 1), names[v]);
