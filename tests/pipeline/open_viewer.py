@@ -14,14 +14,16 @@ from open_report import start
 WAIT_S = 60
 
 
-def wait_for_full_picture(browser):
-    """The page's facts once it is at rest: no new picture for a while, and the last one a full one."""
+def wait_for_full_picture(browser, before):
+    """The page's facts once it is at rest: it has shown other pictures than number `before`, no new one for a
+    while, and the last one was a full one."""
     deadline, last, since = time.monotonic() + WAIT_S, None, time.monotonic()
     while time.monotonic() < deadline:
         facts = browser.execute_script("return {...document.body.dataset}")
         if facts.get("pictures") != last:
             last, since = facts.get("pictures"), time.monotonic()
-        if facts.get("kind") == "full" and time.monotonic() - since > 0.6:
+        is_new = facts.get("pictures") != before
+        if is_new and facts.get("kind") == "full" and time.monotonic() - since > 0.6:
             return facts
         time.sleep(0.05)
     raise TimeoutError("no full picture: " + browser.find_element(By.CSS_SELECTOR, "[role=status]").text)
@@ -29,7 +31,6 @@ def wait_for_full_picture(browser):
 
 def picture(browser):
     """Hash and number of colours of what the canvas shows; the page counts, since pixels are slow to fetch."""
-    wait_for_full_picture(browser)
     return browser.execute_async_script("""
         const finish = arguments[0];
         const canvas = document.querySelector('canvas'), {width, height} = canvas;
@@ -63,18 +64,25 @@ def look(page, width, scheme, screenshots):
             "features": [{"name": "prefers-color-scheme", "value": scheme}]})
         browser.get(page)
         canvas = browser.find_element(By.TAG_NAME, "canvas")
-        pictures = [picture(browser)]
+        pictures, shown = [], None
+
+        def take_picture():
+            nonlocal shown
+            shown = wait_for_full_picture(browser, shown)["pictures"]
+            pictures.append(picture(browser))
+
+        take_picture()
         times = drag(browser, canvas)
-        pictures.append(picture(browser))
+        take_picture()
         canvas.send_keys(Keys.ARROW_LEFT * 3)
-        pictures.append(picture(browser))
+        take_picture()
         canvas.send_keys("n")
-        pictures.append(picture(browser))
+        take_picture()
         if screenshots:
             browser.save_screenshot(str(screenshots / f"viewer_{width}_{scheme}.png"))
         for mode in ("depth", "size of tets", "slice", "error", "photo"):
             browser.find_element(By.NAME, "mode").send_keys(mode)
-            pictures.append(picture(browser))
+            take_picture()
             if screenshots and scheme == "light":
                 browser.save_screenshot(str(screenshots / f"viewer_{width}_{mode.split()[-1]}.png"))
         return {
