@@ -58,10 +58,9 @@ struct Extent {
     low = glm::min(low, pixel);
     high = glm::max(high, pixel);
   }
-  // What is seen along an edge from a corner in front of the camera to one behind it goes to
-  // infinity towards where the edge meets the camera's plane: to both sides where rounding hides
-  // which.
-  void AddEdgeTo(const glm::dvec3& behind, const glm::dvec3& in_front) {
+  // An edge that ends behind the camera reaches to infinity in the picture, in the direction of the
+  // point at which it crosses the camera's plane; to both sides where rounding hides which.
+  void AddCrossingEdge(const glm::dvec3& in_front, const glm::dvec3& behind) {
     constexpr double kRounding = 1e-12;
     for (int axis = 0; axis < 2; ++axis) {
       const double a = behind[axis] * in_front.z, b = -in_front[axis] * behind.z;
@@ -78,7 +77,7 @@ Extent ExtentOf(const std::array<SeenVertex, 3>& corners) {
     if (corner.is_behind()) continue;
     extent.Add(corner.pixel);
     for (const SeenVertex& other : corners) {
-      if (other.is_behind()) extent.AddEdgeTo(other.in_cam, corner.in_cam);
+      if (other.is_behind()) extent.AddCrossingEdge(corner.in_cam, other.in_cam);
     }
   }
   return extent;

@@ -15,8 +15,8 @@ WAIT_S = 60
 
 
 def wait_for_full_picture(browser, before):
-    """The page's facts once it is at rest: it has shown other pictures than number `before`, no new one for a
-    while, and the last one was a full one."""
+    """The page's facts once it is at rest: it shows a later picture than number `before`, a full one, and has
+    shown no newer one for a while."""
     deadline, last, since = time.monotonic() + WAIT_S, None, time.monotonic()
     while time.monotonic() < deadline:
         facts = browser.execute_script("return {...document.body.dataset}")
