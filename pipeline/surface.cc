@@ -81,9 +81,10 @@ int main(int argc, char** argv) {
       ->expected(6);
   app.add_option("--rays", options.rays, "density: rays that find the isovalue, 100 or more");
   app.add_option("--seed", options.seed, "Random seed of those rays");
-  command.DoesNotChangeResults(
-      app.add_option("--device", options.device.device,
-                     "opacity: Vulkan device that renders depths: auto, cpu, gpu or a number"));
+  command.DoesNotChangeResults(app.add_option(
+      "--device", options.device.device,
+      "opacity: Vulkan device that renders depths: auto, cpu, gpu or a number; one that is "
+      "missing is an error"));
   using tetrec::GroupOptions;
   GroupOptions(app, "Level",
                {"--level", "--isovalue", "--smoothing", "--align-rounds", "--smooth-normals",

@@ -107,7 +107,8 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld
     if (options.level == SurfaceLevel::kOpacity) throw;
     why_not = error.what();
   } catch (const EnvironmentError& error) {
-    if (options.level == SurfaceLevel::kOpacity) throw;
+    // Who asks for a device wants what it gives.
+    if (options.level == SurfaceLevel::kOpacity || options.device.device != "auto") throw;
     why_not = error.what();
   }
   LogWarning("the surface is a level of density instead of opacity: {}", *why_not);

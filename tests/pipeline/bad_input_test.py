@@ -190,6 +190,16 @@ class BadInputTest(StageCase):
                                 environment={"VK_ICD_FILENAMES": nowhere, "VK_DRIVER_FILES": nowhere})
         self.assert_fails(result, 4, "Vulkan")
 
+    def test_surface_does_not_go_on_without_a_device_that_was_asked_for(self):
+        field = self.folder / "run" / "3_field"
+        self.assert_done(self.run_stage("optimize", self.tiny_tetrahedra(), "-o", field, "--time-limit", 0,
+                                        "--iterations", 2, "--renderer", "reference", "--watched-views", 0))
+        nowhere = str(self.folder / "no-driver.json")
+        for device in ("gpu", "99"):
+            result = self.run_stage("surface", field, "-o", self.folder / "run" / "5_surface", "--device", device,
+                                    environment={"VK_ICD_FILENAMES": nowhere, "VK_DRIVER_FILES": nowhere})
+            self.assert_fails(result, 4, "Vulkan")
+
     def test_a_failed_write_leaves_no_manifest_and_the_next_run_repairs_it(self):
         scene = self.tiny_scene()
         out = self.folder / "run" / "2_tetrahedra"
