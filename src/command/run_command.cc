@@ -93,7 +93,9 @@ int RunCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
     fmt::print("{}\n", version.what());
     return 0;
   } catch (const CLI::ConversionError& error) {
-    return fail(fmt::format("{}; expected a number without a unit (see --help)", error.what()), 2);
+    return fail(
+        fmt::format("{}; expected a number in range, without a unit (see --help)", error.what()),
+        2);
   } catch (const CLI::ParseError& error) {
     return fail(error.what() + HintFor(app, argc, argv), 2);
   } catch (const Error& error) {

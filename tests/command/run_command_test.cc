@@ -59,9 +59,10 @@ TEST_F(CommandTest, OtherMessagesStayAsTheyAre) {
 TEST_F(CommandTest, ANumberWithAUnitIsExplained) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(Run({"--max-size", "5min"}, [] { FAIL(); }), 2);
-  EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            "tetrec-test: Could not convert: --max-size = 5min; expected a number without a unit "
-            "(see --help)\n");
+  EXPECT_EQ(
+      testing::internal::GetCapturedStderr(),
+      "tetrec-test: Could not convert: --max-size = 5min; expected a number in range, without "
+      "a unit (see --help)\n");
 }
 
 TEST_F(CommandTest, ExitCodesFollowTheKindOfError) {
