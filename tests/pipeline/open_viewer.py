@@ -8,6 +8,7 @@ import time
 from selenium.webdriver import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.select import Select
 
 from open_report import start
 
@@ -15,15 +16,12 @@ WAIT_S = 60
 
 
 def wait_for_full_picture(browser, before):
-    """The page's facts once it is at rest: it shows a later picture than number `before`, a full one, and has
-    shown no newer one for a while."""
-    deadline, last, since = time.monotonic() + WAIT_S, None, time.monotonic()
+    """The page's facts once it is at rest and shows a later picture than number `before`."""
+    deadline = time.monotonic() + WAIT_S
     while time.monotonic() < deadline:
-        facts = browser.execute_script("return {...document.body.dataset}")
-        if facts.get("pictures") != last:
-            last, since = facts.get("pictures"), time.monotonic()
-        is_new = facts.get("pictures") != before
-        if is_new and facts.get("kind") == "full" and time.monotonic() - since > 0.6:
+        facts, is_busy = browser.execute_script(
+            "return [{...document.body.dataset}, document.querySelector('canvas').ariaBusy !== 'false']")
+        if not is_busy and facts.get("pictures") != before:
             return facts
         time.sleep(0.05)
     raise TimeoutError("no full picture: " + browser.find_element(By.CSS_SELECTOR, "[role=status]").text)
@@ -45,14 +43,15 @@ def picture(browser):
 def drag(browser, canvas):
     """Drags in small steps; returns how long the answers to drafts took [ms]."""
     times = []
+    browser.execute_script("delete document.body.dataset.draftMs")
     chain = ActionChains(browser, duration=20).click_and_hold(canvas)
     chain.perform()
     for _ in range(12):
         ActionChains(browser, duration=20).move_by_offset(6, 2).perform()
         time.sleep(0.1)
-        facts = browser.execute_script("return {...document.body.dataset}")
-        if facts.get("kind") == "draft":
-            times.append(int(facts["draftMs"]))
+        draft_ms = browser.execute_script("return document.body.dataset.draftMs")
+        if draft_ms:
+            times.append(int(draft_ms))
     ActionChains(browser).release().perform()
     return times
 
@@ -81,7 +80,7 @@ def look(page, width, scheme, screenshots):
         if screenshots:
             browser.save_screenshot(str(screenshots / f"viewer_{width}_{scheme}.png"))
         for mode in ("depth", "size of tets", "slice", "error", "photo"):
-            browser.find_element(By.NAME, "mode").send_keys(mode)
+            Select(browser.find_element(By.NAME, "mode")).select_by_visible_text(mode)
             take_picture()
             if screenshots and scheme == "light":
                 browser.save_screenshot(str(screenshots / f"viewer_{width}_{mode.split()[-1]}.png"))

@@ -18,7 +18,7 @@ const cross = (a, b) => [0, 1, 2].map(i => a[(i + 1) % 3] * b[(i + 2) % 3] - a[(
 const unit = a => a.map(x => x / Math.hypot(...a));
 const mix = (a, b, t) => a.map((x, i) => x + t * (b[i] - x));
 
-let scene, home, flight = 0;
+let scene, home, flight = 0, isFlying = false;
 // `view` is the index of the photo's camera where the camera stands, or null.
 let camera = {eye: [0, -3, 1], target: [0, 0, 0], up: [0, 0, 1], fov: 45, view: null};
 let draftPixels = 30000, isBusy = false, wanted = null, restTimer = 0;
@@ -53,13 +53,18 @@ function addressOf(isDraft) {
 // picture, which the server then gives up.
 function ask(isDraft) {
   wanted = {isDraft};
+  canvas.ariaBusy = true;
   if (!isBusy || (isBusy === 'full' && isDraft)) fetchWanted();
 }
 
-function move() {
+function askAtRest() {
   clearTimeout(restTimer);
+  restTimer = setTimeout(() => { restTimer = 0; ask(false); }, kRestMs);
+}
+
+function move() {
   ask(true);
-  restTimer = setTimeout(() => ask(false), kRestMs);
+  askAtRest();
 }
 
 let newest = 0;
@@ -71,7 +76,7 @@ async function fetchWanted() {
   try {
     const answer = await fetch(addressOf(isDraft));
     if (answer.status === 204) {  // given up for a draft, of another window if this is the newest
-      if (number === newest) restTimer = setTimeout(() => ask(false), kRestMs);
+      if (number === newest) askAtRest();
     } else if (answer.ok) {
       const bitmap = await createImageBitmap(await answer.blob());
       if (number === newest) show(bitmap, isDraft, performance.now() - begin);
@@ -84,6 +89,7 @@ async function fetchWanted() {
   if (number !== newest) return;
   isBusy = false;
   if (wanted) fetchWanted();
+  else canvas.ariaBusy = isFlying || restTimer !== 0;
 }
 
 function show(bitmap, isDraft, ms) {
@@ -107,6 +113,7 @@ function say(text) {
 // Of the camera that the user has moved: it no longer stands at a photo.
 function leaveView() {
   flight++;
+  isFlying = false;
   if (camera.view === null) return;
   camera.view = null;
   form.view.value = '';
@@ -169,10 +176,12 @@ function fly(to) {
       eye: mix(from.eye, to.eye, s), target: mix(from.target, to.target, s),
       up: mix(from.up, to.up, s), fov: from.fov + s * (to.fov - from.fov), view: null
     };
-    if (t >= 1) offerModes();
+    isFlying = t < 1;
+    if (!isFlying) offerModes();
     move();
-    if (t < 1) requestAnimationFrame(step);
+    if (isFlying) requestAnimationFrame(step);
   };
+  canvas.ariaBusy = isFlying = true;
   form.view.value = to.view === null ? '' : to.view;
   requestAnimationFrame(step);
 }
