@@ -113,8 +113,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       "of "
       "up to 120 s, or from the 90th second of a longer one: auto (if the judging pictures gain by "
       "them), on or off");
-  app.add_option("--rounds", options.schedule.rounds,
-                 "Refinements of the mesh; by default 3 to 9, by how much it may grow")
+  app.add_option(
+         "--rounds", options.schedule.rounds,
+         "Refinements of the mesh; by default 3 to 9, by how much it may grow, and further ones in "
+         "runs of more than 120 s")
       ->check(CLI::Range(0, 100));
   app.add_option("--last-round", options.schedule.last_round,
                  "Share of the run before the last refinement")

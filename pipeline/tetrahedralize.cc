@@ -8,7 +8,7 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "tetrahedralize", 5,
+      "tetrahedralize", 6,
       "Fills a scene with tetrahedra: writes the mesh (mesh.tet), and the first density and colour "
       "of its vertices (field.tetf).\n"
       "Example: tetrec-tetrahedralize RUN/1_scene -o RUN/2_tetrahedra");

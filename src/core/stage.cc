@@ -21,11 +21,6 @@ fs::path Stage::Input(const std::string& name) const {
 
 bool Stage::HasInput(const std::string& name) const { return inputs_.contains(name); }
 
-const json& Stage::InputManifest(const std::string& name) const {
-  TETREC_CHECK(input_manifests_.contains(name), "no stage input named " + name);
-  return input_manifests_.at(name);
-}
-
 fs::path Stage::Declare(const std::string& relative, const char* role, bool by_top_name) {
   const fs::path path = fs::path(relative).lexically_normal();
   TETREC_CHECK(StaysInFolder(path), "not a path inside the stage folder: " + relative);

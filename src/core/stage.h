@@ -18,8 +18,6 @@ class Stage {
   // Path of an input that was declared by StageCommand::InputStage or InputPath.
   std::filesystem::path Input(const std::string& name) const;
   bool HasInput(const std::string& name) const;
-  // Manifest of an input that is the folder of an earlier stage.
-  const nlohmann::json& InputManifest(const std::string& name) const;
   const std::filesystem::path& folder() const { return folder_; }
   // Path of a file or subfolder of the stage's own folder; recorded in the manifest with its hash
   // when the stage ends (folders: every file inside).
@@ -49,7 +47,6 @@ class Stage {
   std::filesystem::path folder_;
   nlohmann::json status_;  // as in status.json
   std::map<std::string, std::filesystem::path> inputs_;
-  std::map<std::string, nlohmann::json> input_manifests_;
   std::set<std::string> outputs_;
   std::string key_;
   bool resume_ = false;

@@ -65,11 +65,11 @@ StageInput ReadStageInput(const std::string& name, const fs::path& path,
   StageInput input = {.name = name, .path = path};
   input.record = {{"name", name}, {"path", RelativeTo(path, output_folder)}};
   if (!stages.empty()) {
-    input.manifest = ReadManifest(path, stages);
+    const json manifest = ReadManifest(path, stages);
     CheckOutputIsOutside(output_folder, path);
     input.record["kind"] = "stage";
-    input.record["stage"] = input.manifest["stage"];
-    input.record["sha256"] = HashOfJson(input.manifest["outputs"]);
+    input.record["stage"] = manifest["stage"];
+    input.record["sha256"] = HashOfJson(manifest["outputs"]);
   } else if (fs::is_directory(path)) {
     CheckOutputIsOutside(output_folder, path);
     input.record["kind"] = "folder";

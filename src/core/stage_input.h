@@ -19,8 +19,7 @@ using FilesNamedBy =
 struct StageInput {
   std::string name;
   std::filesystem::path path;
-  nlohmann::json record;    // {"name", "path", "kind": "stage", "folder" or "file", "sha256", ...}
-  nlohmann::json manifest;  // of an earlier stage's folder; otherwise null
+  nlohmann::json record;  // {"name", "path", "kind": "stage", "folder" or "file", "sha256", ...}
   std::map<std::string, std::string> hashes;  // for the key: of the input and of files it names
 };
 

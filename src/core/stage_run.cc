@@ -51,6 +51,7 @@ class StageRun {
   void Call(const std::function<void(Stage&)>& body);
 
  private:
+  std::string WhyNotResumed() const;
   void RemoveOrContinueEarlierRun();
   void StartLog() const;
   void RecordFailure(const char* state, const std::string& message);
@@ -72,17 +73,11 @@ StageRun::StageRun(const StageRequest& request)
   stage_.key_ = request.Key();
   for (const StageInput& input : request.inputs) {
     stage_.inputs_[input.name] = input.path;
-    if (!input.manifest.is_null()) stage_.input_manifests_[input.name] = input.manifest;
   }
   const bool same_key =
       old_status_.is_object() && old_status_["key"] == stage_.key_ && old_manifest_.is_null();
-  if (request.resume && !same_key && (old_status_.is_object() || old_manifest_.is_object())) {
-    throw DataError(fmt::format(
-        "{}: cannot resume: the earlier run in this folder differs in {}; give the same options "
-        "and input again, or do not resume, to start over",
-        request.folder.string(),
-        DifferenceOf(old_manifest_.is_object() ? old_manifest_ : old_status_,
-                     request.options_with_effect)));
+  if (request.resume && !same_key) {
+    throw DataError(fmt::format("{}: cannot resume: {}", request.folder.string(), WhyNotResumed()));
   }
   stage_.resume_ = same_key && !request.force;
   stage_.status_ =
@@ -90,6 +85,19 @@ StageRun::StageRun(const StageRequest& request)
   RemoveOrContinueEarlierRun();
   WriteJson(request.folder / kStatusFile, stage_.status_);
   StartLog();
+}
+
+std::string StageRun::WhyNotResumed() const {
+  const json& earlier = old_manifest_.is_object() ? old_manifest_ : old_status_;
+  if (!earlier.is_object()) return "there is no earlier run in this folder; leave out --resume";
+  if (earlier.value("key", "") == stage_.key_) {
+    return "the earlier run was finished, and its output was changed since; leave out --resume, to "
+           "start over";
+  }
+  return fmt::format(
+      "the earlier run in this folder differs in {}; give the same options and input again, or do "
+      "not resume, to start over",
+      DifferenceOf(earlier, request_.options_with_effect));
 }
 
 void StageRun::RemoveOrContinueEarlierRun() {

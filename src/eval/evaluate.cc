@@ -216,7 +216,11 @@ json RunMetrics(const RunFacts& run) {
     if (const std::string name = stage.Device(); !name.empty()) device = name;
   }
   const StageFacts* optimize = run.Find("optimize");
-  if (optimize) seed = optimize->manifest.value("seed", json());
+  if (optimize) {
+    seed = optimize->manifest.value("seed", json());
+    // The seconds that are compared with others' are those of the optimisation.
+    if (const std::string name = optimize->Device(); !name.empty()) device = name;
+  }
   return {{"tets", optimize ? optimize->Count("tets") : json()},
           {"vertices", optimize ? optimize->Count("vertices") : json()},
           {"field_bytes", optimize ? FieldBytes(*optimize) : json()},
@@ -368,7 +372,7 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
   if (metrics["identical_views"] > 0) {
     Warn(content.warnings,
          fmt::format(
-             "{} views are identical to their ground truth: their PSNR is infinite, and no mean is "
+             "{} views are identical to their ground truth: their PSNR is infinite, so no mean is "
              "given",
              metrics["identical_views"].get<size_t>()));
   }

@@ -188,15 +188,6 @@ SurfaceSamples SampleSurface(const TriangleMesh& mesh, size_t count, uint64_t se
   return samples;
 }
 
-std::vector<double> DistancesToSurface(std::span<const glm::dvec3> points, const TriangleMesh& mesh,
-                                       size_t samples, uint64_t seed) {
-  std::vector<double> distances;
-  for (const NearestTriangle& nearest : NearestTriangles(points, mesh, samples, seed)) {
-    distances.push_back(nearest.distance);
-  }
-  return distances;
-}
-
 std::vector<NearestTriangle> NearestTriangles(std::span<const glm::dvec3> points,
                                               const TriangleMesh& mesh, size_t samples,
                                               uint64_t seed) {

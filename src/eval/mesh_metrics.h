@@ -21,17 +21,14 @@ struct SurfaceSamples {
 // the mesh has no area.
 SurfaceSamples SampleSurface(const TriangleMesh& mesh, size_t count, uint64_t seed);
 
-// Distance from each point to the surface of `mesh`: the exact distance to the nearest of a few
-// triangles, those of the 16 points nearest to it among `samples` area samples and all triangle
-// centres. Another triangle can be nearer only by far less than the spacing of these points.
-// Deterministic. Throws DataError for a mesh without area.
-std::vector<double> DistancesToSurface(std::span<const glm::dvec3> points, const TriangleMesh& mesh,
-                                       size_t samples, uint64_t seed);
-// The same, with the triangle that is nearest.
 struct NearestTriangle {
   double distance = 0;
   uint32_t triangle = 0;
 };
+// For each point the nearest of a few triangles of `mesh`, and its exact distance: those of the 16
+// points nearest to it among `samples` area samples and all triangle centres. Another triangle can
+// be nearer only by far less than the spacing of these points. Deterministic. Throws DataError for
+// a mesh without area.
 std::vector<NearestTriangle> NearestTriangles(std::span<const glm::dvec3> points,
                                               const TriangleMesh& mesh, size_t samples,
                                               uint64_t seed);

@@ -146,10 +146,12 @@ VkPhysicalDevice ChooseDevice(VkInstance instance, const std::string& wish) {
   if (!wish.empty() && std::all_of(wish.begin(), wish.end(), ::isdigit)) {
     const size_t number = wish.size() > 6 ? devices.size() : std::stoul(wish);
     if (number < devices.size()) return devices[number];
+    std::vector<std::string> known;
+    for (const VkPhysicalDevice device : devices) {
+      known.push_back(fmt::format("{} ({})", known.size(), PropertiesOf(device).deviceName));
+    }
     throw EnvironmentError(
-        fmt::format("no Vulkan device {}: there are {}, numbered from 0; choose a lower number or "
-                    "'auto'",
-                    wish, devices.size()));
+        fmt::format("no Vulkan device {}: choose {}, or 'auto'", wish, fmt::join(known, ", ")));
   }
   if (wish != "auto" && wish != "cpu" && wish != "gpu") {
     throw UsageError(fmt::format("device '{}': expected auto, cpu, gpu or a number", wish));
@@ -381,16 +383,6 @@ std::unique_ptr<Device> CreateDevice(const DeviceOptions& options) {
 uint32_t MostLoopRounds(const Device& device) {
   const bool software = device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   return software ? 65535 : UINT32_MAX;
-}
-
-std::vector<std::string> ListDevices() {
-  Device holder;  // destroys the instance
-  holder.instance = CreateInstance({}, &holder);
-  std::vector<std::string> names;
-  for (VkPhysicalDevice device : PhysicalDevices(holder.instance)) {
-    names.emplace_back(PropertiesOf(device).deviceName);
-  }
-  return names;
 }
 
 nlohmann::json DescribeDevice(const Device& device) {

@@ -57,9 +57,6 @@ std::unique_ptr<Device> CreateDevice(const DeviceOptions& options);
 // that llvmpipe silently ends them, and results are wrong.
 uint32_t MostLoopRounds(const Device& device);
 
-// Names of the devices in the order of their numbers.
-std::vector<std::string> ListDevices();
-
 // Name, type, API version and driver, for the manifest.
 nlohmann::json DescribeDevice(const Device& device);
 

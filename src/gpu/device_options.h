@@ -6,7 +6,8 @@
 namespace tetrec {
 
 struct DeviceOptions {
-  // "auto" (a GPU if there is one, otherwise software), "cpu", "gpu", or an index of ListDevices.
+  // "auto" (a GPU if there is one, otherwise software), "cpu", "gpu", or a number: Vulkan's order,
+  // from 0. The error for a number that is too high names them all.
   std::string device = "auto";
   bool validation = false;    // core and synchronization validation; messages are collected
   bool float_atomics = true;  // false: compare-and-swap even if the device adds floats natively

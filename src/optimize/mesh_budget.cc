@@ -28,19 +28,18 @@ uint64_t TetBudget(const OptimizeOptions& options, uint64_t pixels, uint64_t sta
   if (options.budget_mb > 0) {
     const uint64_t tets = TetsWithin(double(options.budget_mb), pixels);
     if (tets >= start_tets) return tets;
-    throw UsageError(
-        fmt::format("--budget-mb is {}, but the start mesh with {} tets and {} training pixels "
-                    "need about {:.0f} "
-                    "MB: allow more, or import smaller pictures or start coarser",
-                    options.budget_mb, WithThousands(start_tets), WithThousands(pixels),
-                    PredictedPeakBytes(double(start_tets), pixels) / 1e6));
+    throw UsageError(fmt::format(
+        "the start mesh with {} tets and {} training pixels needs about {:.0f} MB, and "
+        "--budget-mb allows {}: allow more, or import smaller pictures or start coarser",
+        WithThousands(start_tets), WithThousands(pixels),
+        PredictedPeakBytes(double(start_tets), pixels) / 1e6, options.budget_mb));
   }
   if (options.budget_tets == 0) return kNoBudget;
   if (options.budget_tets >= start_tets) return options.budget_tets;
   throw UsageError(fmt::format(
-      "--budget-tets is {}, but the start mesh has {}: allow more, or start coarser (see "
+      "the start mesh has {} tets, and --budget-tets allows {}: allow more, or start coarser (see "
       "tetrec-tetrahedralize)",
-      WithThousands(options.budget_tets), WithThousands(start_tets)));
+      WithThousands(start_tets), WithThousands(options.budget_tets)));
 }
 
 }  // namespace tetrec

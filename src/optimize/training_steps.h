@@ -21,7 +21,7 @@ inline constexpr RunMoment kRatesOfTrials = AtProgress(0.95);
 
 class TrainingSteps {
  public:
-  // `has_alpha`: the training pictures have.
+  // `has_alpha`: the training pictures have alpha.
   TrainingSteps(const OptimizeOptions& options, bool has_alpha, BatchDrawer& batches,
                 TrainingRenderer& renderer, VertexMotion& motion)
       : options_(options),

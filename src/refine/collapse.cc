@@ -90,7 +90,7 @@ class Collapsing {
  private:
   struct Choice {
     uint32_t onto = kNoVertex;
-    double error = kInfinity;  // that the pictures gain
+    double error = kInfinity;  // by which the pictures' squared error would grow
     double darkening = 0;      // largest rise of the opacity of a place
   };
 
@@ -209,7 +209,7 @@ class Collapsing {
     return best;
   }
 
-  // The squared error that the pictures gain, from the light that rays lose in each tet around a
+  // By how much the squared error would grow, from the light that rays lose in each tet around a
   // vertex and from what the tet's centroid shows then.
   double ErrorOf(uint32_t v, const StarTets& after) const {
     double error = 0;

@@ -90,7 +90,7 @@ std::vector<glm::dvec4> PredictedValues(const TetMesh& mesh, const std::vector<g
 // The share of a vertex's values in what is seen in a tet at it, on average.
 constexpr double kShareOfVertex = 0.25;
 
-// The squared error that the pictures gain without each vertex, an upper estimate.
+// By how much the squared error would grow without each vertex, an upper estimate.
 std::vector<double> ErrorsWithout(const TetMesh& mesh, const FieldState& state,
                                   const std::vector<double>& light) {
   const std::vector<double> mean_edges = MeanEdgesOfVertices(mesh);

@@ -108,9 +108,7 @@ Camera VideoCamera(const Camera& camera, int size) {
   const int longer = std::max(camera.width, camera.height);
   const double scale = size > 0 ? double(size) / longer : 1;
   const auto even = [&](int side) { return std::max(2, 2 * int(std::lround(scale * side / 2))); };
-  const int width = even(camera.width), height = even(camera.height);
-  const double sx = double(width) / camera.width, sy = double(height) / camera.height;
-  return {width, height, sx * camera.fx, sy * camera.fy, sx * camera.cx, sy * camera.cy};
+  return camera.Resized(even(camera.width), even(camera.height));
 }
 
 }  // namespace tetrec

@@ -197,12 +197,14 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   result.height = camera.height;
   WriteRenderedViews(stage.Output(kRenderedViewsFile), result);
   const RenderCounts counts = renderer->counts();
-  stage.Count("views", views.size());
+  stage.Count("views", result.views.size());
+  stage.Count("hidden_views", views.size() - result.views.size());
   stage.Count("rays", counts.rays);
   stage.Count("lost_rays", counts.lost_rays);
   stage.Seconds("render", render_seconds);
-  LogInfo("{} images, {} rays, {} lost; {:.1f} s on the device, {:.1f} s in total", views.size(),
-          WithThousands(counts.rays), counts.lost_rays, render_seconds, timer.seconds());
+  LogInfo("{} images, {} rays, {} lost; {:.1f} s on the device, {:.1f} s in total",
+          result.views.size(), WithThousands(counts.rays), counts.lost_rays, render_seconds,
+          timer.seconds());
   LogKernelTimes(options.renderer, *renderer);
 }
 

@@ -2,20 +2,12 @@
 #include "sfm/options.h"
 
 #include "core/error.h"
+#include "core/option_range.h"
 #include "scene/subject_bounds.h"
 
 #include <fmt/format.h>
 
 namespace tetrec {
-namespace {
-
-void CheckRange(const char* option, int value, int min, int max) {
-  if (value < min || value > max) {
-    throw UsageError(fmt::format("{} is {}; expected {} to {}", option, value, min, max));
-  }
-}
-
-}  // namespace
 
 void SfmOptions::Check() const {
   CheckRange("frames", frames, 2, 2000);

@@ -40,9 +40,10 @@ class NearPoints {
   // True if a point other than `except` is closer than `share` of its spacing.
   bool HasNear(const glm::dvec3& at, double share, uint32_t except) const {
     const glm::i64vec3 cell = CellOf(at);
-    for (int64_t z = -1; z <= 1; ++z) {
-      for (int64_t y = -1; y <= 1; ++y) {
-        for (int64_t x = -1; x <= 1; ++x) {
+    const int64_t reach = int64_t(std::ceil(share));
+    for (int64_t z = -reach; z <= reach; ++z) {
+      for (int64_t y = -reach; y <= reach; ++y) {
+        for (int64_t x = -reach; x <= reach; ++x) {
           if (IsNearIn(KeyOf(cell + glm::i64vec3(x, y, z)), at, share, except)) return true;
         }
       }

@@ -110,13 +110,16 @@ size_t CountCells(std::span<const CellSample> sorted) {
   return count;
 }
 
-// The number of cells that a surface fills falls with the square of their side.
+// The number of cells that a surface fills falls with the square of their side. It does not fall
+// below a few cells of each level.
 double FindSpacing(std::span<const Sample> samples, size_t max_points) {
+  constexpr double kWidest_px = 1e6;
   double spacing_px = 1;
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; spacing_px < kWidest_px; ++i) {
     const size_t count = CountCells(SortIntoCells(samples, spacing_px));
     if (count <= max_points) break;
-    spacing_px *= std::max(1.03, std::sqrt(double(count) / double(max_points)));
+    const double least_growth = i < 6 ? 1.03 : 2;
+    spacing_px *= std::max(least_growth, std::sqrt(double(count) / double(max_points)));
   }
   return spacing_px;
 }

@@ -74,9 +74,9 @@ class Extraction {
     const uint64_t key = uint64_t{inside} << 32 | outside;
     const auto [entry, is_new] = vertex_of_edge_.try_emplace(key, uint32_t(set_.cuts.size()));
     if (is_new) {
-      constexpr double kKeep = 1e-3;
       const double in = level_[inside], out = level_[outside];
-      const double t = std::clamp((in - isovalue_) / (in - out), kKeep, 1 - kKeep);
+      const double t =
+          std::clamp((in - isovalue_) / (in - out), kLeastCutShare, 1 - kLeastCutShare);
       set_.cuts.push_back({inside, outside, float(t)});
       set_.positions.emplace_back(
           glm::mix(glm::dvec3(mesh_.positions[inside]), glm::dvec3(mesh_.positions[outside]), t));

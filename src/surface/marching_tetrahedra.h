@@ -28,11 +28,13 @@ struct LevelSet {
   std::vector<uint32_t> tets;         // (M) the tet that made the triangle
 };
 
+// A cut keeps this share of its edge as a distance from both ends, so that no triangle vanishes.
+inline constexpr double kLeastCutShare = 1e-3;
+
 // {x : level(x) = isovalue}, where level is linear inside each tet and larger inside the surface.
 //   level   (V) one finite value per vertex
 // Closed unless boundary faces are cut, and always a 2-manifold: a vertex whose level is exactly
-// the isovalue counts as outside, and cuts keep a distance of a thousandth of the edge from its
-// ends, so that no triangle vanishes. Throws DataError if a level or the isovalue is not finite or
+// the isovalue counts as outside. Throws DataError if a level or the isovalue is not finite or
 // level.size() != V. Method: Doi and Koide, An efficient method of triangulating equi-valued
 // surfaces by using tetrahedral cells, 1991.
 LevelSet MarchTetrahedra(const TetMesh& mesh, std::span<const float> level, float isovalue);

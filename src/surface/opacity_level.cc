@@ -1,6 +1,7 @@
 // The surface where cameras see it.
 #include "surface/opacity_level.h"
 
+#include "core/disjoint_sets.h"
 #include "core/parallel.h"
 #include "geometry/bounds3.h"
 #include "surface/vertex_normals.h"
@@ -9,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -31,7 +31,6 @@ constexpr double kJump_px = 8;
 // hundredth of a band, or after some steps, which a jump of the solidity may need.
 constexpr double kFinest = 1.0 / 256, kExact = 0.01;
 constexpr int kMostSteps = 8;
-constexpr double kKeep = 1e-3;  // of an edge, between a cut and the edge's ends
 
 // A camera sees a surface from 12 degrees above it on: the least cosine between the surface's
 // normal and the direction to the camera. Normals are those of SmoothNormals after some rounds,
@@ -98,11 +97,11 @@ double CutBetween(const glm::dvec3& solid, double solidity_of_solid, const glm::
     const double solidity = SolidityAt(glm::mix(solid, free, share), views);
     const int sign = solidity > 0 ? 1 : -1;
     (sign > 0 ? low : high) = {share, solidity};
-    if (std::abs(solidity) < kExact) return std::clamp(share, kKeep, 1 - kKeep);
+    if (std::abs(solidity) < kExact) return std::clamp(share, kLeastCutShare, 1 - kLeastCutShare);
     if (sign == last_sign) (sign > 0 ? high : low).solidity *= 0.5;
     last_sign = sign;
   }
-  return std::clamp(share_at_zero(), kKeep, 1 - kKeep);
+  return std::clamp(share_at_zero(), kLeastCutShare, 1 - kLeastCutShare);
 }
 
 // How cameras see a place on a surface.
@@ -126,17 +125,6 @@ Sight SightOf(const glm::dvec3& point_in_world, const glm::dvec3& normal,
     if (faced >= needed) return Sight::kFaced;
   }
   return sight;
-}
-
-// The smallest id of the set of vertices that `v` belongs to, if sets are joined by JoinSets.
-uint32_t SetOf(std::vector<uint32_t>& parents, uint32_t v) {
-  while (parents[v] != v) v = parents[v] = parents[parents[v]];
-  return v;
-}
-
-void JoinSets(std::vector<uint32_t>& parents, uint32_t a, uint32_t b) {
-  a = SetOf(parents, a), b = SetOf(parents, b);
-  parents[std::max(a, b)] = std::min(a, b);
 }
 
 // The sight of each triangle: the second best of its corners.
@@ -169,15 +157,15 @@ struct Patch {
 
 // For each vertex of such a triangle the smallest id of a vertex of its patch.
 std::vector<uint32_t> FindPatches(const LevelSet& set, std::span<const Sight> sights) {
-  std::vector<uint32_t> parents(set.positions.size());
-  std::iota(parents.begin(), parents.end(), 0u);
+  DisjointSets patches(set.positions.size());
   for (size_t f = 0; f < sights.size(); ++f) {
     if (sights[f] == Sight::kFaced) continue;
-    JoinSets(parents, set.triangles[f].x, set.triangles[f].y);
-    JoinSets(parents, set.triangles[f].x, set.triangles[f].z);
+    patches.Join(set.triangles[f].x, set.triangles[f].y);
+    patches.Join(set.triangles[f].x, set.triangles[f].z);
   }
-  for (uint32_t v = 0; v < parents.size(); ++v) parents[v] = SetOf(parents, v);
-  return parents;
+  std::vector<uint32_t> roots(set.positions.size());
+  for (uint32_t v = 0; v < roots.size(); ++v) roots[v] = patches.Root(v);
+  return roots;
 }
 
 }  // namespace

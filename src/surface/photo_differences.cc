@@ -5,6 +5,7 @@
 #include "core/stop_request.h"
 #include "mesh/seen_triangles.h"
 #include "surface/draw_surface.h"
+#include "surface/trained_views.h"
 #include "surface/vertex_normals.h"
 
 #include <algorithm>
@@ -267,9 +268,9 @@ PhotoDifferences CompareWithPhotos(const TriangleMesh& mesh, const std::vector<b
                                    std::span<const glm::vec3> colors,
                                    std::span<const TexturePhoto> photos) {
   std::vector<Differences> groups(kGroups, Differences(mesh, border));
-  ParallelForEach(kGroups, "", "the surface will be extracted again", [&](size_t group) {
+  ParallelForEach(kGroups, "", kAfterASurfaceStop, [&](size_t group) {
     for (size_t i = group; i < photos.size(); i += kGroups) {
-      ThrowIfStopRequested("the surface will be extracted again");
+      ThrowIfStopRequested(kAfterASurfaceStop);
       groups[group].Add(photos[i], colors);
     }
   });

@@ -6,12 +6,11 @@
 #include "core/stop_request.h"
 #include "mesh/tet_mesh.h"
 #include "render/create_renderer.h"
-#include "run/camera_corrections.h"
 #include "scene/scene.h"
+#include "surface/trained_views.h"
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <memory>
 #include <string>
 
@@ -29,17 +28,6 @@ constexpr std::array kSurfaceDepths = {0.4, 0.8, 1.2, 2.0};
 constexpr double kFarInFront = 0.05, kMostFarInFront = 0.25;
 // The number of training views whose rays decide which optical depth is used.
 constexpr size_t kDecidingViews = 5;
-constexpr const char* kAfterAStop = "the surface will be extracted again";
-
-std::map<std::string, Rigid3> CorrectedCameras(const fs::path& field_folder) {
-  std::map<std::string, Rigid3> cameras;
-  const fs::path file = field_folder / kCameraCorrectionsFile;
-  if (!fs::exists(file)) return cameras;
-  for (const CameraCorrection& c : ReadCameraCorrections(file)) {
-    cameras.emplace(c.name, c.cam_from_world);
-  }
-  return cameras;
-}
 
 // Of the rays that are stopped inside the bounds in `solid`, the share that is stopped far in front
 // of that in `maps`.
@@ -69,7 +57,7 @@ double FindSurfaceDepth(TrainingRenderer& renderer, std::span<const RenderView> 
   const auto maps_at = [&](double optical_depth) {
     std::vector<DepthMap> maps;
     for (const RenderView& view : views) {
-      ThrowIfStopRequested(kAfterAStop);
+      ThrowIfStopRequested(kAfterASurfaceStop);
       maps.push_back(renderer.RenderDepth(view, optical_depth));
     }
     return maps;
@@ -84,30 +72,24 @@ double FindSurfaceDepth(TrainingRenderer& renderer, std::span<const RenderView> 
 SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_folder,
                             const fs::path& field_folder, const DeviceOptions& device) {
   const Scene scene = ReadScene(scene_folder);
-  const std::map<std::string, Rigid3> corrected = CorrectedCameras(field_folder);
   RendererOptions options;
   options.device = device;
   if (CountDegenerateTets(field.mesh) > 0) options.AcceptInvertedTets();
   const std::unique_ptr<TrainingRenderer> renderer = CreateRenderer(options);
   renderer->SetField(field);
+  const std::vector<TrainedView> trained = TrainedViews(scene, field_folder);
   std::vector<RenderView> views;
-  std::vector<std::string> names;
-  for (const int v : scene.ViewsOf(Split::kTrain)) {
-    const View& view = scene.views[size_t(v)];
-    const auto found = corrected.find(view.name);
-    views.push_back({scene.cameras[size_t(view.camera)],
-                     found == corrected.end() ? view.cam_from_world : found->second});
-    names.push_back(view.name);
-  }
+  for (const TrainedView& view : trained) views.push_back({view.camera, view.cam_from_world});
   SeenDepths seen;
+  seen.device = renderer->DescribeDevice();
   seen.optical_depth = FindSurfaceDepth(*renderer, SpreadChoice<RenderView>(views, kDecidingViews),
                                         scene.subject_bounds);
   Progress progress("depth", double(views.size()));
   for (size_t v = 0; v < views.size(); ++v) {
-    ThrowIfStopRequested(kAfterAStop);
+    ThrowIfStopRequested(kAfterASurfaceStop);
     seen.views.push_back({views[v].camera, views[v].cam_from_world,
                           renderer->RenderDepth(views[v], seen.optical_depth)});
-    progress.Update(double(v + 1), names[v]);
+    progress.Update(double(v + 1), trained[v].name);
   }
   return seen;
 }

@@ -7,6 +7,8 @@
 #include "render/training_renderer.h"
 #include "surface/opacity_level.h"
 
+#include <nlohmann/json.hpp>
+
 #include <filesystem>
 #include <span>
 #include <vector>
@@ -23,6 +25,7 @@ double FindSurfaceDepth(TrainingRenderer& renderer, std::span<const RenderView> 
 struct SeenDepths {
   std::vector<SeenDepth> views;
   double optical_depth = 0;  // at which rays are stopped
+  nlohmann::json device;     // that rendered them
 };
 
 // One for each training view of the scene, from the camera that the run corrected if the field's

@@ -95,6 +95,7 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld
     LogInfo("level: where the rays of {} training views have lost {:.0f} % of their light",
             views.size(), 100 * (1 - std::exp(-seen_depths.optical_depth)));
     stage.Note("optical_depth", seen_depths.optical_depth);
+    stage.Device(seen_depths.device);
     const LevelSet all = MarchToOpacity(stored.mesh, views);
     if (options.close) return all;
     LevelSet seen = SeenPart(all, views, kLargestGap * glm::length(world.subject_bounds.Size()));

@@ -7,6 +7,7 @@
 #include "surface/draw_surface.h"
 #include "surface/sighting.h"
 #include "surface/texels.h"
+#include "surface/trained_views.h"
 
 #include <glm/glm.hpp>
 
@@ -57,7 +58,7 @@ void FitTexture(const TriangleMesh& mesh, const TextureLayout& layout,
   const PhotosByTriangle candidates = PhotosOfTriangles(mesh, photos);
   std::vector<SurfacePicture> drawn(photos.size());
   for (int round = 0; round < kRounds; ++round) {
-    ParallelForEach(photos.size(), "", "the surface will be extracted again", [&](size_t i) {
+    ParallelForEach(photos.size(), "", kAfterASurfaceStop, [&](size_t i) {
       drawn[i] = DrawSurface(mesh, texture, photos[i].camera, photos[i].cam_from_world);
     });
     ParallelFor(size_t(layout.size), 8, [&](size_t begin, size_t end) {

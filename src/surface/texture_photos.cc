@@ -5,9 +5,9 @@
 #include "core/parallel.h"
 #include "image/pixels_around.h"
 #include "mesh/seen_triangles.h"
-#include "run/camera_corrections.h"
 #include "run/photo_exposures.h"
 #include "scene/scene.h"
+#include "surface/trained_views.h"
 
 #include <fmt/format.h>
 
@@ -84,17 +84,14 @@ std::vector<bool> SeenVertices(const SeenTriangles& seen, const TriangleMesh& me
   return vertices;
 }
 
-template <class T>
-std::map<std::string, T> ByName(const std::vector<T>& items) {
-  std::map<std::string, T> by_name;
-  for (const T& item : items) by_name.emplace(item.name, item);
+std::map<std::string, PhotoExposure> ExposuresByName(const fs::path& field_folder) {
+  std::map<std::string, PhotoExposure> by_name;
+  const fs::path file = field_folder / kPhotoExposuresFile;
+  if (!fs::exists(file)) return by_name;
+  for (const PhotoExposure& exposure : ReadPhotoExposures(file)) {
+    by_name.emplace(exposure.name, exposure);
+  }
   return by_name;
-}
-
-template <class T>
-std::map<std::string, T> ReadIfThere(const fs::path& file,
-                                     std::vector<T> (*read)(const fs::path&)) {
-  return fs::exists(file) ? ByName(read(file)) : std::map<std::string, T>{};
 }
 
 }  // namespace
@@ -125,27 +122,22 @@ void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo) {
 }
 
 void FindTrust(const TriangleMesh& mesh_in_world, std::span<TexturePhoto> photos) {
-  ParallelForEach(photos.size(), "", "the surface will be extracted again",
+  ParallelForEach(photos.size(), "", kAfterASurfaceStop,
                   [&](size_t i) { FindTrust(mesh_in_world, photos[i]); });
 }
 
 std::vector<TexturePhoto> ReadTexturePhotos(const fs::path& scene_folder,
                                             const fs::path& field_folder) {
   const Scene scene = ReadScene(scene_folder);
-  const auto corrections =
-      ReadIfThere(field_folder / kCameraCorrectionsFile, &ReadCameraCorrections);
-  const auto exposures = ReadIfThere(field_folder / kPhotoExposuresFile, &ReadPhotoExposures);
-  const std::vector<int> views = scene.ViewsOf(Split::kTrain);
+  const std::map<std::string, PhotoExposure> exposures = ExposuresByName(field_folder);
+  const std::vector<TrainedView> views = TrainedViews(scene, field_folder);
   std::vector<TexturePhoto> photos(views.size());
-  ParallelForEach(views.size(), "", "the surface will be extracted again", [&](size_t i) {
-    const View& view = scene.views[size_t(views[i])];
+  ParallelForEach(views.size(), "", kAfterASurfaceStop, [&](size_t i) {
+    const TrainedView& view = views[i];
     TexturePhoto& photo = photos[i];
-    photo.camera = scene.cameras[size_t(view.camera)];
+    photo.camera = view.camera;
     photo.cam_from_world = view.cam_from_world;
     photo.alpha_is_opacity = scene.has_alpha;
-    if (const auto found = corrections.find(view.name); found != corrections.end()) {
-      photo.cam_from_world = found->second.cam_from_world;
-    }
     if (const auto found = exposures.find(view.name); found != exposures.end()) {
       photo.gain = found->second.gain;
       photo.offset = found->second.offset;

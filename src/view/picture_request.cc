@@ -81,11 +81,7 @@ PictureMode ModeOf(const Query& query) {
 Camera FittedInto(const Camera& camera, int width, int height) {
   const double scale = std::min(double(width) / camera.width, double(height) / camera.height);
   const auto side = [&](int of) { return std::max(1, int(std::lround(scale * of))); };
-  const Camera result{side(camera.width), side(camera.height)};
-  const double sx = double(result.width) / camera.width;
-  const double sy = double(result.height) / camera.height;
-  return {result.width,   result.height,  sx * camera.fx,
-          sy * camera.fy, sx * camera.cx, sy * camera.cy};
+  return camera.Resized(side(camera.width), side(camera.height));
 }
 
 RenderView FreeView(const Query& query, int width, int height) {

@@ -81,7 +81,7 @@ class StageTest : public ::testing::Test {
     StageCommand command("second", 1, "Reads.");
     command.InputStage("FIRST", "Folder of first", {"first"});
     return RunCommand(command, {input, "-o", output}, [](Stage& stage) {
-      WriteText(stage.Output("n.txt"), stage.InputManifest("FIRST")["counts"].dump());
+      WriteText(stage.Output("n.txt"), ReadText(stage.Input("FIRST") / "out/copy.txt"));
     });
   }
 
@@ -184,6 +184,13 @@ TEST_F(StageTest, TheSameCommandAgainIsUpToDate) {
   }
 }
 
+TEST_F(StageTest, NothingIsResumedWhereNothingWasBegun) {
+  const Outcome outcome = First({input_, "-o", output_, "--resume"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_FALSE(outcome.ran);
+  EXPECT_THAT(outcome.err, HasSubstr("there is no earlier run in this folder"));
+}
+
 TEST_F(StageTest, ChangedOptionsInputsVersionsAndSpoiledOutputsRunAgain) {
   First({input_, "-o", output_});
   EXPECT_TRUE(First({input_, "-o", output_, "--rate", "0.2"}).ran);
@@ -195,6 +202,10 @@ TEST_F(StageTest, ChangedOptionsInputsVersionsAndSpoiledOutputsRunAgain) {
   EXPECT_TRUE(First({input_, "-o", output_}).ran);
   EXPECT_FALSE(First({input_, "-o", output_}).ran);
   WriteText(fs::path(output_) / "out/copy.txt", "spoiled by hand");
+  const Outcome resumed = First({input_, "-o", output_, "--resume"});
+  EXPECT_EQ(resumed.exit_code, 3);
+  EXPECT_FALSE(resumed.ran);
+  EXPECT_THAT(resumed.err, HasSubstr("was finished, and its output was changed since"));
   EXPECT_TRUE(First({input_, "-o", output_}).ran);
   EXPECT_EQ(ReadText(fs::path(output_) / "out/copy.txt"), "other");
 }
@@ -448,7 +459,7 @@ TEST_F(StageTest, AnInterruptedRunContinuesWithTheSameCommandAndStartsOverWithAn
   EXPECT_THAT(other.err, HasSubstr("rate (was 0.1, now 3"));
   EXPECT_TRUE(fs::exists(fs::path(output_) / "half"));
 
-  const Outcome resumed = First({input_, "-o", output_});
+  const Outcome resumed = First({input_, "-o", output_, "--resume"});
   EXPECT_EQ(resumed.exit_code, 0);
   EXPECT_TRUE(resumed.resumed);
   EXPECT_FALSE(fs::exists(fs::path(output_) / "half"));

@@ -170,7 +170,8 @@ inline void WriteFakeRun(const std::filesystem::path& run, const FakeRun& option
     outputs.insert(outputs.end(), {render, gt});
   }
   WriteRenderedViews(run / "4_views" / kRenderedViewsFile, rendered);
-  WriteFakeManifest(run / "4_views", "render", "../3_field", outputs);
+  WriteFakeManifest(run / "4_views", "render", "../3_field", outputs,
+                    {{"device", {{"name", "another"}, {"driver", "1"}}}});
   WriteTriangleMeshPly(run / "5_surface" / "surface.ply", TestSphere(40, 1));
   WriteFakeManifest(run / "5_surface", "surface", "../3_field", {"surface.ply"});
   if (!options.with_field_folder) fs::remove_all(run / "3_field");

@@ -52,8 +52,10 @@ TEST(MeshMetrics, DistancesToATriangleAreThoseOfItsFaceEdgesAndCorners) {
   const std::vector<glm::dvec3> points = {
       {0.2, 0.2, -3}, {0.5, -2, 0}, {1, 1, 0}, {-3, -4, 0}, {2, 0, 0}};
   const std::vector<double> expected = {3, 2, std::sqrt(0.5), 5, 1};
-  const std::vector<double> distances = DistancesToSurface(points, mesh, 100, 1);
-  for (size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(distances[i], expected[i], 1e-12) << i;
+  const std::vector<NearestTriangle> nearest = NearestTriangles(points, mesh, 100, 1);
+  for (size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(nearest[i].distance, expected[i], 1e-12) << i;
+  }
 }
 
 TEST(MeshMetrics, AMeshAgainstItselfScoresOneAtNoDistance) {

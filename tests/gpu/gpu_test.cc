@@ -1,5 +1,6 @@
 // Devices, buffers, and the barriers that the command recorder derives.
 #include "embedded_shaders.h"
+#include "expect_error.h"
 #include "gpu/buffer.h"
 #include "gpu/commands.h"
 #include "gpu/program.h"
@@ -8,6 +9,7 @@
 #include "test_shaders.h"
 #include "vulkan_test.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -246,7 +248,9 @@ TEST_F(VulkanTest, DrawsAndDispatchesAreKeptApartAndDrawsKeepToTheirArea) {
 }
 
 TEST_F(VulkanTest, DeviceThatIsNotThereIsAnEnvironmentError) {
-  EXPECT_THROW(CreateDevice({.device = "999"}), EnvironmentError);
+  const std::string name = CreateDevice({.device = "0"})->properties.deviceName;
+  ExpectError<EnvironmentError>([] { CreateDevice({.device = "999"}); },
+                                {"no Vulkan device 999", fmt::format("0 ({})", name)});
   EXPECT_THROW(CreateDevice({.device = "99999999999999999999"}), EnvironmentError);
 }
 
@@ -256,9 +260,7 @@ TEST_F(VulkanTest, DeviceWithoutMeaningIsAUsageError) {
 }
 
 TEST_F(VulkanTest, DevicesCanBeChosenByNumberAndByKind) {
-  const std::vector<std::string> names = ListDevices();
-  ASSERT_FALSE(names.empty());
-  EXPECT_EQ(names[0], CreateDevice({.device = "0"})->properties.deviceName);
+  EXPECT_NE(CreateDevice({.device = "0"}), nullptr);
   try {
     EXPECT_EQ(DescribeDevice(*CreateDevice({.device = "cpu"}))["type"], "software");
   } catch (const EnvironmentError& error) {

@@ -35,7 +35,7 @@ TEST(TetBudget, OfTooLittleMemoryIsRefusedWithWhatIsNeeded) {
   OptimizeOptions options;
   options.budget_mb = 100;
   ExpectError<UsageError>([&] { TetBudget(options, kPixels, kStartTets); },
-                          {"--budget-mb is 100", "178 MB"});
+                          {"178 MB", "--budget-mb allows 100"});
 }
 
 // The largest and the smallest run on lego that the prediction was made for.

@@ -1,4 +1,4 @@
-"""The estimate of the time of the whole chain, with which make begins."""
+"""What make prints before it starts a stage: the estimate of the time of the whole chain, and commands."""
 import pathlib
 import subprocess
 import unittest
@@ -41,6 +41,16 @@ class EstimateTest(StageCase):
     def test_without_a_limit_on_time_there_is_none(self):
         self.assertEqual(self.estimate(self.folder, TIME_LIMIT=0), "")
         self.assertEqual(self.estimate(self.folder, OPTIMIZE_OPTIONS="--iterations 5 --time-limit=0"), "")
+
+    def test_a_limit_among_the_options_replaces_that_of_the_preset(self):
+        words = {"INPUT": self.folder, "RUN": self.folder / "run", "BUILD": BIN.parent}
+        for options in ("", "--time-limit 0 --iterations 5", "--time-limit=30"):
+            result = subprocess.run(
+                ["make", "--no-print-directory", "-n", "-C", PIPELINE, "field", f"OPTIMIZE_OPTIONS={options}",
+                 *(f"{k}={v}" for k, v in words.items())], capture_output=True, text=True, check=False)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            command, = (line for line in result.stdout.splitlines() if "/tetrec-optimize" in line)
+            self.assertEqual(command.count("--time-limit"), 1, command)
 
 
 if __name__ == "__main__":

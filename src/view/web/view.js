@@ -5,6 +5,7 @@ const canvas = document.querySelector('canvas'), form = document.querySelector('
 const message = document.querySelector('[role=status]');
 const context = canvas.getContext('2d');
 const kDraftMs = 90, kRestMs = 180, kFlightMs = 700, kFewestPixels = 3000;
+const kPhotoModes = ['photo', 'error'];
 const kLegends = {
   color: '', photo: '', slice: 'a plane across the view; grey: tets without density',
   depth: 'bright: near', normals: 'red: right, green: up, blue: to the camera',
@@ -26,15 +27,21 @@ let draftPixels = 30000, isBusy = false, wanted = null, restTimer = 0;
 const forwardOf = c => unit(add(c.target, c.eye, -1));
 const distanceOf = c => Math.hypot(...add(c.target, c.eye, -1));
 
+// On the way between two cameras there is no photo to show or to compare with.
+function shownMode() {
+  const mode = form.mode.value;
+  return camera.view === null && kPhotoModes.includes(mode) ? 'color' : mode;
+}
+
 function addressOf(isDraft) {
   const box = canvas.parentElement.getBoundingClientRect(), ratio = Math.min(devicePixelRatio, 2);
   const full = box.width * box.height * ratio * ratio;
   const scale = isDraft ? Math.min(1, Math.sqrt(draftPixels / full)) : 1;
   const side = length => Math.min(4096, Math.max(8, Math.round(length * ratio * scale)));
   const query = new URLSearchParams({
-    mode: form.mode.value, w: side(box.width), h: side(box.height), draft: isDraft ? 1 : 0
+    mode: shownMode(), w: side(box.width), h: side(box.height), draft: isDraft ? 1 : 0
   });
-  if (form.mode.value === 'slice') {
+  if (shownMode() === 'slice') {
     const depth = distanceOf(camera) + (form.slice.value - 0.5) * 1.8 * scene.subject.size;
     query.set('slice', Math.max(depth, 1e-3 * scene.subject.size));
   }
@@ -114,7 +121,7 @@ function say(text) {
 function leaveView() {
   flight++;
   isFlying = false;
-  if (camera.view === null) return;
+  if (camera.view === null && form.view.value === '') return;
   camera.view = null;
   form.view.value = '';
   camera.up = [0, 0, 1];
@@ -122,7 +129,7 @@ function leaveView() {
 }
 
 function offerModes() {
-  for (const name of ['photo', 'error']) {
+  for (const name of kPhotoModes) {
     const option = form.mode.querySelector(`[value=${name}]`);
     option.disabled = camera.view === null;
     if (option.disabled && form.mode.value === name) form.mode.value = 'color';

@@ -1,0 +1,29 @@
+// The training views of a scene from the cameras that a fit left, which are those that its field
+// looks right from.
+#pragma once
+
+#include "geometry/camera.h"
+#include "geometry/rigid3.h"
+#include "scene/scene.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tetrec {
+
+// What becomes of a stage that is stopped while it works on these views.
+inline constexpr const char* kAfterASurfaceStop = "the surface will be extracted again";
+
+struct TrainedView {
+  std::string name;
+  std::filesystem::path image;  // relative to the scene's folder
+  Camera camera;
+  Rigid3 cam_from_world;  // corrected by the run, if the field's folder has corrections
+};
+
+// Throws DataError for the file of corrections.
+std::vector<TrainedView> TrainedViews(const Scene& scene,
+                                      const std::filesystem::path& field_folder);
+
+}  // namespace tetrec
