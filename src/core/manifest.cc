@@ -5,6 +5,7 @@
 #include "core/file.h"
 #include "core/process_memory.h"
 #include "core/stage_folder.h"
+#include "core/stage_input.h"
 #include "core/version.h"
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <ctime>
 
 namespace tetrec {
@@ -53,6 +55,19 @@ bool IsAlive(const json& status) {
 std::string StateAndErrorInWords(const json& status) {
   const std::string state = StateInWords(status, true), error = TextOrEmpty(status, "error");
   return state + (error.empty() ? "" : ": " + error);
+}
+
+// False if the stage before has other outputs than those that `manifest` records of its input. Null
+// and manifests without a record pass: others report them.
+bool IsMadeFrom(const json& manifest, const json& previous) {
+  const auto inputs = manifest.find("inputs");
+  if (previous.is_null() || inputs == manifest.end() || !inputs->is_array()) return true;
+  const std::string hash = HashOfJson(previous.value("outputs", json::array()));
+  return std::ranges::all_of(*inputs, [&](const json& input) {
+    const std::string recorded = TextOrEmpty(input, "sha256");
+    return TextOrEmpty(input, "stage") != TextOrEmpty(previous, "stage") || recorded.empty() ||
+           recorded == hash;
+  });
 }
 
 }  // namespace
@@ -171,22 +186,30 @@ std::optional<fs::path> PreviousFolder(const fs::path& folder, const json& manif
 
 fs::path PreviousStage(const fs::path& folder, const std::set<std::string>& stages) {
   fs::path at = folder;
-  for (int link = 0;; ++link) {
-    const std::optional<fs::path> previous =
-        PreviousFolder(at, ReadManifestOrStatus(at / kManifestFile));
-    if (link == kLongestChain || !previous) {
+  for (int link = 0; link < kLongestChain; ++link) {
+    const json manifest = ReadManifestOrStatus(at / kManifestFile);
+    if (manifest.is_null()) {
       throw DataError(
-          fmt::format("{}: not the folder of {} that {} was made from; put it back there or run "
-                      "the stages again",
-                      at.string(), ProgramsOf(stages), folder.string()));
+          fmt::format("{}: is missing or unfinished, and {} was made from it; put it back there or "
+                      "run the stages again",
+                      at.string(), folder.string()));
+    }
+    const std::optional<fs::path> previous = PreviousFolder(at, manifest);
+    if (!previous) break;
+    const json written = ReadManifestOrStatus(*previous / kManifestFile);
+    if (!IsMadeFrom(manifest, written)) {
+      throw DataError(fmt::format(
+          "{}: was made anew since {} was made from it; run {} and the stages after it again",
+          previous->string(), at.string(), ProgramOf(TextOrEmpty(manifest, "stage"))));
     }
     at = *previous;
-    const json manifest = ReadManifestOrStatus(at / kManifestFile);
-    if (stages.contains(TextOrEmpty(manifest, "stage"))) {
+    if (stages.contains(TextOrEmpty(written, "stage"))) {
       ReadManifest(at, stages);
       return at;
     }
   }
+  throw DataError(fmt::format("{}: was not made from a folder of {}; run the stages again",
+                              folder.string(), ProgramsOf(stages)));
 }
 
 std::string FirstSpoiledOutput(const fs::path& folder, const json& manifest) {

@@ -59,7 +59,8 @@ std::optional<std::filesystem::path> PreviousFolder(const std::filesystem::path&
                                                     const nlohmann::json& manifest);
 
 // The nearest folder before `folder` in the chain that one of `stages` wrote. Throws DataError if
-// the chain ends before it, or if its folder was moved away.
+// the chain ends before it, if its folder was moved away, or if a folder on the way was made anew
+// since the next one was made from it: a field seen through another scene's cameras is wrong.
 std::filesystem::path PreviousStage(const std::filesystem::path& folder,
                                     const std::set<std::string>& stages);
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace tetrec {
 namespace fs = std::filesystem;
@@ -24,6 +25,7 @@ bool Stage::HasInput(const std::string& name) const { return inputs_.contains(na
 fs::path Stage::Declare(const std::string& relative, const char* role, bool by_top_name) {
   const fs::path path = fs::path(relative).lexically_normal();
   TETREC_CHECK(StaysInFolder(path), "not a path inside the stage folder: " + relative);
+  if (before_first_path_) std::exchange(before_first_path_, nullptr)();
   const json name = by_top_name ? path.begin()->string() : path.string();
   json& names = status_[role];
   if (std::find(names.begin(), names.end(), name) == names.end()) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -46,6 +47,9 @@ class Stage {
 
   std::filesystem::path folder_;
   nlohmann::json status_;  // as in status.json
+  // Called once, before the first path is declared; empty then. Removes an earlier result, which a
+  // run that is refused before it writes anything leaves as it is.
+  std::function<void()> before_first_path_;
   std::map<std::string, std::filesystem::path> inputs_;
   std::set<std::string> outputs_;
   std::string key_;

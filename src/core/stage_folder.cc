@@ -131,7 +131,6 @@ void RemoveOldRun(const fs::path& folder, const json& manifest, const json& stat
   if (caches_too) paths.merge(DeclaredPaths(status, "caches"));
   RemoveOwned(folder / kManifestFile);  // first: a half-removed folder must not look finished
   for (const std::string& path : paths) RemoveOwned(folder / path);
-  RemoveOwned(folder / kLogFileName);
 }
 
 json OutputRecords(const fs::path& folder, const std::set<std::string>& outputs) {

@@ -35,8 +35,8 @@ void RefuseLinks(const std::filesystem::path& folder, const nlohmann::json& stat
 // EnvironmentError.
 void RemoveOwned(const std::filesystem::path& path);
 
-// Removes all that the run with this manifest and status (either may be null) wrote, but never the
-// user's own files. Caches stay unless `caches_too`.
+// Removes all that the run with this manifest and status (either may be null) wrote, but for its
+// log, and never the user's own files. Caches stay unless `caches_too`.
 void RemoveOldRun(const std::filesystem::path& folder, const nlohmann::json& manifest,
                   const nlohmann::json& status, bool caches_too);
 

@@ -16,6 +16,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace tetrec {
 namespace fs = std::filesystem;
@@ -52,8 +53,9 @@ class StageRun {
 
  private:
   std::string WhyNotResumed() const;
-  void RemoveOrContinueEarlierRun();
-  void StartLog() const;
+  void ContinueEarlierRun();
+  void RemoveEarlierRun();
+  void StartLog();
   void RecordFailure(const char* state, const std::string& message);
   void Finish();
   double Seconds() const { return seconds_before_ + timer_.seconds(); }
@@ -62,6 +64,7 @@ class StageRun {
   const StageRequest& request_;
   const json old_manifest_, old_status_;  // null if there are none
   double seconds_before_ = 0;             // of the run that this one continues
+  uint64_t log_begin_ = 0;                // of this run in the log file
   Stage stage_;
 };
 
@@ -82,7 +85,12 @@ StageRun::StageRun(const StageRequest& request)
   stage_.resume_ = same_key && !request.force;
   stage_.status_ =
       StatusOfNewRun(request.stage, stage_.key_, request.options, request.command_line);
-  RemoveOrContinueEarlierRun();
+  if (!request.force) stage_.status_["caches"] = DeclaredPaths(old_status_, "caches");
+  if (stage_.resume_ || old_manifest_.is_object()) ContinueEarlierRun();
+  if (!stage_.resume_) {
+    stage_.before_first_path_ = [this] { RemoveEarlierRun(); };
+    if (!old_manifest_.is_object()) std::exchange(stage_.before_first_path_, nullptr)();
+  }
   WriteJson(request.folder / kStatusFile, stage_.status_);
   StartLog();
 }
@@ -100,20 +108,31 @@ std::string StageRun::WhyNotResumed() const {
       DifferenceOf(earlier, request_.options_with_effect));
 }
 
-void StageRun::RemoveOrContinueEarlierRun() {
-  if (stage_.resume_) {
-    for (const char* role : {"own", "scratch"})
-      stage_.status_[role] = DeclaredPaths(old_status_, role);
-    if (old_status_.contains("seconds") && old_status_["seconds"].is_number())
-      seconds_before_ = old_status_["seconds"];
-  } else {
-    RemoveOldRun(request_.folder, old_manifest_, old_status_, request_.force);
-  }
-  if (!request_.force) stage_.status_["caches"] = DeclaredPaths(old_status_, "caches");
+// What the earlier run declared is this run's, too.
+void StageRun::ContinueEarlierRun() {
+  for (const char* role : {"own", "scratch"})
+    stage_.status_[role] = DeclaredPaths(old_status_, role);
+  if (stage_.resume_ && old_status_.contains("seconds") && old_status_["seconds"].is_number())
+    seconds_before_ = old_status_["seconds"];
 }
 
-void StageRun::StartLog() const {
-  SetLogFile(request_.folder / kLogFileName);
+// Its log, too, in front of what this run may have written to it.
+void StageRun::RemoveEarlierRun() {
+  RemoveOldRun(request_.folder, old_manifest_, old_status_, request_.force);
+  for (const char* role : {"own", "scratch"}) stage_.status_[role] = json::array();
+  const fs::path log = request_.folder / kLogFileName;
+  if (log_begin_ == 0) return RemoveOwned(log);
+  SetLogFile({});
+  const std::string text = ReadText(log);
+  WriteText(log, text.substr(std::min<size_t>(log_begin_, text.size())));
+  SetLogFile(log);
+}
+
+void StageRun::StartLog() {
+  const fs::path log = request_.folder / kLogFileName;
+  std::error_code error;
+  if (!stage_.resume_ && fs::exists(log, error)) log_begin_ = fs::file_size(log, error);
+  SetLogFile(log);
   LogToFileOnly(fmt::format("{} {} ({}), version {}", ProgramOf(request_.stage), ProgramVersion(),
                             GitRevision(), request_.version));
   LogToFileOnly("command: " + request_.command_line);
@@ -148,6 +167,10 @@ void StageRun::RecordFailure(const char* state, const std::string& message) {
   stage_.status_["seconds"] = Seconds();
   LogToFileOnly("error: " + message);
   try {
+    if (stage_.before_first_path_ && old_status_.is_object()) {
+      LogToFileOnly("the earlier result stays as it is");
+      stage_.status_ = old_status_;
+    }
     WriteJson(request_.folder / kStatusFile, stage_.status_);
   } catch (const Error&) {
     // The disk may be full; the first error is the one to report.
@@ -155,6 +178,7 @@ void StageRun::RecordFailure(const char* state, const std::string& message) {
 }
 
 void StageRun::Finish() {
+  if (stage_.before_first_path_) std::exchange(stage_.before_first_path_, nullptr)();
   // Scratch of earlier attempts too.
   for (const std::string& path : DeclaredPaths(stage_.status_, "scratch"))
     RemoveOwned(request_.folder / path);

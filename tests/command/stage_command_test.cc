@@ -6,9 +6,11 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
+#include "core/manifest.h"
 #include "core/stage.h"
 #include "core/stop_request.h"
 #include "core/timer.h"
+#include "expect_error.h"
 #include "scratch_folder.h"
 
 #include <gmock/gmock.h>
@@ -184,6 +186,38 @@ TEST_F(StageTest, TheSameCommandAgainIsUpToDate) {
   }
 }
 
+TEST_F(StageTest, ARefusedRunLeavesTheEarlierResultAsItWas) {
+  First({input_, "-o", output_});
+  const nlohmann::json manifest = Manifest(), status = Status();
+  const auto refuse = [](Stage&) { throw EnvironmentError("no such device"); };
+  EXPECT_EQ(First({input_, "-o", output_, "--rate", "3"}, refuse).exit_code, 4);
+  EXPECT_EQ(First({input_, "-o", output_, "--force"}, refuse).exit_code, 4);
+  EXPECT_EQ(Manifest(), manifest);
+  EXPECT_EQ(Status(), status);
+  EXPECT_TRUE(fs::exists(fs::path(output_) / "cached.txt"));
+  const std::string log = ReadText(fs::path(output_) / "log.txt");
+  EXPECT_THAT(log, HasSubstr("no such device"));
+  EXPECT_THAT(log, HasSubstr("the earlier result stays as it is"));
+  EXPECT_FALSE(First({input_, "-o", output_}).ran);  // up to date
+
+  // Another run removes it as soon as it writes; the log is then that run's alone.
+  const auto fail_later = [&](Stage& stage) {
+    EXPECT_TRUE(fs::exists(fs::path(output_) / "out/copy.txt"));
+    LogInfo("before the first path");
+    stage.Output("other.txt");
+    EXPECT_FALSE(fs::exists(fs::path(output_) / "manifest.json"));
+    EXPECT_FALSE(fs::exists(fs::path(output_) / "out/copy.txt"));
+    throw DataError("too late");
+  };
+  EXPECT_EQ(First({input_, "-o", output_, "--rate", "4"}, fail_later).exit_code, 3);
+  EXPECT_EQ(Status()["status"], "failed");
+  EXPECT_EQ(Status()["own"], nlohmann::json({"other.txt"}));
+  const std::string later = ReadText(fs::path(output_) / "log.txt");
+  EXPECT_THAT(later, HasSubstr("before the first path"));
+  EXPECT_THAT(later, HasSubstr("too late"));
+  EXPECT_EQ(later.find("no such device"), std::string::npos);
+}
+
 TEST_F(StageTest, NothingIsResumedWhereNothingWasBegun) {
   const Outcome outcome = First({input_, "-o", output_, "--resume"});
   EXPECT_EQ(outcome.exit_code, 3);
@@ -268,6 +302,26 @@ TEST_F(StageTest, WrongMissingAndUnfinishedPreviousStagesAreNamed) {
   outcome = Second(output_, folder_ / "run/4_second");
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.err, HasSubstr("out/copy.txt"));
+}
+
+TEST_F(StageTest, AChainIsFollowedOnlyThroughFoldersThatWereNotMadeAnew) {
+  const std::string second = folder_ / "run/2_second";
+  First({input_, "-o", output_});
+  ASSERT_EQ(Second(output_, second).exit_code, 0);
+  EXPECT_EQ(PreviousStage(second, {"first"}), fs::canonical(output_));
+  // Made again with the same content: nothing changed.
+  EXPECT_TRUE(First({input_, "-o", output_, "--force"}).ran);
+  EXPECT_EQ(PreviousStage(second, {"first"}), fs::canonical(output_));
+  WriteText(input_, "other");
+  EXPECT_TRUE(First({input_, "-o", output_}).ran);
+  ExpectError<DataError>([&] { PreviousStage(second, {"first"}); },
+                         {output_ + ": was made anew since " + second + " was made from it",
+                          "run tetrec-second and the stages after it again"});
+  ExpectError<DataError>([&] { PreviousStage(output_, {"first"}); },
+                         {output_ + ": was not made from a folder of tetrec-first"});
+  fs::remove_all(output_);
+  ExpectError<DataError>([&] { PreviousStage(second, {"zeroth"}); },
+                         {output_ + ": is missing or unfinished, and " + second});
 }
 
 TEST_F(StageTest, TheKeyOfALaterStageFollowsTheContentOfTheEarlierOne) {
@@ -508,7 +562,10 @@ TEST_F(StageSignalTest, SigtermAndSigintEndWith130AndTheRunCanBeContinued) {
     EXPECT_EQ(WaitFor(pid), 130);
     EXPECT_EQ(Status()["status"], "interrupted");
     EXPECT_TRUE(First({input_, "-o", output_}).resumed);
-    First({input_, "-o", output_, "--force"}, [](Stage&) { throw DataError("clear"); });
+    First({input_, "-o", output_, "--force"}, [](Stage& stage) {
+      stage.Scratch("clear");
+      throw DataError("clear");
+    });
   }
 }
 
