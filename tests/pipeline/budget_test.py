@@ -51,7 +51,8 @@ class BudgetTest(StageCase):
             result = self.run_stage("optimize", tetrahedra, "-o", self.folder / "run" / "3_field", *OPTIMIZE,
                                     option, value)
             self.assertEqual(result.returncode, 2)
-            self.assertIn(f"{option} is {value}, but the start mesh", result.stderr)
+            self.assertIn("the start mesh ", result.stderr)
+            self.assertIn(f"{option} allows {value}: allow more", result.stderr)
 
 
 if __name__ == "__main__":
