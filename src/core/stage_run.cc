@@ -53,7 +53,7 @@ class StageRun {
 
  private:
   std::string WhyNotResumed() const;
-  void ContinueEarlierRun();
+  void TakeOverDeclaredPaths();
   void RemoveEarlierRun();
   void StartLog();
   void RecordFailure(const char* state, const std::string& message);
@@ -74,9 +74,7 @@ StageRun::StageRun(const StageRequest& request)
       old_status_(ReadManifestOrStatus(request.folder / kStatusFile)) {
   stage_.folder_ = request.folder;
   stage_.key_ = request.Key();
-  for (const StageInput& input : request.inputs) {
-    stage_.inputs_[input.name] = input.path;
-  }
+  for (const StageInput& input : request.inputs) stage_.inputs_[input.name] = input.path;
   const bool same_key =
       old_status_.is_object() && old_status_["key"] == stage_.key_ && old_manifest_.is_null();
   if (request.resume && !same_key) {
@@ -86,10 +84,15 @@ StageRun::StageRun(const StageRequest& request)
   stage_.status_ =
       StatusOfNewRun(request.stage, stage_.key_, request.options, request.command_line);
   if (!request.force) stage_.status_["caches"] = DeclaredPaths(old_status_, "caches");
-  if (stage_.resume_ || old_manifest_.is_object()) ContinueEarlierRun();
-  if (!stage_.resume_) {
+  if (stage_.resume_) {
+    TakeOverDeclaredPaths();
+    if (old_status_.contains("seconds") && old_status_["seconds"].is_number())
+      seconds_before_ = old_status_["seconds"];
+  } else if (old_manifest_.is_object()) {
+    TakeOverDeclaredPaths();
     stage_.before_first_path_ = [this] { RemoveEarlierRun(); };
-    if (!old_manifest_.is_object()) std::exchange(stage_.before_first_path_, nullptr)();
+  } else {
+    RemoveEarlierRun();
   }
   WriteJson(request.folder / kStatusFile, stage_.status_);
   StartLog();
@@ -108,15 +111,12 @@ std::string StageRun::WhyNotResumed() const {
       DifferenceOf(earlier, request_.options_with_effect));
 }
 
-// What the earlier run declared is this run's, too.
-void StageRun::ContinueEarlierRun() {
+void StageRun::TakeOverDeclaredPaths() {
   for (const char* role : {"own", "scratch"})
     stage_.status_[role] = DeclaredPaths(old_status_, role);
-  if (stage_.resume_ && old_status_.contains("seconds") && old_status_["seconds"].is_number())
-    seconds_before_ = old_status_["seconds"];
 }
 
-// Its log, too, in front of what this run may have written to it.
+// Its part of the log goes, too; what this run has written behind it stays.
 void StageRun::RemoveEarlierRun() {
   RemoveOldRun(request_.folder, old_manifest_, old_status_, request_.force);
   for (const char* role : {"own", "scratch"}) stage_.status_[role] = json::array();

@@ -22,7 +22,7 @@ struct StageRequest {
   nlohmann::json options_with_effect;  // those that change results
   std::vector<StageInput> inputs;
   std::string command_line;  // for the records
-  bool resume = false;       // refuse to start anew; a folder that is up to date is no reason
+  bool resume = false;       // refuse to start anew
   bool force = false;        // start anew, caches included
 
   // Hash of what determines the results: stage, version, options and inputs.
@@ -32,9 +32,9 @@ struct StageRequest {
 // Does nothing if the folder is up to date. Otherwise locks the folder and runs `body`; continues
 // an earlier run with the same key that was cut off, and removes what any other run wrote: a
 // finished result when the body declares its first path, so that a body that refuses before leaves
-// it as it was. Throws
-// what the body throws (recorded in status.json), UsageError if the folder is another's, DataError
-// if `resume` is set and no earlier run of the same key was cut off, and EnvironmentError.
+// it as it was. Throws what the body throws (recorded in status.json), UsageError if the folder is
+// another's, DataError if `resume` is set and no earlier run of the same key was cut off, and
+// EnvironmentError.
 void RunStage(const StageRequest& request, const std::function<void(Stage&)>& body);
 
 }  // namespace tetrec

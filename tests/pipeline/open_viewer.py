@@ -84,6 +84,8 @@ def look(page, width, scheme, screenshots):
             take_picture()
             if screenshots and scheme == "light":
                 browser.save_screenshot(str(screenshots / f"viewer_{width}_{mode.split()[-1]}.png"))
+        canvas.send_keys("n")  # from photo to photo: no request on the way may be refused (console)
+        take_picture()
         return {
             "pictures": pictures, "draft_ms": times,
             "message": browser.find_element(By.CSS_SELECTOR, "[role=status]").text,

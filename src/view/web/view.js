@@ -27,7 +27,7 @@ let draftPixels = 30000, isBusy = false, wanted = null, restTimer = 0;
 const forwardOf = c => unit(add(c.target, c.eye, -1));
 const distanceOf = c => Math.hypot(...add(c.target, c.eye, -1));
 
-// On the way between two cameras there is no photo to show or to compare with.
+// While the camera flies, no photo matches its view.
 function shownMode() {
   const mode = form.mode.value;
   return camera.view === null && kPhotoModes.includes(mode) ? 'color' : mode;
@@ -121,7 +121,6 @@ function say(text) {
 function leaveView() {
   flight++;
   isFlying = false;
-  if (camera.view === null && form.view.value === '') return;
   camera.view = null;
   form.view.value = '';
   camera.up = [0, 0, 1];
