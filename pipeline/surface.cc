@@ -7,7 +7,7 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "surface", 14,
+      "surface", 15,
       "Extracts the surface of a field, with vertex colours and a texture, and writes it, and the "
       "field if asked "
       "for, in formats of other programs. The files have the run's world as coordinates: z is up, "
@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
   app.add_option(
          "--crop", options.exports.crop,
          "x0,y0,z0,x1,y1,z1: export only what is inside this box, in the coordinates of the "
-         "PLY file; --extent all lets it reach beyond the subject")
+         "PLY file; triangles are cut at its faces; --extent all lets it reach beyond the subject")
       ->delimiter(',')
       ->expected(6);
   app.add_option("--rays", options.rays, "density: rays that find the isovalue, 100 or more");

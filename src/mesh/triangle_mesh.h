@@ -41,4 +41,7 @@ void WriteTextureMaterial(const std::filesystem::path& path, const std::string& 
 // The mesh moved from frame a to frame b.
 TriangleMesh Transformed(TriangleMesh mesh, const Similarity3& b_from_a);
 
+// Vertices and triangles of `a`, then those of `b`, without texture coordinates.
+TriangleMesh Joined(TriangleMesh a, const TriangleMesh& b);
+
 }  // namespace tetrec

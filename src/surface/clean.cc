@@ -94,15 +94,6 @@ CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& option
   return result;
 }
 
-TriangleMesh CropTo(const TriangleMesh& mesh, const Bounds3& bounds,
-                    const Similarity3& bounds_from_world) {
-  std::vector<uint8_t> is_inside;
-  for (const glm::vec3& position : mesh.positions) {
-    is_inside.push_back(bounds.Contains(bounds_from_world * glm::dvec3(position)));
-  }
-  return KeepVertices(mesh, is_inside);
-}
-
 TriangleMesh SeparateFans(const TriangleMesh& mesh) {
   // Corners (triangle * 3 + k) of one vertex belong to the same fan if they share an edge.
   struct Side {

@@ -1,8 +1,6 @@
 // Cleaning of a raw surface: small pieces are dropped, fans that meet in a point are separated.
 #pragma once
 
-#include "geometry/bounds3.h"
-#include "geometry/rigid3.h"
 #include "mesh/triangle_mesh.h"
 
 #include <cstdint>
@@ -23,10 +21,6 @@ struct CleanResult {
 
 // Drops small pieces (connected by shared vertices) and cavities; the rest keeps its order.
 CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& options);
-
-// Without the vertices outside of `bounds` and their triangles. The rest keeps its order.
-TriangleMesh CropTo(const TriangleMesh& mesh, const Bounds3& bounds,
-                    const Similarity3& bounds_from_world = {});
 
 // Where several fans of triangles meet in one vertex, as on the rim of a cropped level set, gives
 // each fan its own copy of the vertex. Edges of more than two triangles are left alone.

@@ -130,10 +130,10 @@ LevelSet KeepTriangles(const LevelSet& set, std::span<const uint8_t> marks) {
   return kept;
 }
 
-LevelSet CropTo(const LevelSet& set, const Bounds3& bounds, const Similarity3& bounds_from_world) {
+LevelSet CropTo(const LevelSet& set, const Bounds3& bounds) {
   std::vector<uint8_t> is_inside(set.positions.size());
   for (size_t v = 0; v < set.positions.size(); ++v) {
-    is_inside[v] = bounds.Contains(bounds_from_world * glm::dvec3(set.positions[v]));
+    is_inside[v] = bounds.Contains(glm::dvec3(set.positions[v]));
   }
   std::vector<uint8_t> marks;
   for (const glm::uvec3& t : set.triangles) {

@@ -3,7 +3,6 @@
 
 #include "field/radiance_field.h"
 #include "geometry/bounds3.h"
-#include "geometry/rigid3.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/triangle_mesh.h"
 
@@ -43,10 +42,8 @@ LevelSet MarchTetrahedra(const TetMesh& mesh, std::span<const float> level, floa
 //   marks   (M)
 LevelSet KeepTriangles(const LevelSet& set, std::span<const uint8_t> marks);
 
-// Keeps the triangles whose three vertices are inside the bounds, and the vertices they use. The
-// bounds may be those of another frame.
-LevelSet CropTo(const LevelSet& set, const Bounds3& bounds,
-                const Similarity3& bounds_from_world = {});
+// Keeps the triangles whose three vertices are inside the bounds, and the vertices they use.
+LevelSet CropTo(const LevelSet& set, const Bounds3& bounds);
 
 // The level set with the field's colours. On a cut edge the colours of both ends are also weighted
 // by density, because the outer end, where nothing was seen, has no meaningful colour.

@@ -12,6 +12,7 @@
 #include "mesh/mesh_facts.h"
 #include "run/field_world.h"
 #include "surface/align_with_photos.h"
+#include "surface/crop.h"
 #include "surface/fill_holes.h"
 #include "surface/level.h"
 #include "surface/marching_tetrahedra.h"
@@ -123,24 +124,18 @@ LevelSet ChosenSet(const RadianceField& stored, const FieldWorld& world,
   return by_opacity ? std::move(*by_opacity) : DensitySet(stored, world, options, stage);
 }
 
-// A LevelSet or a TriangleMesh. `when` names the crop in the log, `count` what it leaves out in the
-// manifest.
-template <class Triangles>
-Triangles Cropped(const Triangles& all, const char* when, const char* count,
-                  const ExportOptions& options, const FieldWorld& world, Stage& stage) {
+// What the crop keeps and what it cuts off. Throws DataError if it keeps nothing.
+CutSurface Cropped(const TriangleMesh& mesh, const ExportOptions& options,
+                   const FieldWorld& world) {
   const std::optional<Bounds3> crop = options.Crop();
-  if (!crop) return all;
-  Triangles cropped = CropTo(all, *crop, ExportFromWorld(options, world.input_from_world));
-  const size_t dropped = all.triangles.size() - cropped.triangles.size();
-  LogInfo("{}: {} of {} triangles are left out", when, WithThousands(dropped),
-          WithThousands(all.triangles.size()));
-  stage.Count(count, dropped);
-  if (cropped.triangles.empty()) {
+  if (!crop) return {mesh, {}};
+  CutSurface cut = CutByBox(mesh, *crop, ExportFromWorld(options, world.input_from_world));
+  if (cut.inside.triangles.empty()) {
     throw DataError(
         "no part of the surface is inside the crop, which is in the coordinates of surface.ply, "
         "after scaling");
   }
-  return cropped;
+  return cut;
 }
 
 // The training photos of the scene that the field was fitted to. Nothing if they are not there, and
@@ -201,15 +196,32 @@ TriangleMesh Cleaned(const TriangleMesh& raw, std::span<const TexturePhoto> phot
           WithThousands(simple.triangles.size()), WithThousands(filled.mesh.triangles.size()),
           options.max_deviation);
   stage.Count("triangles_before_simplification", filled.mesh.triangles.size());
-  return options.max_faces == 0 ? simple : Decimate(simple, options.max_faces);
+  return simple;
 }
 
-TexturedMesh Textured(TriangleMesh mesh_in_world, std::span<TexturePhoto> photos,
-                      const SurfaceOptions& options, Stage& stage) {
+// What the crop leaves of the surface, and what it cuts off. Only what is exported counts as faces.
+CutSurface Exported(const TriangleMesh& whole, const SurfaceOptions& options,
+                    const FieldWorld& world, Stage& stage) {
+  CutSurface cut = Cropped(whole, options.exports, world);
+  if (options.exports.Crop()) {
+    LogInfo("crop: {} triangles are inside, {} outside are left out",
+            WithThousands(cut.inside.triangles.size()),
+            WithThousands(cut.outside.triangles.size()));
+    stage.Count("triangles_out_of_crop", cut.outside.triangles.size());
+  }
+  cut.inside = SeparateFans(cut.inside);
+  if (options.max_faces > 0) cut.inside = Decimate(cut.inside, options.max_faces);
+  return cut;
+}
+
+// `hiding` is not textured, but hides what is behind it from photos.
+TexturedMesh Textured(TriangleMesh mesh_in_world, const TriangleMesh& hiding,
+                      std::span<TexturePhoto> photos, const SurfaceOptions& options, Stage& stage) {
   if (!options.texture.wanted || photos.empty()) return {std::move(mesh_in_world), {}};
   const Timer timer;
   try {
-    FindTrust(mesh_in_world, photos);
+    FindTrust(Joined(mesh_in_world, hiding), photos);
+    for (TexturePhoto& photo : photos) photo.shows.resize(mesh_in_world.positions.size());
     TexturedMesh textured = MakeTexture(mesh_in_world, photos, options.texture, stage);
     stage.Seconds("texture", timer.seconds());
     return textured;
@@ -278,17 +290,14 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
   if (set.triangles.empty()) {
     throw DataError("no surface there; choose another level or isovalue, or all as extent");
   }
-  set = Cropped(set, "crop", "triangles_out_of_crop", options.exports, world, stage);
+  const TriangleMesh raw = ColoredSurface(set, WithStorage(stored, FieldStorage::kVertex));
+  Cropped(raw, options.exports, world);  // which may throw, and what follows takes time
   std::vector<TexturePhoto> photos = ReadPhotos(options, stage);
-  const TriangleMesh aligned =
-      Cleaned(ColoredSurface(set, WithStorage(stored, FieldStorage::kVertex)), photos, options,
-              world.subject_bounds.Diagonal(), stage);
-  // Where photos show more of the subject than the crop leaves, alignment may pull the surface out.
-  const TriangleMesh cleaned =
-      SeparateFans(Cropped(aligned, "crop after alignment", "triangles_pulled_out_of_crop",
-                           options.exports, world, stage));
+  // Photos show the whole, so it is cropped after alignment.
+  const CutSurface cut = Exported(
+      Cleaned(raw, photos, options, world.subject_bounds.Diagonal(), stage), options, world, stage);
   stage.Seconds("surface", timer.seconds());
-  TexturedMesh surface = Textured(cleaned, photos, options, stage);
+  TexturedMesh surface = Textured(cut.inside, cut.outside, photos, options, stage);
   surface.mesh = Transformed(std::move(surface.mesh),
                              ExportFromWorld(options.exports, world.input_from_world));
   Report(surface.mesh, stage);

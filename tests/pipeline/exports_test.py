@@ -57,6 +57,8 @@ class ExportsTest(StageCase):
                 low, high = self.extent(path)
                 up = 1 if path.suffix in (".obj", ".glb") else 2
                 self.assertGreaterEqual(low[up], -0.1 * radius - 1e-6)
+                if path.stem == "surface":
+                    self.assertAlmostEqual(low[up], -0.1 * radius, places=5)
                 for axis in range(3):
                     if axis != up:
                         self.assertLess(low[axis], -0.7 * radius)
@@ -80,6 +82,9 @@ class ExportsTest(StageCase):
                     for axis in range(3):
                         self.assertAlmostEqual(high[axis] / expected, 1, delta=0.25)
                 self.assertFalse((self.folder / name / "surface.obj").exists())
+                # What was cropped above had been aligned as a whole.
+                self.assertEqual(self.manifest(self.folder / name)["counts"]["photo_alignment"],
+                                 self.manifest(upper)["counts"]["photo_alignment"])
                 way_back = self.manifest(self.folder / name)["notes"]["input_from_surface"]
                 self.assertAlmostEqual(way_back["scale"] * expected / RADIUS, 1, places=6)
 

@@ -11,21 +11,12 @@
 namespace tetrec {
 namespace {
 
-TriangleMesh Joined(std::initializer_list<TriangleMesh> parts) {
-  TriangleMesh all;
-  for (const TriangleMesh& part : parts) {
-    const uint32_t offset = uint32_t(all.positions.size());
-    all.positions.insert(all.positions.end(), part.positions.begin(), part.positions.end());
-    all.colors_srgb.insert(all.colors_srgb.end(), part.colors_srgb.begin(), part.colors_srgb.end());
-    for (const glm::uvec3& t : part.triangles) all.triangles.push_back(t + offset);
-  }
-  return all;
-}
-
 TEST(KeepLargePieces, DropsSmallPiecesAndCavities) {
   const TriangleMesh large = Sphere(1, {0, 0, 0});
-  const TriangleMesh all = Joined(
-      {Sphere(0.02, {3, 0, 0}), large, Sphere(0.5, {0, 0, 0}, true), Sphere(0.3, {0, 4, 0})});
+  TriangleMesh all = Sphere(0.02, {3, 0, 0});
+  for (const TriangleMesh& part : {large, Sphere(0.5, {0, 0, 0}, true), Sphere(0.3, {0, 4, 0})}) {
+    all = Joined(all, part);
+  }
   const CleanResult result = KeepLargePieces(all, {});
   EXPECT_EQ(result.components, 4u);
   EXPECT_EQ(result.dropped_small, 1u);
@@ -39,20 +30,6 @@ TEST(KeepLargePieces, DropsSmallPiecesAndCavities) {
   keep.keep_cavities = true;
   keep.min_component_share = 0;
   EXPECT_EQ(KeepLargePieces(all, keep).mesh.triangles, all.triangles);
-}
-
-TEST(CropTo, LeavesOutTrianglesWithAVertexOutside) {
-  const TriangleMesh ball = Sphere(1, {0, 0, 0});
-  const Similarity3 twice{.scale = 2};
-  const TriangleMesh upper = CropTo(ball, {glm::dvec3(-3, -3, 0.2), glm::dvec3(3)}, twice);
-  size_t inside = 0;
-  for (const glm::vec3& p : ball.positions) inside += 2 * p.z >= 0.2f;
-  EXPECT_EQ(upper.positions.size(), inside);
-  EXPECT_EQ(upper.colors_srgb.size(), inside);
-  EXPECT_GE(2 * BoundsOf(upper.positions).min.z, 0.2);
-  EXPECT_GT(upper.triangles.size(), 50u);
-  EXPECT_LT(upper.triangles.size(), ball.triangles.size() / 2);
-  EXPECT_EQ(CropTo(ball, {glm::dvec3(-3), glm::dvec3(3)}).triangles, ball.triangles);
 }
 
 TEST(SeparateFans, MakesAManifoldOfTrianglesThatMeetInAPoint) {
