@@ -2,6 +2,7 @@
 #include "import/import.h"
 
 #include "command/help.h"
+#include "command/option_checks.h"
 #include "command/stage_command.h"
 #include "command/word_option.h"
 #include "core/error.h"
@@ -70,24 +71,20 @@ void ReadTexts(const VolumeTexts& texts, tetrec::VolumeImportOptions& options) {
 
 // Refuses options of volumes for image data sets, and the reverse.
 void CheckOptionsFor(const CLI::App& app, bool is_volume) {
-  const auto refuse = [](const CLI::Option* option, const char* what) {
-    if (option->count() == 0) return;
-    throw tetrec::UsageError(fmt::format("{}: is for {}", option->get_name(), what));
-  };
   if (is_volume) {
-    for (const char* name : {"--format", "--images", "--downscale", "--masks", "--test-list",
-                             "--bounds", "--triangulate", "--skip-missing"}) {
-      refuse(app.get_option(name), "image data sets, not for volumes");
-    }
+    tetrec::RefuseOptions(app,
+                          {"--format", "--images", "--downscale", "--masks", "--test-list",
+                           "--bounds", "--triangulate", "--skip-missing"},
+                          "is for image data sets, not for volumes");
     if (app.get_option("--transfer-function")->count() == 0) {
       throw tetrec::UsageError("--transfer-function is missing: a volume needs one to be rendered");
     }
     return;
   }
   for (const CLI::Option* option : app.get_options()) {
-    if (option->get_group() == kVolumes) {
-      refuse(option, "volumes, which are files .raw, .nrrd, .nhdr, .mha or .mhd");
-    }
+    if (option->get_group() != kVolumes) continue;
+    tetrec::RefuseOptions(app, {option->get_name().c_str()},
+                          "is for volumes, which are files .raw, .nrrd, .nhdr, .mha or .mhd");
   }
 }
 

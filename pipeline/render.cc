@@ -1,5 +1,6 @@
 // tetrec-render: images of a finished field, with the ground truth beside them, or a video.
 #include "command/help.h"
+#include "command/option_checks.h"
 #include "command/stage_command.h"
 #include "command/word_option.h"
 #include "core/stage.h"
@@ -24,24 +25,20 @@ int main(int argc, char** argv) {
   app.add_option("--background", options.background,
                  "Background of images with alpha: scene (as imported), white or black")
       ->check(CLI::IsMember({"scene", "white", "black"}));
-  CLI::Option* refine = tetrec::AddWordOption(
-      app, "--refine-cameras", options.refine_cameras,
-      "Also render each view from a camera whose pose is fitted to the true "
-      "image, as a second number: auto (if the training cameras were corrected), "
-      "on or off");
-  CLI::Option* along = tetrec::AddWordOption(
+  tetrec::AddWordOption(app, "--refine-cameras", options.refine_cameras,
+                        "Also render each view from a camera whose pose is fitted to the true "
+                        "image, as a second number: auto (if the training cameras were corrected), "
+                        "on or off");
+  tetrec::AddWordOption(
       app, "--path", path.path,
       "Write video.mp4 instead, of a camera that moves: none, orbit (once around the subject) or "
       "cameras (through the cameras that --views selects)");
-  along->excludes(refine);
-  CLI::Option* seconds =
-      app.add_option("--seconds", path.seconds, "Length of the video [s]")->needs(along);
+  CLI::Option* seconds = app.add_option("--seconds", path.seconds, "Length of the video [s]");
   app.add_option("--frames", path.frames, "Number of frames, instead of --seconds")
-      ->needs(along)
       ->excludes(seconds);
-  app.add_option("--fps", path.fps, "Frames per second")->needs(along);
-  app.add_option("--size", path.size, "Longer side of the video [pixels]; 0: as the scene's images")
-      ->needs(along);
+  app.add_option("--fps", path.fps, "Frames per second");
+  app.add_option("--size", path.size,
+                 "Longer side of the video [pixels]; 0: as the scene's images");
   tetrec::GroupOptions(app, "Video", {"--path", "--seconds", "--frames", "--fps", "--size"});
   tetrec::GroupOptions(app, "Views", {"--views", "--samples", "--background", "--refine-cameras"});
   AddRendererOptions(command, options.renderer);
@@ -56,6 +53,13 @@ int main(int argc, char** argv) {
         }
       },
       [&] {
+        if (path.path == tetrec::CameraPath::kNone) {
+          tetrec::RefuseOptions(app, {"--seconds", "--frames", "--fps", "--size"},
+                                "is for videos, which need --path orbit or cameras");
+        } else {
+          tetrec::RefuseOptions(app, {"--refine-cameras"},
+                                "is for views, and --path makes a video");
+        }
         options.renderer.Check();
         path.Check();
       });

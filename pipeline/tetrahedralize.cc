@@ -3,8 +3,36 @@
 #include "start/tetrahedralize.h"
 
 #include "command/help.h"
+#include "command/option_checks.h"
 #include "command/stage_command.h"
 #include "command/word_option.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+
+namespace {
+
+constexpr auto kOfDepths = {"--dense-points",  "--depth-size",    "--depth-neighbors",
+                            "--surface-depth", "--layer-spacing", "--free-depth"};
+constexpr auto kOfPoints = {"--max-reprojection-error", "--min-track-length", "--min-spacing",
+                            "--sphere-points", "--far-share"};
+constexpr auto kOfMasksOrBox = {"--resolution", "--outer-points", "--start-density"};
+
+// A start by depth maps takes sparse points, too. Automatic starts may be any.
+void RefuseOptionsOfOtherStarts(const CLI::App& app, std::optional<tetrec::StartKind> start) {
+  using tetrec::RefuseOptions, tetrec::StartKind;
+  if (!start) return;
+  const std::string why = fmt::format("has no effect with --start {}", Name(*start));
+  const bool by_points = *start == StartKind::kDense || *start == StartKind::kPoints;
+  if (*start != StartKind::kDense) RefuseOptions(app, kOfDepths, why);
+  if (!by_points) RefuseOptions(app, kOfPoints, why);
+  if (by_points) RefuseOptions(app, kOfMasksOrBox, why);
+  if (*start != StartKind::kCarve) RefuseOptions(app, {"--outer-points"}, why);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
@@ -57,15 +85,13 @@ int main(int argc, char** argv) {
                  "dense: first optical depth of vertices in free space over their mean edge");
   using tetrec::GroupOptions;
   GroupOptions(app, "Start", {"--start", "--seed"});
-  GroupOptions(app, "Start from depth maps",
-               {"--dense-points", "--depth-size", "--depth-neighbors", "--surface-depth",
-                "--layer-spacing", "--free-depth"});
-  GroupOptions(app, "Start from sparse points",
-               {"--max-reprojection-error", "--min-track-length", "--min-spacing",
-                "--sphere-points", "--far-share"});
-  GroupOptions(app, "Start from masks or a box",
-               {"--resolution", "--outer-points", "--start-density"});
+  GroupOptions(app, "Start from depth maps", kOfDepths);
+  GroupOptions(app, "Start from sparse points", kOfPoints);
+  GroupOptions(app, "Start from masks or a box", kOfMasksOrBox);
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunTetrahedralize(options, stage); },
-      [&] { options.Check(); });
+      [&] {
+        RefuseOptionsOfOtherStarts(app, options.start);
+        options.Check();
+      });
 }

@@ -1,12 +1,25 @@
-// Checks of numbers on the command line. Unlike CLI11's own, they refuse NaN and state the bound in
-// words.
+// Checks of the command line. Those of numbers refuse NaN, unlike CLI11's own, and state the bound
+// in words.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "core/error.h"
 
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <initializer_list>
 #include <string>
 
 namespace tetrec {
+
+// Throws UsageError if one of these options was given: "--frames: WHY; leave it out".
+inline void RefuseOptions(const CLI::App& app, std::initializer_list<const char*> names,
+                          const std::string& why) {
+  for (const char* name : names) {
+    if (app.get_option(name)->count() == 0) continue;
+    throw UsageError(fmt::format("{}: {}; leave it out", name, why));
+  }
+}
 
 inline CLI::Validator AboveZero() {
   return CLI::Validator(

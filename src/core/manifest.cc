@@ -46,14 +46,16 @@ json PreviousOf(const json& inputs) {
   return nullptr;
 }
 
-bool IsAlive(const json& status) {
+// By the recorded process id, which may belong to another process by now.
+bool IsRunning(const json& status) {
   const auto pid = status.find("pid");
-  return pid != status.end() && pid->is_number_integer() && pid->get<int64_t>() > 0 &&
+  return TextOrEmpty(status, "status") == "running" && pid != status.end() &&
+         pid->is_number_integer() && pid->get<int64_t>() > 0 &&
          kill(pid_t(pid->get<int64_t>()), 0) == 0;
 }
 
 std::string StateAndErrorInWords(const json& status) {
-  const std::string state = StateInWords(status, true), error = TextOrEmpty(status, "error");
+  const std::string state = StateInWords(status), error = TextOrEmpty(status, "error");
   return state + (error.empty() ? "" : ": " + error);
 }
 
@@ -147,6 +149,10 @@ json ReadManifest(const fs::path& folder, const std::set<std::string>& stages) {
     throw DataError(
         fmt::format("{}: manifest.json is damaged; run {} again", name, ProgramOf(stage)));
   }
+  if (manifest.is_null() && IsRunning(status)) {
+    throw DataError(fmt::format("{}: {} is still running there; wait until it has finished", name,
+                                ProgramOf(stage)));
+  }
   if (manifest.is_null()) {
     throw DataError(fmt::format("{}: {} did not finish there ({}); run it again", name,
                                 ProgramOf(stage), StateAndErrorInWords(status)));
@@ -228,10 +234,9 @@ std::string FirstSpoiledOutput(const fs::path& folder, const json& manifest) {
   return "";
 }
 
-std::string StateInWords(const json& status, bool may_run) {
+std::string StateInWords(const json& status) {
   const std::string state = TextOrEmpty(status, "status");
-  if (state == "running")
-    return may_run && IsAlive(status) ? "is still running" : "was killed before it finished";
+  if (state == "running") return "was killed before it finished";
   return state.empty() ? "unfinished" : state;
 }
 

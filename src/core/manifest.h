@@ -69,8 +69,7 @@ std::filesystem::path PreviousStage(const std::filesystem::path& folder,
 // takes about half a second on a processor with SHA instructions, and otherwise two to three.
 std::string FirstSpoiledOutput(const std::filesystem::path& folder, const nlohmann::json& manifest);
 
-// The state of an unfinished run, such as "interrupted". `may_run` is false for a
-// caller who has the folder's lock: the recorded process id may belong to another process by now.
-std::string StateInWords(const nlohmann::json& status, bool may_run);
+// The state of a run that did not finish and no longer runs, such as "interrupted".
+std::string StateInWords(const nlohmann::json& status);
 
 }  // namespace tetrec

@@ -25,7 +25,6 @@ bool Stage::HasInput(const std::string& name) const { return inputs_.contains(na
 fs::path Stage::Declare(const std::string& relative, const char* role, bool by_top_name) {
   const fs::path path = fs::path(relative).lexically_normal();
   TETREC_CHECK(StaysInFolder(path), "not a path inside the stage folder: " + relative);
-  if (before_first_path_) std::exchange(before_first_path_, nullptr)();
   const json name = by_top_name ? path.begin()->string() : path.string();
   json& names = status_[role];
   if (std::find(names.begin(), names.end(), name) == names.end()) {
@@ -41,13 +40,24 @@ fs::path Stage::Declare(const std::string& relative, const char* role, bool by_t
   return folder_ / path;
 }
 
+void Stage::RemoveEarlierResult() {
+  if (remove_earlier_result_) std::exchange(remove_earlier_result_, nullptr)();
+}
+
 fs::path Stage::Output(const std::string& relative) {
+  RemoveEarlierResult();
   outputs_.insert(relative);
   return Declare(relative, "own", true);
 }
 
-fs::path Stage::Scratch(const std::string& relative) { return Declare(relative, "scratch", false); }
+fs::path Stage::Scratch(const std::string& relative) {
+  RemoveEarlierResult();
+  return Declare(relative, "scratch", false);
+}
 
-fs::path Stage::Cache(const std::string& relative) { return Declare(relative, "caches", true); }
+fs::path Stage::Cache(const std::string& relative) {
+  if (forced_) RemoveEarlierResult();  // together with the earlier caches
+  return Declare(relative, "caches", true);
+}
 
 }  // namespace tetrec

@@ -44,16 +44,17 @@ class Stage {
   // Records in status.json that a path (or the top folder that contains it) is ours, before
   // anything is written to it.
   std::filesystem::path Declare(const std::string& relative, const char* role, bool by_top_name);
+  void RemoveEarlierResult();
 
   std::filesystem::path folder_;
   nlohmann::json status_;  // as in status.json
-  // Called once, before the first path is declared; empty then. Removes an earlier result, which a
-  // run that is refused before it writes anything leaves as it is.
-  std::function<void()> before_first_path_;
+  // Removes an earlier result, before the first output or scratch is declared; empty then. A run
+  // that is refused before it writes either leaves that result as it is.
+  std::function<void()> remove_earlier_result_;
   std::map<std::string, std::filesystem::path> inputs_;
   std::set<std::string> outputs_;
   std::string key_;
-  bool resume_ = false;
+  bool resume_ = false, forced_ = false;
   nlohmann::json counts_ = nlohmann::json::object(), seconds_ = nlohmann::json::object(),
                  notes_ = nlohmann::json::object(), device_ = nullptr;
 };

@@ -81,6 +81,7 @@ StageRun::StageRun(const StageRequest& request)
     throw DataError(fmt::format("{}: cannot resume: {}", request.folder.string(), WhyNotResumed()));
   }
   stage_.resume_ = same_key && !request.force;
+  stage_.forced_ = request.force;
   stage_.status_ =
       StatusOfNewRun(request.stage, stage_.key_, request.options, request.command_line);
   if (!request.force) stage_.status_["caches"] = DeclaredPaths(old_status_, "caches");
@@ -90,7 +91,7 @@ StageRun::StageRun(const StageRequest& request)
       seconds_before_ = old_status_["seconds"];
   } else if (old_manifest_.is_object()) {
     TakeOverDeclaredPaths();
-    stage_.before_first_path_ = [this] { RemoveEarlierRun(); };
+    stage_.remove_earlier_result_ = [this] { RemoveEarlierRun(); };
   } else {
     RemoveEarlierRun();
   }
@@ -140,7 +141,7 @@ void StageRun::StartLog() {
                 request_.options.dump(-1, ' ', false, json::error_handler_t::replace));
   if (stage_.resume_) {
     LogInfo("{}: continues an earlier run ({})", request_.folder.string(),
-            StateInWords(old_status_, false));
+            StateInWords(old_status_));
   }
 }
 
@@ -167,9 +168,11 @@ void StageRun::RecordFailure(const char* state, const std::string& message) {
   stage_.status_["seconds"] = Seconds();
   LogToFileOnly("error: " + message);
   try {
-    if (stage_.before_first_path_ && old_status_.is_object()) {
+    if (stage_.remove_earlier_result_ && old_status_.is_object()) {
       LogToFileOnly("the earlier result stays as it is");
-      stage_.status_ = old_status_;
+      json earlier = old_status_;
+      if (!request_.force) earlier["caches"] = stage_.status_["caches"];  // some may be new
+      stage_.status_ = earlier;
     }
     WriteJson(request_.folder / kStatusFile, stage_.status_);
   } catch (const Error&) {
@@ -178,7 +181,7 @@ void StageRun::RecordFailure(const char* state, const std::string& message) {
 }
 
 void StageRun::Finish() {
-  if (stage_.before_first_path_) std::exchange(stage_.before_first_path_, nullptr)();
+  stage_.RemoveEarlierResult();
   // Scratch of earlier attempts too.
   for (const std::string& path : DeclaredPaths(stage_.status_, "scratch"))
     RemoveOwned(request_.folder / path);

@@ -1,6 +1,8 @@
 // What a reader of the report should know before trusting its numbers.
 #include "eval/quality_warnings.h"
 
+#include "core/quantile.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -21,22 +23,16 @@ constexpr size_t kFewestViewsToCompare = 3;
 constexpr double kNearlyUniform = 0.25, kLeastContrast = 8;
 constexpr size_t kFewTrainingViews = 15;
 
-// Of at least one value.
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Deviations are measured by the median absolute deviation, which the bad views do not inflate.
 std::vector<std::string> ViewsFarBelow(const std::vector<ViewScore>& scores) {
   if (scores.size() < kFewestViewsToCompare) return {};
   std::vector<double> psnrs, deviations;
   for (const ViewScore& score : scores) psnrs.push_back(score.psnr);
-  const double median = MedianOf(psnrs);
+  const double median = Quantile(psnrs, 0.5);
   if (!std::isfinite(median)) return {};
   for (const double psnr : psnrs) deviations.push_back(std::abs(psnr - median));
-  const double limit = median - std::max(kFarBelow_db, kFarBelowDeviations * MedianOf(deviations));
+  const double limit =
+      median - std::max(kFarBelow_db, kFarBelowDeviations * Quantile(deviations, 0.5));
   std::vector<std::string> far;
   for (const ViewScore& score : scores) {
     if (score.psnr < limit) far.push_back(fmt::format("{} ({:.1f} dB)", score.name, score.psnr));

@@ -165,6 +165,9 @@ void ChooseMasks(std::vector<PosedPicture>& pictures, MaskUse use) {
         "{} masks that the data set names are missing: {}; copy them there, or set masks to none",
         missing.size(), ShortList(missing)));
   }
+  if (without.size() == pictures.size() && use == MaskUse::kSubject) {
+    throw DataError("masks are the subject, but the data set has none; set masks to ignore");
+  }
   if (without.empty() || without.size() == pictures.size()) return;
   throw DataError(fmt::format(
       "{} of {} images have no mask: {}; give each one, all white if it hides nothing, or set "

@@ -2,6 +2,7 @@
 #include "render/camera_path.h"
 
 #include "core/error.h"
+#include "core/quantile.h"
 #include "geometry/look_at.h"
 
 #include <algorithm>
@@ -12,12 +13,6 @@ namespace tetrec {
 namespace {
 
 glm::dvec3 CenterOf(const View& view) { return view.cam_from_world.Inverse().translation; }
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // A camera on the path, and how far along the polygon of centres it is.
 struct Key {
@@ -75,9 +70,9 @@ std::vector<Rigid3> OrbitPath(const Scene& scene, const std::vector<int>& views,
     heights.push_back(offset.z);
     distances.push_back(std::hypot(offset.x, offset.y));
   }
-  const double height = MedianOf(heights);
+  const double height = Quantile(heights, 0.5);
   // Cameras straight above the subject give no circle; then it is as wide as the subject.
-  const double radius = std::max(MedianOf(distances), 0.5 * scene.subject_bounds.Size().x);
+  const double radius = std::max(Quantile(distances, 0.5), 0.5 * scene.subject_bounds.Size().x);
   const glm::dvec3 first = CenterOf(scene.views[size_t(views.front())]) - subject;
   const double start = std::atan2(first.y, first.x);
   std::vector<Rigid3> path;

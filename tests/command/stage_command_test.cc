@@ -200,6 +200,17 @@ TEST_F(StageTest, ARefusedRunLeavesTheEarlierResultAsItWas) {
   EXPECT_THAT(log, HasSubstr("the earlier result stays as it is"));
   EXPECT_FALSE(First({input_, "-o", output_}).ran);  // up to date
 
+  // A run that was refused after work for later runs keeps both.
+  const auto refuse_later = [](Stage& stage) {
+    WriteText(stage.Cache("found.txt"), "found");
+    throw DataError("no photos");
+  };
+  EXPECT_EQ(First({input_, "-o", output_, "--rate", "3"}, refuse_later).exit_code, 3);
+  EXPECT_EQ(Manifest(), manifest);
+  EXPECT_EQ(Status()["key"], status["key"]);
+  EXPECT_EQ(Status()["caches"], nlohmann::json({"cached.txt", "found.txt"}));
+  EXPECT_FALSE(First({input_, "-o", output_}).ran);
+
   // Another run removes it as soon as it writes; the log is then that run's alone.
   const auto fail_later = [&](Stage& stage) {
     EXPECT_TRUE(fs::exists(fs::path(output_) / "out/copy.txt"));
@@ -579,6 +590,8 @@ TEST_F(StageSignalTest, ASecondSignalEndsAtOnce) {
 
 TEST_F(StageSignalTest, AKilledRunIsReportedAndCanBeContinued) {
   const pid_t pid = StartWaitingRun();
+  EXPECT_THAT(Second(output_, folder_ / "run/2_second").err,
+              HasSubstr("still running there; wait until it has finished"));
   const Outcome busy = First({input_, "-o", output_});
   EXPECT_EQ(busy.exit_code, 4);
   EXPECT_THAT(busy.err, HasSubstr(std::to_string(pid)));

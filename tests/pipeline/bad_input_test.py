@@ -23,6 +23,15 @@ class BadInputTest(StageCase):
         result = self.run_stage("sfm", self.photos(0), "-o", self.folder / "out")
         self.assert_fails(result, 3, str(self.folder / "photos"))
 
+    def test_a_start_refuses_options_of_others(self):
+        scene = self.folder / "scene"
+        write_tiny_dataset(self.folder / "ball")
+        self.assert_done(self.run_stage("import", self.folder / "ball", "-o", scene))
+        for start, option in (("carve", "--dense-points"), ("grid", "--far-share"), ("dense", "--resolution"),
+                              ("points", "--depth-size"), ("tetgen", "--outer-points")):
+            self.assert_fails(self.run_stage("tetrahedralize", scene, "-o", self.folder / "out", "--start", start,
+                                             option, 1), 2, option, f"no effect with --start {start}")
+
     def test_sfm_of_one_photo(self):
         self.assert_fails(self.run_stage("sfm", self.photos(1), "-o", self.folder / "out"), 3)
 

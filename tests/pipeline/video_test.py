@@ -38,8 +38,9 @@ class VideoTest(StageCase):
 
         self.assert_fails(self.run_stage("render", field, "-o", self.folder / "x", "--path", "orbit",
                                          "--fps", 0), 2, "--fps is 0")
-        self.assert_fails(self.run_stage("render", field, "-o", self.folder / "x", "--frames", 3), 2,
-                          "--frames", "--path")
+        for options in (("--frames", 3), ("--path", "none", "--frames", 3)):
+            self.assert_fails(self.run_stage("render", field, "-o", self.folder / "x", *options), 2,
+                              "--frames", "--path")
         (self.folder / "empty").mkdir()
         self.assert_fails(self.run_stage("render", field, "-o", self.folder / "x", "--path", "orbit",
                                          environment={"PATH": str(self.folder / "empty")}),
