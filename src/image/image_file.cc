@@ -4,6 +4,7 @@
 #include "core/log.h"
 #include "core/lower_case.h"
 #include "image/big_endian.h"
+#include "image/codecs.h"
 #include "image/depth_map.h"
 #include "image/exr_header.h"
 #include "image/image.h"
@@ -102,7 +103,7 @@ cv::Mat Decode(std::span<const uint8_t> bytes, const std::string& name, ExifRota
                         : int(cv::IMREAD_UNCHANGED) | int(cv::IMREAD_IGNORE_ORIENTATION);
   try {
     const cv::Mat encoded(1, int(bytes.size()), CV_8U, const_cast<uint8_t*>(bytes.data()));
-    return cv::imdecode(encoded, flags);
+    return OpenCvCodecs().decode(encoded, flags);
   } catch (const cv::Exception& error) {
     // Not the image's fault, for which OpenCV does not throw: there is no memory, or no space for
     // the temporary file that OpenCV uses to read EXR.
@@ -223,7 +224,7 @@ cv::Mat DecodeFloats(const std::filesystem::path& path, const ExrContent& conten
 void WriteEncoded(const std::filesystem::path& path, const std::string& extension,
                   const cv::Mat& pixels) {
   std::vector<uint8_t> bytes;
-  TETREC_CHECK(cv::imencode(extension, pixels, bytes), "encoding " + path.string());
+  TETREC_CHECK(OpenCvCodecs().encode(extension, pixels, bytes, {}), "encoding " + path.string());
   WriteBytes(path, bytes);
 }
 
@@ -310,7 +311,7 @@ std::vector<uint8_t> EncodeJpeg(const Image& rgb, int quality) {
   cv::Mat bgr;
   cv::cvtColor(view, bgr, cv::COLOR_RGB2BGR);
   std::vector<uint8_t> bytes;
-  TETREC_CHECK(cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality}),
+  TETREC_CHECK(OpenCvCodecs().encode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality}),
                "JPEG encoder");
   return bytes;
 }
