@@ -3,6 +3,7 @@
 #include "benchmark/bench_run.h"
 #include "command/run_command.h"
 #include "command/word_option.h"
+#include "core/stop_request.h"
 #include "renderer_options.h"
 
 #include <fmt/format.h>
@@ -58,10 +59,12 @@ int main(int argc, char** argv) {
                  "Vulkan device: auto, cpu, gpu or a number");
   return tetrec::RunCommand(app, argc, argv, [&] {
     tetrec::CheckOptions(app, [&] { options.Check(); });
+    tetrec::CatchStopSignals();
     std::filesystem::create_directories(out);
     const tetrec::BenchResult result = RunBench(options, field);
     fmt::print("{}", BenchTable(result));
     WriteBench(result, out);
     fmt::print("bench.csv, table.md and charts: {}\n", out.string());
+    tetrec::ThrowIfStopRequested("what was measured before is written");
   });
 }

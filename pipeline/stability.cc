@@ -1,5 +1,6 @@
 // tetrec-stability: what breaks and what holds when photos, points, meshes or options are bad.
 #include "command/run_command.h"
+#include "core/stop_request.h"
 #include "stability/stress_report.h"
 #include "stability/sweep_report.h"
 
@@ -50,6 +51,7 @@ int main(int argc, char** argv) {
     stress.seed = sweep.seed = seed;
     stress.is_short = sweep.is_short = is_short;
     tetrec::CheckOptions(app, [&] { stress.Check(); });
+    tetrec::CatchStopSignals();
     fs::create_directories(out);
     if (is_sweep) {
       WriteSweep(RunSweep(sweep, out), sweep, out);

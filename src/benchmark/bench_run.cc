@@ -7,6 +7,7 @@
 #include "core/manifest.h"
 #include "core/progress.h"
 #include "core/spread_choice.h"
+#include "core/stop_request.h"
 #include "core/timer.h"
 #include "field/change_storage.h"
 #include "render/create_renderer.h"
@@ -255,6 +256,7 @@ class Bench {
       again = false;
       for (size_t i = 0; i < cases.size(); ++i) {
         if (!cases[i].WantsTurn(options_)) continue;
+        ThrowIfStopRequested("nothing was measured");
         cases[i].TakeTurn(*renderers[i], views[turn % views.size()], gradient, options_);
         again = true;
       }
@@ -356,10 +358,15 @@ BenchResult RunBench(const BenchOptions& options, const RadianceField* field,
   });
   const FieldStorage storage =
       options.storage.value_or(field != nullptr ? field->storage : FieldStorage::kVertex);
-  if (field != nullptr && sorted.tets.empty()) bench.RunOn(WithStorage(*field, storage));
-  for (uint64_t tets : sorted.tets) {
-    bench.RunOn(WithStorage(
-        field != nullptr ? Resample(*field, tets, options.seed) : BallFieldOfTets(tets), storage));
+  try {
+    if (field != nullptr && sorted.tets.empty()) bench.RunOn(WithStorage(*field, storage));
+    for (uint64_t tets : sorted.tets) {
+      bench.RunOn(WithStorage(
+          field != nullptr ? Resample(*field, tets, options.seed) : BallFieldOfTets(tets),
+          storage));
+    }
+  } catch (const Interrupted&) {
+    if (bench.Rows().empty()) throw;
   }
   return {bench.device(), field != nullptr ? "field" : "ball in a cube", options, bench.Rows()};
 }

@@ -82,7 +82,8 @@ struct BenchResult {
   std::vector<BenchRow> rows;
 };
 
-// Measures `field` at its `views`, or the ball in the cube if `field` is null.
+// Measures `field` at its `views`, or the ball in the cube if `field` is null. A request to stop
+// ends it with the sizes that are done; throws Interrupted if there are none.
 BenchResult RunBench(const BenchOptions& options, const RadianceField* field,
                      const std::vector<RenderView>& views);
 // Measures the field in a folder of tetrec-optimize at the views of its scene, or the ball in the

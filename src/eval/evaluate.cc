@@ -332,6 +332,17 @@ std::optional<Scene> SceneOf(const RunFacts& run) {
 
 }  // namespace
 
+// Beside views of another run, say, whose photos and seconds the report would give it.
+void WarnOfAnotherField(ReportContent& content) {
+  const StageFacts *views = content.run.Find("render"), *surface = content.run.Find("surface");
+  const std::string of_views = views->HashOfInput("optimize");
+  const std::string of_surface = surface->HashOfInput("optimize");
+  if (of_views.empty() || of_surface.empty() || of_views == of_surface) return;
+  Warn(content.warnings,
+       "the surface was made from another field than the views; give those of one run, so that "
+       "figures belong together");
+}
+
 void EvaluateOptions::Check() const {
   if (!(threshold_percent > 0) || threshold_percent > 100) {
     throw UsageError(
@@ -380,6 +391,7 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
   if (stage.HasInput("SURFACE")) {
     const Timer timer;
     AddStage(stage.Input("SURFACE"), content.run);
+    WarnOfAnotherField(content);
     content.surface = EvaluateSurface(options, scene, content.rendered, content.run.stages.back(),
                                       stage, content.warnings);
     stage.Seconds("surface", timer.seconds());

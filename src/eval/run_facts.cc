@@ -68,6 +68,16 @@ nlohmann::json StageFacts::Count(const std::string& name) const {
   return Field(Field(manifest, "counts"), name);
 }
 
+std::string StageFacts::HashOfInput(const std::string& stage_before) const {
+  const nlohmann::json inputs = Field(manifest, "inputs");
+  if (!inputs.is_array()) return "";
+  for (const nlohmann::json& input : inputs) {
+    const nlohmann::json hash = Field(input, "sha256");
+    if (Field(input, "stage") == stage_before && hash.is_string()) return hash.get<std::string>();
+  }
+  return "";
+}
+
 const StageFacts* RunFacts::Find(const std::string& stage) const {
   const auto it =
       std::find_if(stages.begin(), stages.end(), [&](const auto& s) { return s.stage == stage; });

@@ -210,7 +210,13 @@ CutSurface Exported(const TriangleMesh& whole, const SurfaceOptions& options,
     stage.Count("triangles_out_of_crop", cut.outside.triangles.size());
   }
   cut.inside = SeparateFans(cut.inside);
-  if (options.max_faces > 0) cut.inside = Decimate(cut.inside, options.max_faces);
+  if (options.max_faces == 0) return cut;
+  cut.inside = Decimate(cut.inside, options.max_faces);
+  if (const size_t left = cut.inside.triangles.size(); left > options.max_faces) {
+    LogWarning(
+        "{} triangles are left instead of {}, as fewer would tear the surface or its borders",
+        WithThousands(left), WithThousands(options.max_faces));
+  }
   return cut;
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/child_process.h"
 #include "core/error.h"
+#include "core/stage_input.h"
 #include "eval/chart.h"
 #include "eval/fake_run.h"
 #include "eval/html.h"
@@ -295,6 +296,27 @@ TEST(Report, ASurfaceIsJudgedInItsOwnFrame) {
   const nlohmann::json input_from_surface = ToJson(surface_from_input.Inverse());
   EXPECT_EQ(score({{"input_from_surface", input_from_surface}}), 1.0);
   EXPECT_EQ(score(nlohmann::json::object()), 0.0);
+}
+
+TEST(Report, ASurfaceOfAnotherFieldThanTheViewsIsAWarning) {
+  const ScratchFolder folder;
+  WriteFakeRun(folder.path(), {});
+  const auto made_from = [&](const char* stage_folder, const std::string& hash) {
+    nlohmann::json manifest = ReadJson(folder / stage_folder / "manifest.json");
+    manifest["inputs"][0].update({{"stage", "optimize"}, {"sha256", hash}});
+    WriteJson(folder / stage_folder / "manifest.json", manifest);
+  };
+  const std::string field = HashOfJson(ReadJson(folder / "3_field" / "manifest.json")["outputs"]);
+  made_from("4_views", field);
+  for (const std::string& other : {std::string("of another"), field}) {
+    made_from("5_surface", other);
+    const ChildResult result = RunEvaluate(
+        {folder / "4_views", folder / "5_surface", "-o", folder / "6_report", "--force"});
+    ASSERT_EQ(result.exit_code, 0) << ::testing::PrintToString(result.last_lines);
+    EXPECT_EQ(ReadJson(folder / "6_report/metrics.json")["warnings"].dump().find(
+                  "made from another field than the views") == std::string::npos,
+              other == field);
+  }
 }
 
 TEST(Report, ViewsEqualToTheTruthAreNullAndCountedInJson) {

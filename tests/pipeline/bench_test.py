@@ -1,5 +1,6 @@
 """tetrec-bench at its smallest: a table, figures and charts of every renderer."""
 import csv
+import signal
 import unittest
 
 from stage_case import StageCase
@@ -48,6 +49,21 @@ class BenchTest(StageCase):
         # It has no error relative to itself.
         self.assertIn("no accuracy chart", result.stderr)
         self.assertTrue((out / "scaling.svg").exists())
+
+    def test_ctrl_c_keeps_the_sizes_that_are_done(self):
+        out = self.folder / "bench"
+        process = self.start("bench", "-o", out, "--renderer", "march", "--integral", "exact", "--tets", 500,
+                             "--size", "16,256", "--repeat", 100000, "--case-seconds", 100, "--error-size", 16)
+        for line in process.stderr:
+            if line.startswith("16 x 16 px"):
+                process.send_signal(signal.SIGINT)
+                break
+        _, stderr = process.communicate(timeout=60)
+        self.skip_without_vulkan(process.returncode, stderr)
+        self.assertEqual(process.returncode, 130, stderr)
+        self.assertIn("stopped by the user; what was measured before is written", stderr)
+        rows = list(csv.DictReader((out / "bench.csv").read_text().splitlines()))
+        self.assertEqual([row["size"] for row in rows], ["16"])
 
     def test_cells_and_fixed_point_are_measured_on_request(self):
         out = self.folder / "bench"
