@@ -5,6 +5,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "core/stop_request.h"
 #include "eval/plot.h"
 
 #include <fmt/format.h>
@@ -294,6 +295,7 @@ std::string BenchTable(const BenchResult& result) {
 void WriteBench(const BenchResult& result, const fs::path& out) {
   WriteText(out / "bench.csv", Csv(result));
   WriteText(out / "table.md", BenchTable(result));
+  ThrowIfStopRequested("bench.csv and table.md have what was measured before");
   const fs::path scratch = out / ".gnuplot";
   const Plot accuracy = AccuracyPlot(result);
   const bool any_error = HasErrors(accuracy);

@@ -12,8 +12,8 @@ namespace tetrec {
 std::string BenchTable(const BenchResult& result);
 
 // Writes bench.csv, table.md, and the charts accuracy and scaling (.svg, .png) into `out`; there is
-// no accuracy chart if nothing has an error. Throws EnvironmentError if gnuplot is missing, after
-// table and CSV have been written.
+// no accuracy chart if nothing has an error. Throws EnvironmentError if gnuplot is missing, and
+// Interrupted after a request to stop, both after table and CSV have been written.
 void WriteBench(const BenchResult& result, const std::filesystem::path& out);
 
 }  // namespace tetrec
