@@ -60,7 +60,10 @@ size_t EditDistance(const std::string& a, const std::string& b) {
 std::string HelpFormatter::make_description(const CLI::App* app) const {
   std::istringstream lines(Formatter::make_description(app));
   std::string wrapped;
-  for (std::string line; std::getline(lines, line);) wrapped += Wrapped(line, 0, 0) + "\n";
+  for (std::string line; std::getline(lines, line);) {
+    const size_t indent = std::min(line.find_first_not_of(' '), line.size());
+    wrapped += line.substr(0, indent) + Wrapped(line, indent, indent) + "\n";
+  }
   return wrapped;
 }
 

@@ -92,8 +92,11 @@ TEST_F(CommandTest, HelpIsAtMostOneHundredColumnsWide) {
   std::string choices = "a";
   for (int i = 0; i < 80; ++i) choices += ",b" + std::to_string(i);
   app_.add_option("--choice", size_, words)->type_name(choices);
+  app_.description("Example: tetrec-test\n         " + words);  // lines keep their indent
   app_.formatter(std::make_shared<HelpFormatter>());
-  std::istringstream lines(app_.help());
+  const std::string help = app_.help();
+  EXPECT_EQ(help.rfind("Example: tetrec-test\n         word word", 0), 0u) << help;
+  std::istringstream lines(help);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), kHelpWidth) << line;
 }
 

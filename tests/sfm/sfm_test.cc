@@ -59,8 +59,8 @@ class SfmTest : public ::testing::Test {
               std::vector<std::string> words = {}) {
     const Variable fake("FAKE_COLMAP", mode), calls("FAKE_COLMAP_CALLS", folder_ / "calls.txt");
     const fs::path program = folder_.Write(
-        "bin/colmap", fmt::format("#!/bin/sh\nexec python3 '{}/tests/sfm/fake_colmap.py' \"$@\"\n",
-                                  test::SourceFolder().string()));
+        "bin/colmap", fmt::format("#!/bin/sh\nexec '{}' '{}/tests/sfm/fake_colmap.py' \"$@\"\n",
+                                  test::Python().string(), test::SourceFolder().string()));
     fs::permissions(program, fs::perms::owner_all);
     const Variable path("PATH", mode == "missing"
                                     ? (folder_ / "empty").string()
