@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Writes the seeds of the fuzz targets: make_seeds.py FOLDER makes FOLDER/TARGET/NAME. Each seed is a
 small valid file, written here by hand from the format's description, not by the code under test."""
+import argparse
 import json
 import math
 import pathlib
 import struct
-import sys
 import zlib
 
 
@@ -336,16 +336,15 @@ SEEDS = {
 
 
 def main():
-    if len(sys.argv) != 2:
-        print("usage: make_seeds.py FOLDER", file=sys.stderr)
-        return 2
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", metavar="FOLDER", type=pathlib.Path, help="gets a folder of seeds for each target")
+    out = parser.parse_args().folder
     for target, seeds in SEEDS.items():
-        folder = pathlib.Path(sys.argv[1]) / target
+        folder = out / target
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in seeds():
             (folder / name).write_bytes(content)
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()
