@@ -62,8 +62,8 @@ int main(int argc, char** argv) {
     tetrec::CatchStopSignals();
     std::filesystem::create_directories(out);
     const tetrec::BenchResult result = RunBench(options, field);
-    fmt::print("{}", BenchTable(result));
     WriteBench(result, out);
+    fmt::print("{}", BenchTable(result));
     fmt::print("bench.csv, table.md and charts: {}\n", out.string());
   });
 }

@@ -75,7 +75,7 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
     tetrec::RefuseOptions(app,
                           {"--format", "--images", "--downscale", "--masks", "--test-list",
                            "--bounds", "--triangulate", "--skip-missing"},
-                          "is for image data sets, not for volumes");
+                          "is for image data sets, not for volumes; leave it out");
     if (app.get_option("--transfer-function")->count() == 0) {
       throw tetrec::UsageError("--transfer-function is missing: a volume needs one to be rendered");
     }
@@ -83,8 +83,9 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
   }
   for (const CLI::Option* option : app.get_options()) {
     if (option->get_group() != kVolumes) continue;
-    tetrec::RefuseOptions(app, {option->get_name().c_str()},
-                          "is for volumes, which are files .raw, .nrrd, .nhdr, .mha or .mhd");
+    tetrec::RefuseOptions(
+        app, {option->get_name().c_str()},
+        "is for volumes, which are files .raw, .nrrd, .nhdr, .mha or .mhd; leave it out");
   }
 }
 

@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   tetrec::RenderViewsOptions options;
   tetrec::RenderPathOptions path;
   tetrec::StageCommand command(
-      "render", 4,
+      "render", 5,
       "Renders views of a fitted field: writes images, depth and normal maps with the ground truth "
       "beside them, and views.json. With --path it writes a video of a moving camera instead.\n"
       "Examples: tetrec-render RUN/3_field -o RUN/4_views\n"
@@ -55,10 +55,10 @@ int main(int argc, char** argv) {
       [&] {
         if (path.path == tetrec::CameraPath::kNone) {
           tetrec::RefuseOptions(app, {"--seconds", "--frames", "--fps", "--size"},
-                                "is for videos, which need --path orbit or cameras");
+                                "is for videos; add --path orbit or cameras, or leave it out");
         } else {
           tetrec::RefuseOptions(app, {"--refine-cameras"},
-                                "is for views, and --path makes a video");
+                                "is for views, but --path makes a video; leave one of them out");
         }
         options.renderer.Check();
         path.Check();

@@ -24,7 +24,7 @@ constexpr auto kOfMasksOrBox = {"--resolution", "--outer-points", "--start-densi
 void RefuseOptionsOfOtherStarts(const CLI::App& app, std::optional<tetrec::StartKind> start) {
   using tetrec::RefuseOptions, tetrec::StartKind;
   if (!start) return;
-  const std::string why = fmt::format("has no effect with --start {}", Name(*start));
+  const std::string why = fmt::format("has no effect with --start {}; leave it out", Name(*start));
   const bool by_points = *start == StartKind::kDense || *start == StartKind::kPoints;
   if (*start != StartKind::kDense) RefuseOptions(app, kOfDepths, why);
   if (!by_points) RefuseOptions(app, kOfPoints, why);
@@ -54,18 +54,20 @@ int main(int argc, char** argv) {
   app.add_option("--resolution", options.resolution,
                  "carve, grid, tetgen: cells along the longest side, at most 512; 0: 64, 32, 24");
   app.add_option("--max-reprojection-error", options.filter.max_reprojection_error_px,
-                 "points: drop sparse points with a larger reprojection error [px]");
+                 "points, dense: drop sparse points with a larger reprojection error [px]");
   app.add_option("--min-track-length", options.filter.min_track_length,
-                 "points: drop sparse points that fewer views see");
-  app.add_option("--min-spacing", options.filter.min_spacing,
-                 "points: keep one of several points that are closer than this [world units; the "
-                 "subject's longest side is 2]");
-  app.add_option("--sphere-points", options.shell.sphere_points,
-                 "points: vertices on each sphere of the fill, 20 to 100000; the far shell has "
-                 "twice as many");
+                 "points, dense: drop sparse points that fewer views see");
+  app.add_option(
+      "--min-spacing", options.filter.min_spacing,
+      "points, dense: keep one of several points that are closer than this [world units; the "
+      "subject's longest side is 2]");
+  app.add_option(
+      "--sphere-points", options.shell.sphere_points,
+      "points, dense: vertices on each sphere of the fill, 20 to 100000; the far shell has "
+      "twice as many");
   app.add_option(
       "--far-share", options.shell.far_share,
-      "points: share of the sparse points that the dense part of the fill encloses, 0 to 1");
+      "points, dense: share of the sparse points that the dense part of the fill encloses, 0 to 1");
   app.add_option("--outer-points", options.carve.outer_points,
                  "carve: random vertices in the free space of the box, at most 1000000");
   app.add_option("--start-density", options.field.density,

@@ -295,18 +295,16 @@ std::string BenchTable(const BenchResult& result) {
 void WriteBench(const BenchResult& result, const fs::path& out) {
   WriteText(out / "bench.csv", Csv(result));
   WriteText(out / "table.md", BenchTable(result));
+  for (const char* chart : {"accuracy.svg", "accuracy.png", "scaling.svg", "scaling.png"}) {
+    fs::remove(out / chart);  // of an earlier run
+  }
   ThrowIfStopRequested("bench.csv and table.md have what was measured before");
   const fs::path scratch = out / ".gnuplot";
   const Plot accuracy = AccuracyPlot(result);
   const bool any_error = HasErrors(accuracy);
   if (!any_error) LogInfo("no accuracy chart: nothing in it has an error");
   for (const char* kind : {".svg", ".png"}) {
-    const fs::path accuracy_file = out / (std::string("accuracy") + kind);
-    if (any_error) {
-      DrawPlot(accuracy, accuracy_file, scratch);
-    } else {
-      fs::remove(accuracy_file);  // of an earlier run
-    }
+    if (any_error) DrawPlot(accuracy, out / (std::string("accuracy") + kind), scratch);
     DrawPlot(ScalingPlot(result), out / (std::string("scaling") + kind), scratch);
   }
   fs::remove_all(scratch);

@@ -225,6 +225,7 @@ class Bench {
     const Shown truth = Show(*MakeForErrors(field, exact), views, kAllParts, options_.seed);
     std::vector<BenchErrors> errors;
     for (const BenchVariant& variant : variants_) {
+      ThrowIfStopRequested("nothing was measured");
       const RendererPointer renderer = MakeForErrors(field, variant.options);
       errors.push_back(ErrorsOf(Show(*renderer, views, kAllParts, options_.seed), truth));
     }
@@ -250,6 +251,7 @@ class Bench {
       const double most = MostSeconds(done_, row);
       if (most > options_.longest_turn) row.skipped_seconds = most;
     }
+    ThrowIfStopRequested("nothing was measured");
     CountSteps(field, views, cases);
     bool again = true;
     for (size_t turn = 0; again; ++turn) {

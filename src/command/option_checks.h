@@ -12,12 +12,12 @@
 
 namespace tetrec {
 
-// Throws UsageError if one of these options was given: "--frames: WHY; leave it out".
+// Throws UsageError if one of these options was given: "--frames: WHY".
 inline void RefuseOptions(const CLI::App& app, std::initializer_list<const char*> names,
                           const std::string& why) {
   for (const char* name : names) {
     if (app.get_option(name)->count() == 0) continue;
-    throw UsageError(fmt::format("{}: {}; leave it out", name, why));
+    throw UsageError(fmt::format("{}: {}", name, why));
   }
 }
 

@@ -87,6 +87,9 @@ struct Command {
   };
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);  // the parent died before prctl
+  // A terminal's Ctrl-C reaches the parent alone, which asks the child to stop: of two requests,
+  // the second would end a stage at once.
+  setpgid(0, 0);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);

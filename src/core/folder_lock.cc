@@ -59,4 +59,13 @@ FolderLock::FolderLock(const fs::path& folder) {
 
 FolderLock::~FolderLock() { close(fd_); }
 
+bool IsLocked(const fs::path& folder) {
+  const int fd = open((folder / kLockFile).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (fd < 0) return false;
+  const bool is_locked =
+      S_ISREG(StatusOf(fd).st_mode) && flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  close(fd);
+  return is_locked;
+}
+
 }  // namespace tetrec

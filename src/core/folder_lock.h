@@ -21,4 +21,7 @@ class FolderLock {
   int fd_ = -1;
 };
 
+// True if a process that runs holds the lock. False where there is none, or it cannot be read.
+bool IsLocked(const std::filesystem::path& folder);
+
 }  // namespace tetrec

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/folder_lock.h"
 #include "core/process_memory.h"
 #include "core/stage_folder.h"
 #include "core/stage_input.h"
@@ -10,7 +11,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -44,14 +44,6 @@ json PreviousOf(const json& inputs) {
     if (input["kind"] == "stage") return input["path"];
   }
   return nullptr;
-}
-
-// By the recorded process id, which may belong to another process by now.
-bool IsRunning(const json& status) {
-  const auto pid = status.find("pid");
-  return TextOrEmpty(status, "status") == "running" && pid != status.end() &&
-         pid->is_number_integer() && pid->get<int64_t>() > 0 &&
-         kill(pid_t(pid->get<int64_t>()), 0) == 0;
 }
 
 std::string StateAndErrorInWords(const json& status) {
@@ -149,7 +141,7 @@ json ReadManifest(const fs::path& folder, const std::set<std::string>& stages) {
     throw DataError(
         fmt::format("{}: manifest.json is damaged; run {} again", name, ProgramOf(stage)));
   }
-  if (manifest.is_null() && IsRunning(status)) {
+  if (manifest.is_null() && IsLocked(folder)) {
     throw DataError(fmt::format("{}: {} is still running there; wait until it has finished", name,
                                 ProgramOf(stage)));
   }

@@ -48,8 +48,8 @@ class Stage {
 
   std::filesystem::path folder_;
   nlohmann::json status_;  // as in status.json
-  // Removes an earlier result, before the first output or scratch is declared; empty then. A run
-  // that is refused before it writes either leaves that result as it is.
+  // Removes an earlier result, before the first output or scratch is declared (in a forced run, the
+  // first cache, too); empty then. A run that is refused before leaves that result as it is.
   std::function<void()> remove_earlier_result_;
   std::map<std::string, std::filesystem::path> inputs_;
   std::set<std::string> outputs_;

@@ -330,9 +330,8 @@ std::optional<Scene> SceneOf(const RunFacts& run) {
   return ReadScene(stage->folder);
 }
 
-}  // namespace
-
-// Beside views of another run, say, whose photos and seconds the report would give it.
+// The report attributes the photos and times of the views' run to the surface, which is wrong if
+// the surface comes from another run.
 void WarnOfAnotherField(ReportContent& content) {
   const StageFacts *views = content.run.Find("render"), *surface = content.run.Find("surface");
   const std::string of_views = views->HashOfInput("optimize");
@@ -342,6 +341,8 @@ void WarnOfAnotherField(ReportContent& content) {
        "the surface was made from another field than the views; give those of one run, so that "
        "figures belong together");
 }
+
+}  // namespace
 
 void EvaluateOptions::Check() const {
   if (!(threshold_percent > 0) || threshold_percent > 100) {

@@ -1,4 +1,4 @@
-// The plugin that links OpenCV's codecs is loaded.
+// Loads the plugin that links OpenCV's codecs.
 #include "image/codecs.h"
 
 #include "core/error.h"

@@ -329,9 +329,7 @@ void ImportOptions::Check() const {
   if (bounds_in_input) CheckGivenBounds(*bounds_in_input);
 }
 
-ImportedScene ImportDataset(const std::filesystem::path& dataset,
-                            const std::filesystem::path& folder, const ImportOptions& options,
-                            const ColmapPlace& place) {
+Dataset ReadForImport(const std::filesystem::path& dataset, const ImportOptions& options) {
   options.Check();
   Dataset set =
       ReadDataset(dataset, options.format, options.images,
@@ -341,6 +339,11 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
   }
   internal::ChooseMasks(set.pictures, options.masks);
   internal::ChooseSplit(set, options);
+  return set;
+}
+
+ImportedScene ImportDataset(const Dataset& set, const std::filesystem::path& folder,
+                            const ImportOptions& options, const ColmapPlace& place) {
   std::vector<StoredPicture> stored = internal::StorePictures(set.pictures, folder, options);
 
   ImportedScene imported;
@@ -384,18 +387,24 @@ ImportedScene ImportDataset(const std::filesystem::path& dataset,
   return imported;
 }
 
+ImportedScene ImportDataset(const std::filesystem::path& dataset,
+                            const std::filesystem::path& folder, const ImportOptions& options,
+                            const ColmapPlace& place) {
+  return ImportDataset(ReadForImport(dataset, options), folder, options, place);
+}
+
 void RunImport(const ImportOptions& options, Stage& stage) {
   const Timer timer;
-  stage.Output("scene.json");
-  stage.Output("images");
   ImportOptions with_list = options;
   if (stage.HasInput("test-list")) with_list.test_list = stage.Input("test-list");
+  const Dataset set = ReadForImport(stage.Input("DATASET"), with_list);
+  stage.Output("scene.json");
+  stage.Output("images");
   const ColmapPlace place =
       options.triangulate
           ? ColmapPlace{stage.folder() / "log.txt", stage.Cache("colmap"), stage.Scratch("work")}
           : ColmapPlace{};
-  const ImportedScene imported =
-      ImportDataset(stage.Input("DATASET"), stage.folder(), with_list, place);
+  const ImportedScene imported = ImportDataset(set, stage.folder(), with_list, place);
   if (!imported.scene.points.empty()) stage.Output("points.ply");
   LogFindings(imported);
   LogScene(imported);

@@ -71,6 +71,11 @@ struct ImportedScene {
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
                             const std::filesystem::path& folder, const ImportOptions& options,
                             const ColmapPlace& place = {});
+// Its two parts. The first writes nothing: it reads all but the images, and chooses masks and
+// split.
+Dataset ReadForImport(const std::filesystem::path& dataset, const ImportOptions& options);
+ImportedScene ImportDataset(const Dataset& set, const std::filesystem::path& folder,
+                            const ImportOptions& options, const ColmapPlace& place);
 
 // The stage; its inputs are "DATASET" and "test-list".
 void RunImport(const ImportOptions& options, Stage& stage);

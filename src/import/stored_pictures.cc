@@ -166,7 +166,7 @@ void ChooseMasks(std::vector<PosedPicture>& pictures, MaskUse use) {
         missing.size(), ShortList(missing)));
   }
   if (without.size() == pictures.size() && use == MaskUse::kSubject) {
-    throw DataError("masks are the subject, but the data set has none; set masks to ignore");
+    throw DataError("masks: subject needs masks, but the data set has none; leave it out");
   }
   if (without.empty() || without.size() == pictures.size()) return;
   throw DataError(fmt::format(

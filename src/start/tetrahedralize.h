@@ -35,7 +35,7 @@ struct TetrahedralizeOptions {
   std::optional<StartKind> start;
   uint64_t seed = 1;   // of jitter and random vertices
   int resolution = 0;  // cells along the longest side; 0: 64 to carve, 32 for a grid, 24 for TetGen
-  PointFilter filter;  // kPoints
+  PointFilter filter;  // kPoints, kDense
   PointStartOptions shell;                            // kPoints, kDense
   StereoOptions stereo{.fusion = {.max_points = 0}};  // kDense; 0 points: by the photos' pixels
   DenseStartOptions dense;                            // kDense

@@ -64,7 +64,8 @@ TriangleMesh KeepVertices(const TriangleMesh& mesh, const std::vector<uint8_t>& 
 
 }  // namespace
 
-CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& options) {
+CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& options,
+                            const TriangleMesh* main_part) {
   const std::vector<uint32_t> piece_of_vertex = PieceOfVertex(mesh);
   const std::map<uint32_t, Piece> pieces = MeasurePieces(mesh, piece_of_vertex);
   CleanResult result;
@@ -73,7 +74,8 @@ CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& option
     return !options.keep_cavities && p.closed && p.volume < 0;
   };
   double largest = 0;
-  for (const auto& [id, piece] : pieces) {
+  for (const auto& [id, piece] :
+       main_part == nullptr ? pieces : MeasurePieces(*main_part, PieceOfVertex(*main_part))) {
     if (!is_cavity(piece)) largest = std::max(largest, piece.area);
   }
   std::vector<uint8_t> is_kept(mesh.positions.size(), 0);

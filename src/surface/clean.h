@@ -19,8 +19,10 @@ struct CleanResult {
   uint64_t dropped_triangles = 0;
 };
 
-// Drops small pieces (connected by shared vertices) and cavities; the rest keeps its order.
-CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& options);
+// Drops small pieces (connected by shared vertices) and cavities; the rest keeps its order. With
+// `main_part`, pieces are compared with the largest one of that mesh instead of their own.
+CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& options,
+                            const TriangleMesh* main_part = nullptr);
 
 // Where several fans of triangles meet in one vertex, as on the rim of a cropped level set, gives
 // each fan its own copy of the vertex. Edges of more than two triangles are left alone.

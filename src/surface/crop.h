@@ -12,8 +12,8 @@ struct CutSurface {
 };
 
 // Cuts triangles along the faces of the box, so that the part inside ends flush with them. Vertices
-// that are as near to a face as 1e-6 of the surface's diagonal are moved onto it, so that no
-// slivers arise there. Both parts keep the order of what they have.
+// that are as near to a face as 1e-6 of the surface's diagonal are moved onto it, so that cuts
+// leave no triangles of next to no area there. Both parts keep the order of what they have.
 CutSurface CutByBox(const TriangleMesh& mesh, const Bounds3& box,
                     const Similarity3& box_from_mesh = {});
 

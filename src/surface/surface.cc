@@ -124,12 +124,10 @@ LevelSet ChosenSet(const RadianceField& stored, const FieldWorld& world,
   return by_opacity ? std::move(*by_opacity) : DensitySet(stored, world, options, stage);
 }
 
-// What the crop keeps and what it cuts off. Throws DataError if it keeps nothing.
-CutSurface Cropped(const TriangleMesh& mesh, const ExportOptions& options,
+// What a box keeps of the surface and what it cuts off. Throws DataError if it keeps nothing.
+CutSurface Cropped(const TriangleMesh& mesh, const Bounds3& crop, const ExportOptions& options,
                    const FieldWorld& world) {
-  const std::optional<Bounds3> crop = options.Crop();
-  if (!crop) return {mesh, {}};
-  CutSurface cut = CutByBox(mesh, *crop, ExportFromWorld(options, world.input_from_world));
+  CutSurface cut = CutByBox(mesh, crop, ExportFromWorld(options, world.input_from_world));
   if (cut.inside.triangles.empty()) {
     throw DataError(
         "no part of the surface is inside the crop, which is in the coordinates of surface.ply, "
@@ -169,10 +167,12 @@ TriangleMesh Aligned(const TriangleMesh& mesh, std::span<const TexturePhoto> pho
                           .max_move = max_smoothing_move});
 }
 
-// `diagonal` is that of the subject's bounds.
-TriangleMesh Cleaned(const TriangleMesh& raw, std::span<const TexturePhoto> photos,
-                     const SurfaceOptions& options, double diagonal, Stage& stage) {
-  CleanResult kept = KeepLargePieces(SeparateFans(raw), options.clean);
+// `cropped` is what a crop keeps of `raw`; null without one. `diagonal` is that of the subject's
+// bounds.
+TriangleMesh Cleaned(const TriangleMesh& raw, const TriangleMesh* cropped,
+                     std::span<const TexturePhoto> photos, const SurfaceOptions& options,
+                     double diagonal, Stage& stage) {
+  CleanResult kept = KeepLargePieces(SeparateFans(raw), options.clean, cropped);
   LogInfo("pieces: {} in all, {} dropped as small, {} as cavities ({} triangles)",
           WithThousands(kept.components), WithThousands(kept.dropped_small),
           WithThousands(kept.dropped_cavities), WithThousands(kept.dropped_triangles));
@@ -199,15 +199,18 @@ TriangleMesh Cleaned(const TriangleMesh& raw, std::span<const TexturePhoto> phot
   return simple;
 }
 
-// What the crop leaves of the surface, and what it cuts off. Only what is exported counts as faces.
+// What is exported of the surface, and what a crop cuts off. Only what is exported counts as faces.
 CutSurface Exported(const TriangleMesh& whole, const SurfaceOptions& options,
                     const FieldWorld& world, Stage& stage) {
-  CutSurface cut = Cropped(whole, options.exports, world);
-  if (options.exports.Crop()) {
+  CutSurface cut{whole, {}};
+  if (const std::optional<Bounds3> crop = options.exports.Crop()) {
+    cut = Cropped(whole, *crop, options.exports, world);
     LogInfo("crop: {} triangles are inside, {} outside are left out",
             WithThousands(cut.inside.triangles.size()),
             WithThousands(cut.outside.triangles.size()));
     stage.Count("triangles_out_of_crop", cut.outside.triangles.size());
+    // Without the scraps that the box has cut from what is outside.
+    cut.inside = KeepLargePieces(cut.inside, options.clean).mesh;
   }
   cut.inside = SeparateFans(cut.inside);
   if (options.max_faces == 0) return cut;
@@ -226,8 +229,7 @@ TexturedMesh Textured(TriangleMesh mesh_in_world, const TriangleMesh& hiding,
   if (!options.texture.wanted || photos.empty()) return {std::move(mesh_in_world), {}};
   const Timer timer;
   try {
-    FindTrust(Joined(mesh_in_world, hiding), photos);
-    for (TexturePhoto& photo : photos) photo.shows.resize(mesh_in_world.positions.size());
+    FindTrust(mesh_in_world, photos, hiding);
     TexturedMesh textured = MakeTexture(mesh_in_world, photos, options.texture, stage);
     stage.Seconds("texture", timer.seconds());
     return textured;
@@ -297,11 +299,16 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
     throw DataError("no surface there; choose another level or isovalue, or all as extent");
   }
   const TriangleMesh raw = ColoredSurface(set, WithStorage(stored, FieldStorage::kVertex));
-  Cropped(raw, options.exports, world);  // which may throw, and what follows takes time
+  std::optional<TriangleMesh> cropped;
+  if (const std::optional<Bounds3> crop = options.exports.Crop()) {
+    // Before alignment, so that a crop of nothing is refused early.
+    cropped = Cropped(raw, *crop, options.exports, world).inside;
+  }
   std::vector<TexturePhoto> photos = ReadPhotos(options, stage);
   // Photos show the whole, so it is cropped after alignment.
-  const CutSurface cut = Exported(
-      Cleaned(raw, photos, options, world.subject_bounds.Diagonal(), stage), options, world, stage);
+  const TriangleMesh cleaned = Cleaned(raw, cropped ? &*cropped : nullptr, photos, options,
+                                       world.subject_bounds.Diagonal(), stage);
+  const CutSurface cut = Exported(cleaned, options, world, stage);
   stage.Seconds("surface", timer.seconds());
   TexturedMesh surface = Textured(cut.inside, cut.outside, photos, options, stage);
   surface.mesh = Transformed(std::move(surface.mesh),

@@ -40,14 +40,17 @@ Choice Judge(const SurfacePoint& point, const TexturePhoto& photo, uint32_t id) 
   return {quality / (seen->footprint * seen->footprint), quality, *seen, id};
 }
 
+// Of a pixel position around which some pixels show the surface.
 glm::dvec3 ColorAt(const TexturePhoto& photo, const glm::dvec2& pixel) {
   glm::dvec3 color(0.0);
+  double weights = 0;
   for (const auto& [x, y, weight] : PixelsAround(photo.camera.width, photo.camera.height, pixel)) {
-    if (weight == 0) continue;
+    if (weight == 0 || photo.Hides(x, y)) continue;
     const uint8_t* rgb = photo.image.At(x, y);
     color += weight * glm::dvec3(rgb[0], rgb[1], rgb[2]);
+    weights += weight;
   }
-  return photo.WithoutExposure(color);
+  return photo.WithoutExposure(color / weights);
 }
 
 // The mean of the best photos, over the color that is taken where none sees the point well.

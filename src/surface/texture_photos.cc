@@ -78,7 +78,7 @@ std::vector<bool> SeenVertices(const SeenTriangles& seen, const TriangleMesh& me
     vertices.push_back(photo.ShowsPoint(photo.cam_from_world * glm::dvec3(position)));
   }
   for (const uint32_t triangle : seen.triangle) {
-    if (triangle == kNoTriangle) continue;
+    if (triangle >= mesh.triangles.size()) continue;  // none, or one that hides the surface
     for (int k = 0; k < 3; ++k) vertices[mesh.triangles[triangle][k]] = true;
   }
   return vertices;
@@ -107,13 +107,24 @@ bool TexturePhoto::ShowsPoint(const glm::dvec3& in_cam) const {
 }
 
 bool TexturePhoto::Counts(int x, int y) const {
+  if (Hides(x, y)) return false;
   if (image.channels == 3) return true;
   return image.At(x, y)[3] >= (alpha_is_opacity ? 255 : kSeenAlpha);
 }
 
-void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo) {
-  SeenTriangles seen = FindSeenTriangles(mesh_in_world, photo.camera, photo.cam_from_world);
+void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo,
+               const TriangleMesh& hiding_in_world) {
+  const bool is_hidden = !hiding_in_world.triangles.empty();
+  SeenTriangles seen =
+      FindSeenTriangles(is_hidden ? Joined(mesh_in_world, hiding_in_world) : mesh_in_world,
+                        photo.camera, photo.cam_from_world);
   photo.depth = std::move(seen.depth);
+  photo.hidden.clear();
+  if (is_hidden) {
+    for (const uint32_t triangle : seen.triangle) {
+      photo.hidden.push_back(triangle != kNoTriangle && triangle >= mesh_in_world.triangles.size());
+    }
+  }
   photo.shows = SeenVertices(seen, mesh_in_world, photo);
   std::vector<int> distance = Untrusted(photo);
   SpreadDistances(photo.camera.width, photo.camera.height, distance);
@@ -121,9 +132,10 @@ void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo) {
   for (const int steps : distance) photo.trust.push_back(uint8_t(steps));
 }
 
-void FindTrust(const TriangleMesh& mesh_in_world, std::span<TexturePhoto> photos) {
+void FindTrust(const TriangleMesh& mesh_in_world, std::span<TexturePhoto> photos,
+               const TriangleMesh& hiding_in_world) {
   ParallelForEach(photos.size(), "", kAfterASurfaceStop,
-                  [&](size_t i) { FindTrust(mesh_in_world, photos[i]); });
+                  [&](size_t i) { FindTrust(mesh_in_world, photos[i], hiding_in_world); });
 }
 
 std::vector<TexturePhoto> ReadTexturePhotos(const fs::path& scene_folder,

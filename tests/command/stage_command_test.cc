@@ -605,6 +605,16 @@ TEST_F(StageSignalTest, AKilledRunIsReportedAndCanBeContinued) {
   EXPECT_TRUE(resumed.resumed);
 }
 
+TEST_F(StageTest, ARunIsRunningWhileItsFolderIsLocked) {
+  // Process 1 always runs; a container's first process is a stage, and so is the next container's.
+  First({input_, "-o", output_}, [](Stage& stage) { stage.Scratch("work"); });
+  nlohmann::json status = Status();
+  status.update({{"status", "running"}, {"pid", 1}});
+  WriteJson(fs::path(output_) / "status.json", status);
+  fs::remove(fs::path(output_) / "manifest.json");
+  EXPECT_THAT(Second(output_, folder_ / "run/2_second").err, HasSubstr("killed"));
+}
+
 TEST_F(StageSignalTest, AChildProcessStopsWithItsStage) {
   const pid_t pid = fork();
   if (pid == 0) {

@@ -317,7 +317,7 @@ TEST(Import, MakesAlphaOfMasks) {
   ExpectError<DataError>(import, {"masks/04.png: mask of 80 x 58", "images/04.png of 80 x 60"});
   for (nlohmann::json& frame : json["frames"]) frame.erase("mask_path");
   folder.Write("transforms.json", json.dump());
-  ExpectError<DataError>(import, {"masks are the subject, but the data set has none"});
+  ExpectError<DataError>(import, {"masks: subject needs masks, but the data set has none"});
 }
 
 // Masks that leave nothing and alpha that is 0 everywhere are an error in all images and a warning

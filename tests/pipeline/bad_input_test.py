@@ -32,6 +32,17 @@ class BadInputTest(StageCase):
             self.assert_fails(self.run_stage("tetrahedralize", scene, "-o", self.folder / "out", "--start", start,
                                              option, 1), 2, option, f"no effect with --start {start}")
 
+    def test_refused_data_leaves_the_scene_that_is_there(self):
+        scene = self.tiny_scene()
+        manifest = self.manifest(scene)
+        self.assert_fails(self.run_stage("import", self.folder / "ball", "-o", scene, "--masks", "subject"), 3,
+                          "masks: subject needs masks")
+        transforms = self.folder / "ball" / "transforms_train.json"
+        transforms.write_text(transforms.read_text()[:-9])
+        self.assert_fails(self.run_stage("import", self.folder / "ball", "-o", scene), 3, "transforms_train.json")
+        self.assertEqual(self.manifest(scene), manifest)
+        self.assertTrue((scene / "scene.json").exists())
+
     def test_sfm_of_one_photo(self):
         self.assert_fails(self.run_stage("sfm", self.photos(1), "-o", self.folder / "out"), 3)
 

@@ -69,6 +69,15 @@ class ExportsTest(StageCase):
         self.assertEqual(len(list(upper.glob("field.*"))), 3)
         self.assertGreater(self.manifest(upper)["counts"]["triangles_out_of_crop"], 0)
 
+        few = self.folder / "few"
+        faces = self.manifest(upper)["counts"]["triangles"] // 2
+        for limit in (faces, 1):
+            result = self.run_stage("surface", field, "-o", few, "--texture", "off", "--formats", "ply",
+                                    "--max-faces", limit, "--crop", f"-9,-9,{-0.1 * radius},9,9,9")
+            self.assert_done(result)
+            self.assertEqual(self.manifest(few)["counts"]["triangles"] <= limit, limit == faces)
+            self.assertEqual("triangles are left instead of 1," in result.stderr, limit == 1)
+
         # In the input's coordinates, where the ball has RADIUS, and in metres of a known distance.
         for name, options, expected in (
                 ("input", ("--coordinates", "input"), RADIUS),

@@ -26,6 +26,10 @@ TEST(KeepLargePieces, DropsSmallPiecesAndCavities) {
   EXPECT_EQ(result.mesh.colors_srgb.size(), result.mesh.positions.size());
   EXPECT_EQ(result.mesh.colors_srgb[300], large.colors_srgb[300]);
   EXPECT_TRUE(MeasureMesh(result.mesh).IsClosedManifold());
+  // Compared with a part of the whole, the ball of 0.02 is not small.
+  EXPECT_EQ(KeepLargePieces(all, {}, &result.mesh).dropped_small, 1u);
+  const TriangleMesh small = Sphere(0.1, {3, 0, 0});
+  EXPECT_EQ(KeepLargePieces(all, {}, &small).dropped_small, 0u);
   CleanOptions keep;
   keep.keep_cavities = true;
   keep.min_component_share = 0;

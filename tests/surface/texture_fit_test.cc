@@ -76,5 +76,33 @@ TEST(FitTexture, WhatNoPhotoSeesStaysAsItWas) {
   EXPECT_GT(seen, 1000);
 }
 
+// A crop may leave the wall and cut off the plate, which photos still show.
+TEST(FitTexture, WhatHidesTheSurfaceLeavesNoColourOnIt) {
+  const TriangleMesh both = WallBehindPlate();
+  TriangleMesh wall = both, plate = both;
+  wall.triangles = {both.triangles[0], both.triangles[1]};
+  wall.colors_srgb.assign(8, {0, 255, 0});
+  plate.triangles = {both.triangles[2], both.triangles[3]};
+  const Paint red_plate = [](const glm::dvec3& p) {
+    return p.z > 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  };
+  std::vector<TexturePhoto> photos = {PhotoOf(both, red_plate, {0, 0, 4}),
+                                      PhotoOf(both, red_plate, {1.3, 0.4, 4})};
+  FindTrust(wall, photos, plate);
+  const TextureLayout layout = LayOutTextureOfSize(wall, CutIntoCharts(wall), 256);
+  Image texture = BakeTexture(wall, layout, photos).image;
+  FitTexture(WithCoordinates(wall, layout), layout, photos, texture);
+  const Texels texels = FindTexels(layout);
+  int on_wall = 0;
+  for (int y = 0; y < 256; ++y) {
+    for (int x = 0; x < 256; ++x) {
+      if (texels.triangle[size_t(y) * 256 + size_t(x)] == kNoTriangle) continue;
+      EXPECT_EQ(texture.At(x, y)[0], 0) << x << ", " << y;
+      ++on_wall;
+    }
+  }
+  EXPECT_GT(on_wall, 10000);
+}
+
 }  // namespace
 }  // namespace tetrec
