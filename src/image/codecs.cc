@@ -13,10 +13,10 @@ ImageCodecs LoadCodecs() {
   void* plugin = dlopen("libtetrec_opencv_codecs.so", RTLD_NOW | RTLD_LOCAL);
   void* get = plugin == nullptr ? nullptr : dlsym(plugin, "TetrecOpenCvCodecs");
   if (get == nullptr) {
-    throw EnvironmentError(
-        fmt::format("the readers of image files cannot be loaded ({}); build Tetrec again, or free "
-                    "some memory",
-                    dlerror()));
+    throw EnvironmentError(fmt::format(
+        "the readers of image files cannot be loaded ({}); they belong into ../lib beside "
+        "the program, and need free memory",
+        dlerror()));
   }
   ImageCodecs codecs;
   reinterpret_cast<void (*)(ImageCodecs&)>(get)(codecs);
