@@ -51,9 +51,10 @@ int main(int argc, char** argv) {
   app.add_option("--max-deviation", options.max_deviation,
                  "Simplify as long as no vertex ends farther than this from the surface [% of the "
                  "subject's diagonal]; 0: keep all triangles");
-  app.add_option("--max-faces", options.max_faces,
-                 "Simplify what the crop leaves further, to this many triangles, however far they "
-                 "move; 0: do not");
+  app.add_option(
+      "--max-faces", options.max_faces,
+      "Simplify what is exported further, to this many triangles, however far they move; "
+      "0: do not");
   AddParsedOption(
       app, "--texture", options.texture, &tetrec::ParseTextureChoice, "auto",
       "Texture from the training photos: auto (as fine as the photos show the surface, up "

@@ -21,7 +21,7 @@ struct StageFacts {
   std::string Command() const;    // as it was typed; empty if unknown
   std::vector<std::string> Warnings() const;
   nlohmann::json Count(const std::string& name) const;  // null if there is none
-  // Of the outputs of that stage, which was an input; empty if unknown.
+  // Hash of the outputs of `stage_before`, as this stage read them; empty if unknown.
   std::string HashOfInput(const std::string& stage_before) const;
 };
 

@@ -14,7 +14,7 @@ ImageCodecs LoadCodecs() {
   void* get = plugin == nullptr ? nullptr : dlsym(plugin, "TetrecOpenCvCodecs");
   if (get == nullptr) {
     throw EnvironmentError(fmt::format(
-        "the readers of image files cannot be loaded ({}); they belong into ../lib beside "
+        "the readers of image files cannot be loaded ({}); they must be in ../lib beside "
         "the program, and need free memory",
         dlerror()));
   }

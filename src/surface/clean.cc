@@ -73,11 +73,16 @@ CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& option
   const auto is_cavity = [&](const Piece& p) {
     return !options.keep_cavities && p.closed && p.volume < 0;
   };
-  double largest = 0;
-  for (const auto& [id, piece] :
-       main_part == nullptr ? pieces : MeasurePieces(*main_part, PieceOfVertex(*main_part))) {
-    if (!is_cavity(piece)) largest = std::max(largest, piece.area);
-  }
+  const auto largest_of = [&](const std::map<uint32_t, Piece>& measured) {
+    double largest = 0;
+    for (const auto& [id, piece] : measured) {
+      if (!is_cavity(piece)) largest = std::max(largest, piece.area);
+    }
+    return largest;
+  };
+  const double largest = main_part == nullptr
+                             ? largest_of(pieces)
+                             : largest_of(MeasurePieces(*main_part, PieceOfVertex(*main_part)));
   std::vector<uint8_t> is_kept(mesh.positions.size(), 0);
   for (const auto& [id, piece] : pieces) {
     if (is_cavity(piece)) {

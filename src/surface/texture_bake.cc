@@ -40,7 +40,7 @@ Choice Judge(const SurfacePoint& point, const TexturePhoto& photo, uint32_t id) 
   return {quality / (seen->footprint * seen->footprint), quality, *seen, id};
 }
 
-// Of a pixel position around which some pixels show the surface.
+// The colour at a pixel position. At least one of the pixels around it must show the surface.
 glm::dvec3 ColorAt(const TexturePhoto& photo, const glm::dvec2& pixel) {
   glm::dvec3 color(0.0);
   double weights = 0;

@@ -84,6 +84,23 @@ std::vector<bool> SeenVertices(const SeenTriangles& seen, const TriangleMesh& me
   return vertices;
 }
 
+// `all` is the mesh, and behind its vertices and triangles those of what hides it.
+void FindTrust(const TriangleMesh& mesh, const TriangleMesh& all, TexturePhoto& photo) {
+  SeenTriangles seen = FindSeenTriangles(all, photo.camera, photo.cam_from_world);
+  photo.depth = std::move(seen.depth);
+  photo.hidden.clear();
+  if (all.triangles.size() > mesh.triangles.size()) {
+    for (const uint32_t triangle : seen.triangle) {
+      photo.hidden.push_back(triangle != kNoTriangle && triangle >= mesh.triangles.size());
+    }
+  }
+  photo.shows = SeenVertices(seen, mesh, photo);
+  std::vector<int> distance = Untrusted(photo);
+  SpreadDistances(photo.camera.width, photo.camera.height, distance);
+  photo.trust.clear();
+  for (const int steps : distance) photo.trust.push_back(uint8_t(steps));
+}
+
 std::map<std::string, PhotoExposure> ExposuresByName(const fs::path& field_folder) {
   std::map<std::string, PhotoExposure> by_name;
   const fs::path file = field_folder / kPhotoExposuresFile;
@@ -112,30 +129,20 @@ bool TexturePhoto::Counts(int x, int y) const {
   return image.At(x, y)[3] >= (alpha_is_opacity ? 255 : kSeenAlpha);
 }
 
-void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo,
-               const TriangleMesh& hiding_in_world) {
-  const bool is_hidden = !hiding_in_world.triangles.empty();
-  SeenTriangles seen =
-      FindSeenTriangles(is_hidden ? Joined(mesh_in_world, hiding_in_world) : mesh_in_world,
-                        photo.camera, photo.cam_from_world);
-  photo.depth = std::move(seen.depth);
-  photo.hidden.clear();
-  if (is_hidden) {
-    for (const uint32_t triangle : seen.triangle) {
-      photo.hidden.push_back(triangle != kNoTriangle && triangle >= mesh_in_world.triangles.size());
-    }
-  }
-  photo.shows = SeenVertices(seen, mesh_in_world, photo);
-  std::vector<int> distance = Untrusted(photo);
-  SpreadDistances(photo.camera.width, photo.camera.height, distance);
-  photo.trust.clear();
-  for (const int steps : distance) photo.trust.push_back(uint8_t(steps));
-}
-
 void FindTrust(const TriangleMesh& mesh_in_world, std::span<TexturePhoto> photos,
                const TriangleMesh& hiding_in_world) {
+  if (hiding_in_world.triangles.empty()) {
+    ParallelForEach(photos.size(), "", kAfterASurfaceStop,
+                    [&](size_t i) { FindTrust(mesh_in_world, mesh_in_world, photos[i]); });
+    return;
+  }
+  const TriangleMesh both = Joined(mesh_in_world, hiding_in_world);
   ParallelForEach(photos.size(), "", kAfterASurfaceStop,
-                  [&](size_t i) { FindTrust(mesh_in_world, photos[i], hiding_in_world); });
+                  [&](size_t i) { FindTrust(mesh_in_world, both, photos[i]); });
+}
+
+void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo) {
+  FindTrust(mesh_in_world, mesh_in_world, photo);
 }
 
 std::vector<TexturePhoto> ReadTexturePhotos(const fs::path& scene_folder,

@@ -51,10 +51,9 @@ struct TexturePhoto {
 // Fills in what a photo shows of the surface: depth, trust and vertices. Trust rises from 0 at the
 // photo's border, at pixels that do not count, and where the surface's depth jumps, by 1 with each
 // pixel, because near an outline the surface and the photo rarely agree on what is in front.
-// `hiding_in_world` is not part of the surface, but in front of some of it.
-void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo,
-               const TriangleMesh& hiding_in_world = {});
-// The same for several photos, in parallel.
+void FindTrust(const TriangleMesh& mesh_in_world, TexturePhoto& photo);
+// The same for several photos, in parallel. `hiding_in_world` is not part of the surface, but in
+// front of some of it.
 void FindTrust(const TriangleMesh& mesh_in_world, std::span<TexturePhoto> photos,
                const TriangleMesh& hiding_in_world = {});
 

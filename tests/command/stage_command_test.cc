@@ -606,7 +606,7 @@ TEST_F(StageSignalTest, AKilledRunIsReportedAndCanBeContinued) {
 }
 
 TEST_F(StageTest, ARunIsRunningWhileItsFolderIsLocked) {
-  // Process 1 always runs; a container's first process is a stage, and so is the next container's.
+  // Process 1 is always alive, so a recorded process id does not show that this run is.
   First({input_, "-o", output_}, [](Stage& stage) { stage.Scratch("work"); });
   nlohmann::json status = Status();
   status.update({{"status", "running"}, {"pid", 1}});
