@@ -38,10 +38,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
          "Decay of the coefficients of harmonics at visible vertices: the share that each step "
          "removes, per unit of their learning rate")
       ->check(CLI::Range(0.0, 10.0));
-  app.add_option(
-         "--density-rate", options.density_rate,
-         "Initial learning rate of density's parameter: its logarithm, or of signed density "
-         "asinh(value / scale)")
+  app.add_option("--density-rate", options.density_rate,
+                 "Initial learning rate of density's parameter: its logarithm, of signed density "
+                 "asinh(value / scale), of softplus density ln(e^(value / scale) - 1)")
       ->check(tetrec::AboveZero());
   app.add_option("--position-rate", options.position_rate,
                  "Initial learning rate of positions: as a share of the edges of a vertex (default "
@@ -63,7 +62,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   tetrec::AddWordOption(
       app, "--density", options.density,
       "Values of density: signed (surfaces lie anywhere inside a tet, where the value changes its "
-      "sign), positive, or auto (signed for pictures with alpha)");
+      "sign), positive (its logarithm is learned), softplus (positive; dense vertices grow by "
+      "equal "
+      "steps instead of by equal shares), or auto (signed for pictures with alpha, softplus for "
+      "photos)");
   app.add_option("--max-density", options.max_density, "Upper bound of density [1 / world unit]");
   app.add_option("--density-decay", options.density_decay,
                  "Pull of visible vertices towards empty, as a share of Adam's largest step; by "
@@ -199,7 +201,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   tetrec::StageCommand command(
-      "optimize", 21,
+      "optimize", 22,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

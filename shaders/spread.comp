@@ -2,6 +2,7 @@
 // arithmetic as adam.comp: a field that is read back and set again is the same to the bit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "shared/adam.glsl.h"
 #include "shared/gpu_types.glsl.h"
 #include "thread_index.glsl"
 

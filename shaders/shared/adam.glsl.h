@@ -13,6 +13,7 @@
 #define kActivationColor 1
 #define kActivationExp 2
 #define kActivationSigned 3
+#define kActivationSoftplus 4
 
 TETREC_BEGIN
 
@@ -83,7 +84,8 @@ TETREC_FN Real ClampBetween(Real parameter, Real least, Real largest) {
 // What an update leaves of a parameter, by its activation.
 TETREC_FN Real ClampParameter(int activation, Real parameter, Real least, Real largest) {
   if (activation == kActivationColor) return ClampColor(parameter);
-  if (activation == kActivationExp || activation == kActivationSigned) {
+  if (activation == kActivationExp || activation == kActivationSigned ||
+      activation == kActivationSoftplus) {
     return ClampBetween(parameter, least, largest);
   }
   return parameter;

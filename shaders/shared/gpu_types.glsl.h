@@ -46,8 +46,9 @@ struct GpuBlock {
 #define kStorageVertex 0
 #define kStorageCell 1
 #define kConstantHarmonics 4
-// Not 0: density's parameter is that of Activation::kSigned, not kExp (shaders/density.glsl).
-#define kConstantSignedDensity 5
+// The activation of density: kActivationExp, kActivationSigned or kActivationSoftplus of
+// adam.glsl.h (shaders/density.glsl).
+#define kConstantDensityActivation 5
 // For the optimiser: from kConstantAttributes on each attribute behind colour and density as
 // components | activation << 8 | rate class << 16.
 #define kConstantAttributes 6
@@ -131,7 +132,7 @@ struct AdamPush {
   float second_moment_correction;        // 1 / (1 - beta2^t)
   float least_log, largest_log;          // bounds of exponential attributes' parameters
   float least_density, largest_density;  // bounds of density's parameter
-  float density_scale;                   // of Activation::kSigned; not read otherwise
+  float density_scale;                   // of kActivationSigned and kActivationSoftplus
   float density_decay;                   // of the density parameter of a seen row, per step
   float harmonics_decay;                 // share by which coefficients of a seen row decay
   uint first_cell;                       // as in RayPush

@@ -36,6 +36,10 @@ Attribute SignedDensity(float scale) {
   return {"density", 1, Activation::kSigned, RateClass::kDensity, scale};
 }
 
+Attribute SoftplusDensity(float scale) {
+  return {"density", 1, Activation::kSoftplus, RateClass::kDensity, scale};
+}
+
 int FieldLayout::OffsetOf(std::string_view name) const {
   int offset = 0;
   for (const Attribute& attribute : attributes) {
@@ -57,9 +61,10 @@ std::vector<const Attribute*> FieldLayout::ByComponent() const {
 std::vector<std::string> FieldLayout::ParameterNames() const {
   std::vector<std::string> names;
   for (const Attribute& attribute : attributes) {
-    const char* prefix = attribute.activation == Activation::kExp      ? "log "
-                         : attribute.activation == Activation::kSigned ? "signed "
-                                                                       : "";
+    const char* prefix = attribute.activation == Activation::kExp        ? "log "
+                         : attribute.activation == Activation::kSigned   ? "signed "
+                         : attribute.activation == Activation::kSoftplus ? "softplus "
+                                                                         : "";
     for (int i = 0; i < attribute.components; ++i) {
       names.push_back(attribute.components == 1
                           ? prefix + attribute.name
@@ -74,7 +79,8 @@ namespace {
 bool IsDensity(const Attribute& attribute) {
   Attribute without_scale = attribute;
   without_scale.scale = 0;
-  return attribute == kDensityAttribute || without_scale == SignedDensity(0);
+  return attribute == kDensityAttribute || without_scale == SignedDensity(0) ||
+         without_scale == SoftplusDensity(0);
 }
 
 // Renderers know the harmonics by their place.
@@ -91,22 +97,25 @@ void CheckHarmonics(const FieldLayout& layout) {
   }
 }
 
-// Bounds of the scale of signed density [1 / world unit]; beyond them, values would overflow.
+// Bounds of the scale of density [1 / world unit]; beyond them, values would overflow.
 constexpr float kLeastScale = 1e-20f, kLargestScale = 1e20f;
 
-// Only density may be signed: the updates of all others know no scale.
-void CheckSigned(const FieldLayout& layout) {
+// Only density may have a scale, which the updates of all others do not know. In a cell, signed
+// density would have no place at which it changes its sign.
+void CheckScales(const FieldLayout& layout) {
   for (const Attribute& attribute : layout.attributes) {
-    if (attribute.activation != Activation::kSigned) continue;
+    if (!HasScale(attribute.activation)) continue;
+    const bool is_signed = attribute.activation == Activation::kSigned;
     const bool has_scale = attribute.scale >= kLeastScale && attribute.scale <= kLargestScale;
     if (attribute.name == kDensityAttribute.name && has_scale &&
-        layout.storage == FieldStorage::kVertex) {
+        (!is_signed || layout.storage == FieldStorage::kVertex)) {
       continue;
     }
-    throw DataError(
-        fmt::format("attribute '{}' is signed with scale {}: only density of vertices can be "
-                    "signed, with a scale from {} to {}",
-                    attribute.name, attribute.scale, kLeastScale, kLargestScale));
+    const char* form = is_signed ? "signed" : "softplus";
+    throw DataError(fmt::format(
+        "attribute '{}' is {} with scale {}: only density{} can be {}, with a scale from {} to {}",
+        attribute.name, form, attribute.scale, is_signed ? " of vertices" : "", form, kLeastScale,
+        kLargestScale));
   }
 }
 
@@ -136,7 +145,7 @@ void CheckLayout(const FieldLayout& layout) {
       throw DataError(fmt::format("attribute '{}' has {} components, must have 1 to {}",
                                   attribute.name, attribute.components, kMostComponents));
     }
-    if (attribute.activation > Activation::kSigned || uint32_t(attribute.rate) >= kRateClasses) {
+    if (attribute.activation > Activation::kSoftplus || uint32_t(attribute.rate) >= kRateClasses) {
       throw DataError(fmt::format("attribute '{}' has activation {} and rate class {}: not known",
                                   attribute.name, uint32_t(attribute.activation),
                                   uint32_t(attribute.rate)));
@@ -148,7 +157,7 @@ void CheckLayout(const FieldLayout& layout) {
     }
   }
   CheckHarmonics(layout);
-  CheckSigned(layout);
+  CheckScales(layout);
 }
 
 void AppendLayout(ByteWriter& writer, const FieldLayout& layout) {
@@ -160,7 +169,7 @@ void AppendLayout(ByteWriter& writer, const FieldLayout& layout) {
     writer.Write(uint32_t(attribute.components));
     writer.Write(uint32_t(attribute.activation));
     writer.Write(uint32_t(attribute.rate));
-    if (attribute.activation == Activation::kSigned) writer.Write(attribute.scale);
+    if (HasScale(attribute.activation)) writer.Write(attribute.scale);
   }
 }
 
@@ -187,8 +196,7 @@ FieldLayout TakeLayout(ByteReader& reader) {
     attribute.components = int(std::min(reader.Read<uint32_t>("components"), 1u << 20));
     attribute.activation = Activation(reader.Read<uint32_t>("an activation"));
     attribute.rate = RateClass(reader.Read<uint32_t>("a rate class"));
-    if (attribute.activation == Activation::kSigned)
-      attribute.scale = reader.Read<float>("a scale");
+    if (HasScale(attribute.activation)) attribute.scale = reader.Read<float>("a scale");
     layout.attributes.push_back(std::move(attribute));
   }
   NamingFile(reader.name(), [&] { CheckLayout(layout); });
@@ -196,19 +204,20 @@ FieldLayout TakeLayout(ByteReader& reader) {
 }
 
 ParameterBounds BoundsOf(const Attribute& attribute, float largest) {
-  if (attribute.activation == Activation::kSigned) {
-    return {kLeastSignedParameter, ParameterOf(attribute, largest)};
-  }
-  return {kLeastLogDensity, std::log(largest)};
+  const bool is_signed = attribute.activation == Activation::kSigned;
+  return {is_signed ? kLeastSignedParameter : kLeastLogDensity, ParameterOf(attribute, largest)};
 }
 
 float ParameterOf(const Attribute& attribute, float value) {
   if (attribute.activation == Activation::kExp) {
     return value > 0 ? std::max(std::log(value), kLeastLogDensity) : kLeastLogDensity;
   }
-  if (attribute.activation == Activation::kSigned)
-    return float(std::asinh(double(value) / double(attribute.scale)));
-  return value;
+  if (!HasScale(attribute.activation)) return value;
+  const double of_scale = double(value) / double(attribute.scale);
+  if (attribute.activation == Activation::kSigned) return float(std::asinh(of_scale));
+  if (!(of_scale > 0)) return kLeastLogDensity;
+  // ln(e^x - 1), without overflow.
+  return std::max(float(of_scale + std::log(-std::expm1(-of_scale))), kLeastLogDensity);
 }
 
 }  // namespace tetrec

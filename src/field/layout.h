@@ -5,6 +5,7 @@
 #include "core/file.h"
 #include "core/words.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -31,6 +32,7 @@ enum class Activation : uint32_t {
   kColor,     // the parameter itself, which an update clamps to [0, 1]
   kExp,       // e^parameter; a value >= 0 that interpolates linearly, its parameter does not
   kSigned,    // scale * sinh(parameter); a value of any sign that interpolates linearly
+  kSoftplus,  // scale * ln(1 + e^parameter); as kExp below `scale`, linear in the parameter above
 };
 
 // Which learning rate an attribute follows. An attribute with a rate of its own needs a class here
@@ -43,7 +45,7 @@ struct Attribute {
   int components = 1;
   Activation activation = Activation::kIdentity;
   RateClass rate = RateClass::kColor;
-  float scale = 0.0f;  // of kSigned, above 0; 0 for the others
+  float scale = 0.0f;  // of kSigned and kSoftplus, above 0; 0 for the others
   bool operator==(const Attribute&) const = default;
 };
 
@@ -57,6 +59,12 @@ inline const Attribute kDensityAttribute{"density", 1, Activation::kExp, RateCla
 // Density whose values may be negative; what is rendered is their positive part
 // (shared/segment_cut.glsl.h). Below `scale` [1 / world unit] parameters are linear in values.
 Attribute SignedDensity(float scale);
+// Density whose parameter is its logarithm where it is far below `scale` [1 / world unit], and its
+// multiple of `scale` where it is far above: no step multiplies what is dense.
+Attribute SoftplusDensity(float scale);
+constexpr bool HasScale(Activation activation) {
+  return activation == Activation::kSigned || activation == Activation::kSoftplus;
+}
 constexpr int kColorOffset = 0, kDensityOffset = 3, kStandardComponents = 4;
 
 // View-dependent colour (shared/harmonics.glsl.h): red, green and blue coefficients of each
@@ -93,8 +101,8 @@ void CheckLayout(const FieldLayout& layout);
 
 // The form in which files contain a layout, little endian: u32 storage (0 vertex, 1 cell), u32
 // number of attributes, then for each u32 length of its name, the name, u32 components, u32
-// activation (0 identity, 1 colour, 2 exponential, 3 signed), u32 rate class (0 colour, 1 density,
-// 2 harmonics), and of a signed attribute the f32 scale.
+// activation (0 identity, 1 colour, 2 exponential, 3 signed, 4 softplus), u32 rate class (0 colour,
+// 1 density, 2 harmonics), and of a signed or softplus attribute the f32 scale.
 void AppendLayout(ByteWriter& writer, const FieldLayout& layout);
 // Throws DataError.
 FieldLayout TakeLayout(ByteReader& reader);
@@ -116,16 +124,20 @@ ParameterBounds BoundsOf(const Attribute& attribute, float largest);
 template <class Real>
 Real ValueOf(const Attribute& attribute, Real parameter) {
   if (attribute.activation == Activation::kExp) return std::exp(parameter);
-  if (attribute.activation != Activation::kSigned) return parameter;
-  return Real(attribute.scale) * std::sinh(parameter);
+  if (!HasScale(attribute.activation)) return parameter;
+  if (attribute.activation == Activation::kSigned)
+    return Real(attribute.scale) * std::sinh(parameter);
+  return Real(attribute.scale) *
+         (std::max(parameter, Real(0)) + std::log1p(std::exp(-std::abs(parameter))));
 }
 float ParameterOf(const Attribute& attribute, float value);
 // dvalue/dparameter, by the value.
 template <class Real>
 Real ActivationSlope(const Attribute& attribute, Real value) {
   if (attribute.activation == Activation::kExp) return value;
-  if (attribute.activation != Activation::kSigned) return Real(1);
+  if (!HasScale(attribute.activation)) return Real(1);
   const Real scale(attribute.scale);
+  if (attribute.activation == Activation::kSoftplus) return -scale * std::expm1(-value / scale);
   return std::sqrt(value * value + scale * scale);
 }
 

@@ -1,4 +1,4 @@
-// The choice between density of positive values and of either sign.
+// The choice of what density is learned by, and whether its values may be negative.
 #include "optimize/density_form.h"
 
 #include "core/quantile.h"
@@ -9,6 +9,8 @@
 
 namespace tetrec {
 namespace {
+
+constexpr double kSoftplusScale = 15;  // DensityOfSurfaces is 1
 
 double MedianEdge(const TetMesh& mesh) {
   std::vector<double> lengths;
@@ -28,11 +30,15 @@ double DensityOfSurfaces(const TetMesh& mesh) {
 }
 
 Attribute LearnedDensity(DensityForm form, bool has_alpha, const RadianceField& start) {
-  const bool is_linear = start.storage == FieldStorage::kVertex;
-  const bool is_signed =
-      form == DensityForm::kSigned || (form == DensityForm::kAuto && has_alpha && is_linear);
-  if (!is_signed || start.mesh.tets.empty()) return kDensityAttribute;
-  return SignedDensity(float(DensityOfSurfaces(start.mesh)));
+  if (form == DensityForm::kAuto) {
+    form = start.storage == FieldStorage::kCell ? DensityForm::kPositive
+           : has_alpha                          ? DensityForm::kSigned
+                                                : DensityForm::kSoftplus;
+  }
+  if (form == DensityForm::kPositive || start.mesh.tets.empty()) return kDensityAttribute;
+  const double surface = DensityOfSurfaces(start.mesh);
+  return form == DensityForm::kSigned ? SignedDensity(float(surface))
+                                      : SoftplusDensity(float(kSoftplusScale * surface));
 }
 
 }  // namespace tetrec

@@ -1,4 +1,4 @@
-// The choice between density of positive values and of either sign.
+// The choice of what density is learned by, and whether its values may be negative.
 #pragma once
 
 #include "core/words.h"
@@ -8,16 +8,20 @@
 namespace tetrec {
 
 // With values of any sign, a surface may lie anywhere inside a tet (shared/segment_cut.glsl.h);
-// with positive values, a tet with one dense vertex is opaque almost up to its other vertices.
+// with positive values, a tet with one dense vertex is opaque almost up to its other vertices. A
+// step that multiplies all densities alike is coarse for dense ones, which softplus adds to.
 enum class DensityForm {
-  kAuto,      // signed for pictures with alpha if vertices have the attributes, otherwise positive
+  kAuto,      // signed for pictures with alpha, softplus for photos; in cells, positive
   kPositive,  // e^parameter
+  kSoftplus,  // positive; e^parameter where density is low, linear in the parameter where it is
+              // high
   kSigned,    // of any sign; what is rendered is the positive part
 };
 template <>
 inline constexpr auto kWords<DensityForm> =
     std::to_array<Word<DensityForm>>({{DensityForm::kAuto, "auto"},
                                       {DensityForm::kPositive, "positive"},
+                                      {DensityForm::kSoftplus, "softplus"},
                                       {DensityForm::kSigned, "signed"}});
 
 // The density that makes a fifth of an optical depth over the median edge of a mesh, which is
@@ -26,7 +30,8 @@ inline constexpr auto kWords<DensityForm> =
 double DensityOfSurfaces(const TetMesh& mesh);
 
 // The density attribute of a fit that begins with `start`. The scale of signed density is
-// DensityOfSurfaces.
+// DensityOfSurfaces; that of softplus is 15 times as much, three optical depths over the median
+// edge.
 Attribute LearnedDensity(DensityForm form, bool has_alpha, const RadianceField& start);
 
 }  // namespace tetrec

@@ -54,11 +54,14 @@ TEST(FieldLayout, RefusesWhatNoKernelOrFileCouldMean) {
   ExpectRefused("name of attribute 2", third({std::string(33, 'a'), 1}));
   ExpectRefused("'extra' has 0 components", third({"extra", 0}));
   ExpectRefused("'extra' has 65 components", third({"extra", 65}));
-  ExpectRefused("activation 4", third({"extra", 5, Activation(4), RateClass::kColor}));
+  ExpectRefused("activation 5", third({"extra", 5, Activation(5), RateClass::kColor}));
   ExpectRefused("'extra' is signed",
                 third({"extra", 1, Activation::kSigned, RateClass::kColor, 1}));
+  ExpectRefused("'extra' is softplus",
+                third({"extra", 1, Activation::kSoftplus, RateClass::kColor, 1}));
   for (const float scale : {0.0f, -1.0f, 1e-30f, INFINITY, NAN}) {
     ExpectRefused("density of vertices can be signed", {kColorAttribute, SignedDensity(scale)});
+    ExpectRefused("only density can be softplus", {kColorAttribute, SoftplusDensity(scale)});
   }
   ExpectRefused("rate class 3", third({"extra", 5, Activation::kExp, RateClass(3)}));
   ExpectRefused("two attributes 'density'", third({"density", 2}));
@@ -67,8 +70,10 @@ TEST(FieldLayout, RefusesWhatNoKernelOrFileCouldMean) {
 TEST(FieldLayout, ReadsBackAsItWasWritten) {
   FieldLayout with_sign;
   with_sign.attributes[1] = SignedDensity(2.5f);
-  for (const FieldLayout& layout :
-       {FieldLayout{}, kCellLayout, WithExtra(kCellLayout), with_sign, WithExtra(with_sign)}) {
+  FieldLayout softplus_cells = kCellLayout;
+  softplus_cells.attributes[1] = SoftplusDensity(2.5f);
+  for (const FieldLayout& layout : {FieldLayout{}, kCellLayout, WithExtra(kCellLayout), with_sign,
+                                    WithExtra(with_sign), softplus_cells}) {
     ByteWriter writer;
     AppendLayout(writer, layout);
     ByteReader reader(writer.bytes(), "file");
@@ -99,11 +104,12 @@ TEST(FieldLayout, RefusesHugeCountsAndPrefixes) {
 }
 
 const Attribute kIdentity{"extra", 1};
-const Attribute kSigned = SignedDensity(2.0f);
+const Attribute kSigned = SignedDensity(2.0f), kSoftplus = SoftplusDensity(2.0f);
 
 TEST(Activation, GoesThereAndBack) {
   for (const float value : {1e-30f, 0.25f, 1.0f, 1e5f}) {
-    for (const Attribute& attribute : {kIdentity, kColorAttribute, kDensityAttribute, kSigned}) {
+    for (const Attribute& attribute :
+         {kIdentity, kColorAttribute, kDensityAttribute, kSigned, kSoftplus}) {
       const float back = ValueOf(attribute, ParameterOf(attribute, value));
       // The logarithm, below 70, is rounded to 4e-6.
       EXPECT_NEAR(back, value, 4e-6f * value);
@@ -112,17 +118,27 @@ TEST(Activation, GoesThereAndBack) {
   }
   EXPECT_EQ(ParameterOf(kDensityAttribute, 0.0f), kLeastLogDensity);
   EXPECT_EQ(ParameterOf(kDensityAttribute, -1.0f), kLeastLogDensity);
+  EXPECT_EQ(ParameterOf(kSoftplus, 0.0f), kLeastLogDensity);
+  EXPECT_EQ(ParameterOf(kSoftplus, -1.0f), kLeastLogDensity);
   EXPECT_EQ(ActivationSlope(kDensityAttribute, 3.0), 3.0);
   EXPECT_EQ(ActivationSlope(kIdentity, 3.0), 1.0);
 }
 
-TEST(Activation, OfSignedDensityHasTheSlopeOfItsValues) {
-  for (const double parameter : {-3.0, -0.5, 0.0, 0.1, 4.0}) {
-    const double h = 1e-5;
-    const double slope =
-        (ValueOf(kSigned, parameter + h) - ValueOf(kSigned, parameter - h)) / (2 * h);
-    EXPECT_NEAR(ActivationSlope(kSigned, ValueOf(kSigned, parameter)), slope, 1e-8 * slope);
+TEST(Activation, HasTheSlopeOfItsValues) {
+  for (const Attribute& attribute : {kSigned, kSoftplus}) {
+    for (const double parameter : {-3.0, -0.5, 0.0, 0.1, 4.0}) {
+      const double h = 1e-5;
+      const double slope =
+          (ValueOf(attribute, parameter + h) - ValueOf(attribute, parameter - h)) / (2 * h);
+      EXPECT_NEAR(ActivationSlope(attribute, ValueOf(attribute, parameter)), slope, 1e-8 * slope);
+    }
   }
+}
+
+TEST(Activation, OfSoftplusDensityIsExponentialBelowItsScaleAndLinearAbove) {
+  EXPECT_NEAR(ValueOf(kSoftplus, -10.0), 2 * std::exp(-10.0), 1e-4 * 2 * std::exp(-10.0));
+  EXPECT_NEAR(ValueOf(kSoftplus, 50.0), 2 * 50.0, 1e-9);
+  EXPECT_EQ(ValueOf(kSoftplus, 1e4f), 2e4f);
 }
 
 TEST(Activation, KeepsParametersInBounds) {
@@ -132,6 +148,8 @@ TEST(Activation, KeepsParametersInBounds) {
   const ParameterBounds bounds = BoundsOf(kSigned, 100.0f);
   EXPECT_LT(ValueOf(kSigned, bounds.least), -10.0f);
   EXPECT_NEAR(ValueOf(kSigned, bounds.largest), 100.0f, 1e-3f);
+  EXPECT_EQ(BoundsOf(kSoftplus, 100.0f).least, kLeastLogDensity);
+  EXPECT_NEAR(ValueOf(kSoftplus, BoundsOf(kSoftplus, 100.0f).largest), 100.0f, 1e-3f);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Which fits have signed density, and its scale.
+// What density is learned by, and its scale.
 #include "optimize/density_form.h"
 
 #include "optimize/wavy_box.h"
@@ -10,18 +10,20 @@
 namespace tetrec {
 namespace {
 
-TEST(DensityForm, IsSignedForPicturesWithAlphaAndOnRequest) {
+TEST(DensityForm, FollowsThePicturesUnlessItIsGiven) {
   const RadianceField box = WavyBox(0.4);
   RadianceField cells = box;
   cells.storage = FieldStorage::kCell;
-  const auto is_signed = [](DensityForm form, bool has_alpha, const RadianceField& field) {
-    return LearnedDensity(form, has_alpha, field).activation == Activation::kSigned;
+  const auto activation = [](DensityForm form, bool has_alpha, const RadianceField& field) {
+    return LearnedDensity(form, has_alpha, field).activation;
   };
-  EXPECT_TRUE(is_signed(DensityForm::kAuto, true, box));
-  EXPECT_FALSE(is_signed(DensityForm::kAuto, false, box));
-  EXPECT_FALSE(is_signed(DensityForm::kAuto, true, cells));
-  EXPECT_TRUE(is_signed(DensityForm::kSigned, false, box));
-  EXPECT_FALSE(is_signed(DensityForm::kPositive, true, box));
+  EXPECT_EQ(activation(DensityForm::kAuto, true, box), Activation::kSigned);
+  EXPECT_EQ(activation(DensityForm::kAuto, false, box), Activation::kSoftplus);
+  EXPECT_EQ(activation(DensityForm::kAuto, true, cells), Activation::kExp);
+  EXPECT_EQ(activation(DensityForm::kAuto, false, cells), Activation::kExp);
+  EXPECT_EQ(activation(DensityForm::kSigned, false, box), Activation::kSigned);
+  EXPECT_EQ(activation(DensityForm::kSoftplus, true, box), Activation::kSoftplus);
+  EXPECT_EQ(activation(DensityForm::kPositive, true, box), Activation::kExp);
 }
 
 TEST(DensityOfSurfaces, MakesAFifthOfAnOpticalDepthOverTheMedianEdge) {
@@ -34,10 +36,12 @@ TEST(DensityOfSurfaces, MakesAFifthOfAnOpticalDepthOverTheMedianEdge) {
 }
 
 TEST(DensityForm, ScalesWithTheUnitOfTheWorld) {
-  RadianceField box = WavyBox(0.4);
-  const float scale = LearnedDensity(DensityForm::kSigned, true, box).scale;
-  for (glm::vec3& position : box.mesh.positions) position *= 10.0f;
-  EXPECT_NEAR(LearnedDensity(DensityForm::kSigned, true, box).scale, 0.1f * scale, 1e-5f * scale);
+  for (const DensityForm form : {DensityForm::kSigned, DensityForm::kSoftplus}) {
+    RadianceField box = WavyBox(0.4);
+    const float scale = LearnedDensity(form, true, box).scale;
+    for (glm::vec3& position : box.mesh.positions) position *= 10.0f;
+    EXPECT_NEAR(LearnedDensity(form, true, box).scale, 0.1f * scale, 1e-5f * scale);
+  }
 }
 
 }  // namespace

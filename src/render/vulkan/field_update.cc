@@ -15,8 +15,7 @@ namespace {
 // For programs whose kernels include shaders/storage.glsl and shaders/density.glsl.
 std::vector<SpecializationConstant> UpdateConstantsOf(const FieldLayout& layout) {
   std::vector<SpecializationConstant> constants = ConstantsOf(layout);
-  const bool is_signed = layout.density().activation == Activation::kSigned;
-  constants.push_back({kConstantSignedDensity, is_signed ? 1 : 0});
+  constants.push_back({kConstantDensityActivation, int32_t(layout.density().activation)});
   return constants;
 }
 

@@ -1,5 +1,4 @@
-// Fields whose values of density are negative in places: every renderer against the reference, and
-// the update of signed density.
+// Fields whose values of density are negative in places: every renderer against the reference.
 #include "render/reference_loss.h"
 #include "render/scenes.h"
 
@@ -99,64 +98,6 @@ TEST(ReferenceRenderer, PositionGradientsOfSignedDensityAreFiniteDifferencesOfTh
             << "coordinate " << axis << " of vertex " << v;
       }
     }
-  }
-}
-
-// With a large epsilon, Adam's first step depends on the size of the gradient, and so on the slope
-// of the activation. Every second row decays until it is as dense as what is kept.
-TEST_P(SignedDensityTest, AnUpdateFollowsTheSlopeOfTheActivation) {
-  const Attribute density = SignedDensity(2.0f);
-  const RadianceField field = WithAnySign(RandomField(40, 6, 6.0f), 5);
-  const FieldState start = StateOf(field, density);
-  ProbedRenderer& renderer = MakeRenderer();
-  renderer.SetState(field.mesh, start);
-  const std::vector<RenderView> views = ThreeViews(32, 32);
-  std::vector<TargetImage> targets(views.size(),
-                                   {32, 32, std::vector<uint32_t>(32 * 32, 0x7F00FF7Fu)});
-  renderer.SetTargets(views, targets);
-  const std::vector<RayBlock> blocks = CoveringBlocks(32, 32, 1);
-  const TrainingBatch batch{.blocks = blocks, .background_srgb = glm::vec3(0.2f)};
-  renderer.Forward(batch);
-  renderer.Backward(GradientParts::kColorDensity);
-  const std::vector<double> gradients = renderer.TakeGradients().values;
-
-  std::vector<RowRates> rates(start.rows());
-  for (size_t row = 0; row < rates.size(); row += 2) rates[row].kept_density = 1.5f;
-  renderer.SetRowRates(rates);
-  const AdamUpdate update{
-      .step = 1, .epsilon = 1e-3f, .density_rate = 0.5, .max_density = 100, .density_decay = 0.2};
-  renderer.Step(batch, update);
-  const FieldState state = renderer.ReadState();
-  ASSERT_EQ(state.layout, start.layout);
-  size_t moved = 0, stopped = 0, kept = 0;
-  for (size_t row = 0; row < state.rows(); ++row) {
-    const size_t at = row * 4 + kDensityOffset;
-    const double slope = std::hypot(double(field.density[row]), 2.0);
-    const double by_parameter = slope * gradients[at];
-    const double before = start.parameters[at];
-    double want = before - 0.5 * by_parameter / (std::abs(by_parameter) + 1e-3);
-    const bool is_seen = std::any_of(&gradients[row * 4], &gradients[row * 4] + 4,
-                                     [](double gradient) { return gradient != 0; });
-    const bool is_kept = want >= std::asinh(double(rates[row].kept_density) / 2.0);
-    if (is_seen && !is_kept) want -= 0.2 * 0.5;
-    kept += is_kept;
-    if (before > 0 && want < 0) {
-      EXPECT_EQ(state.parameters[at], 0.0f) << "it stops at 0";
-      EXPECT_EQ(state.first_moment[at], 0.0f);
-      ++stopped;
-      continue;
-    }
-    EXPECT_NEAR(state.parameters[at], std::max(want, double(kLeastSignedParameter)), 2e-4);
-    moved += state.parameters[at] != start.parameters[at];
-  }
-  EXPECT_GT(moved, 20u);
-  EXPECT_GT(stopped, 0u);
-  EXPECT_GT(kept, 0u);
-  const RadianceField after = FieldOf(field.mesh, state);
-  for (size_t row = 0; row < state.rows(); ++row) {
-    EXPECT_NEAR(after.density[row],
-                2.0 * std::sinh(double(state.parameters[row * 4 + kDensityOffset])),
-                1e-5 * std::abs(after.density[row]) + 1e-6);
   }
 }
 
