@@ -59,8 +59,8 @@ inline const Attribute kDensityAttribute{"density", 1, Activation::kExp, RateCla
 // Density whose values may be negative; what is rendered is their positive part
 // (shared/segment_cut.glsl.h). Below `scale` [1 / world unit] parameters are linear in values.
 Attribute SignedDensity(float scale);
-// Density whose parameter is its logarithm where it is far below `scale` [1 / world unit], and its
-// multiple of `scale` where it is far above: no step multiplies what is dense.
+// Density of positive values. Where it is far below `scale` [1 / world unit], its parameter is its
+// logarithm in units of `scale`; where it is far above, its multiple of `scale`.
 Attribute SoftplusDensity(float scale);
 constexpr bool HasScale(Activation activation) {
   return activation == Activation::kSigned || activation == Activation::kSoftplus;

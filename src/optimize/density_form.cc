@@ -10,7 +10,7 @@
 namespace tetrec {
 namespace {
 
-constexpr double kSoftplusScale = 15;  // DensityOfSurfaces is 1
+constexpr double kSoftplusScale = 15;  // in units of DensityOfSurfaces
 
 double MedianEdge(const TetMesh& mesh) {
   std::vector<double> lengths;

@@ -9,7 +9,8 @@ namespace tetrec {
 
 // With values of any sign, a surface may lie anywhere inside a tet (shared/segment_cut.glsl.h);
 // with positive values, a tet with one dense vertex is opaque almost up to its other vertices. A
-// step that multiplies all densities alike is coarse for dense ones, which softplus adds to.
+// step of e^parameter multiplies all densities alike, which is coarse for dense ones; a step of
+// softplus adds to them.
 enum class DensityForm {
   kAuto,      // signed for pictures with alpha, softplus for photos; in cells, positive
   kPositive,  // e^parameter
