@@ -64,7 +64,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       "Values of density: signed (surfaces lie anywhere inside a tet, where the value changes its "
       "sign), positive (its logarithm is learned), softplus (positive; dense vertices grow by "
       "equal "
-      "steps instead of by equal shares), or auto (signed for pictures with alpha, softplus for "
+      "steps instead of by equal shares), or auto (signed for pictures with alpha, positive for "
       "photos)");
   app.add_option("--max-density", options.max_density, "Upper bound of density [1 / world unit]");
   app.add_option("--density-decay", options.density_decay,
@@ -201,7 +201,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   tetrec::StageCommand command(
-      "optimize", 22,
+      "optimize", 21,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

@@ -31,9 +31,8 @@ double DensityOfSurfaces(const TetMesh& mesh) {
 
 Attribute LearnedDensity(DensityForm form, bool has_alpha, const RadianceField& start) {
   if (form == DensityForm::kAuto) {
-    form = start.storage == FieldStorage::kCell ? DensityForm::kPositive
-           : has_alpha                          ? DensityForm::kSigned
-                                                : DensityForm::kSoftplus;
+    const bool is_linear = start.storage == FieldStorage::kVertex;
+    form = has_alpha && is_linear ? DensityForm::kSigned : DensityForm::kPositive;
   }
   if (form == DensityForm::kPositive || start.mesh.tets.empty()) return kDensityAttribute;
   const double surface = DensityOfSurfaces(start.mesh);

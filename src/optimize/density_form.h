@@ -12,7 +12,7 @@ namespace tetrec {
 // step of e^parameter multiplies all densities alike, which is coarse for dense ones; a step of
 // softplus adds to them.
 enum class DensityForm {
-  kAuto,      // signed for pictures with alpha, softplus for photos; in cells, positive
+  kAuto,      // signed for pictures with alpha if vertices have the attributes, otherwise positive
   kPositive,  // e^parameter
   kSoftplus,  // positive; e^parameter where density is low, linear in the parameter where it is
               // high

@@ -18,7 +18,7 @@ TEST(DensityForm, FollowsThePicturesUnlessItIsGiven) {
     return LearnedDensity(form, has_alpha, field).activation;
   };
   EXPECT_EQ(activation(DensityForm::kAuto, true, box), Activation::kSigned);
-  EXPECT_EQ(activation(DensityForm::kAuto, false, box), Activation::kSoftplus);
+  EXPECT_EQ(activation(DensityForm::kAuto, false, box), Activation::kExp);
   EXPECT_EQ(activation(DensityForm::kAuto, true, cells), Activation::kExp);
   EXPECT_EQ(activation(DensityForm::kAuto, false, cells), Activation::kExp);
   EXPECT_EQ(activation(DensityForm::kSigned, false, box), Activation::kSigned);
