@@ -62,10 +62,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   tetrec::AddWordOption(
       app, "--density", options.density,
       "Values of density: signed (surfaces lie anywhere inside a tet, where the value changes its "
-      "sign), positive (its logarithm is learned), softplus (positive; dense vertices grow by "
-      "equal "
-      "steps instead of by equal shares), or auto (signed for pictures with alpha, positive for "
-      "photos)");
+      "sign), positive (its logarithm is learned), softplus (positive; dense vertices change by "
+      "equal steps instead of by equal shares), or auto (signed for pictures with alpha, positive "
+      "for photos)");
   app.add_option("--max-density", options.max_density, "Upper bound of density [1 / world unit]");
   app.add_option("--density-decay", options.density_decay,
                  "Pull of visible vertices towards empty, as a share of Adam's largest step; by "

@@ -87,7 +87,9 @@ void main() {
           DecayedDensity(density.parameter, share * push.density_decay, kept_density);
     }
     density.parameter = ClampBetween(density.parameter, push.least_density, push.largest_density);
-    if (kDensityActivation == kActivationSigned) density = StopAtZero(density, parameter[kDensityComponent]);
+    if (kDensityActivation == kActivationSigned) {
+      density = StopAtZero(density, parameter[kDensityComponent]);
+    }
 
     uint at = uint(kRowComponents) * row, first_at = 2u * at, second_at = 2u * at + uint(kRowComponents);
     parameters[at] = color.r;

@@ -84,11 +84,8 @@ TETREC_FN Real ClampBetween(Real parameter, Real least, Real largest) {
 // What an update leaves of a parameter, by its activation.
 TETREC_FN Real ClampParameter(int activation, Real parameter, Real least, Real largest) {
   if (activation == kActivationColor) return ClampColor(parameter);
-  if (activation == kActivationExp || activation == kActivationSigned ||
-      activation == kActivationSoftplus) {
-    return ClampBetween(parameter, least, largest);
-  }
-  return parameter;
+  if (activation == kActivationIdentity) return parameter;
+  return ClampBetween(parameter, least, largest);
 }
 
 TETREC_END

@@ -14,8 +14,7 @@ namespace tetrec {
 enum class DensityForm {
   kAuto,      // signed for pictures with alpha if vertices have the attributes, otherwise positive
   kPositive,  // e^parameter
-  kSoftplus,  // positive; e^parameter where density is low, linear in the parameter where it is
-              // high
+  kSoftplus,  // positive; e^parameter where it is low, linear in the parameter where it is high
   kSigned,    // of any sign; what is rendered is the positive part
 };
 template <>
