@@ -50,13 +50,19 @@ fs::path Stage::Output(const std::string& relative) {
   return Declare(relative, "own", true);
 }
 
+void Stage::RemoveEarlierCaches() {
+  if (remove_earlier_caches_) std::exchange(remove_earlier_caches_, nullptr)();
+}
+
 fs::path Stage::Scratch(const std::string& relative) {
-  RemoveEarlierResult();
+  // Another version's result may contain a file of this name.
+  const std::string top = fs::path(relative).begin()->string();
+  if (DeclaredPaths(status_, "own").contains(top)) RemoveEarlierResult();
   return Declare(relative, "scratch", false);
 }
 
 fs::path Stage::Cache(const std::string& relative) {
-  if (forced_) RemoveEarlierResult();  // together with the earlier caches
+  RemoveEarlierCaches();
   return Declare(relative, "caches", true);
 }
 

@@ -23,7 +23,7 @@ class Stage {
   // Path of a file or subfolder of the stage's own folder; recorded in the manifest with its hash
   // when the stage ends (folders: every file inside).
   std::filesystem::path Output(const std::string& relative);
-  // Scratch that is removed when the stage succeeds.
+  // Scratch that is removed when the stage succeeds, or fails while an earlier result stays.
   std::filesystem::path Scratch(const std::string& relative);
   // Work that runs with other options can use again: it stays when the stage succeeds, is not an
   // output, and a run with another key finds it. Name what it depends on in its path. A forced run
@@ -45,16 +45,19 @@ class Stage {
   // anything is written to it.
   std::filesystem::path Declare(const std::string& relative, const char* role, bool by_top_name);
   void RemoveEarlierResult();
+  void RemoveEarlierCaches();
 
   std::filesystem::path folder_;
   nlohmann::json status_;  // as in status.json
-  // Removes an earlier result, before the first output or scratch is declared (in a forced run, the
-  // first cache, too); empty then. A run that is refused before leaves that result as it is.
+  // Removes an earlier result, before the first output is declared; empty then. A run that fails
+  // before leaves that result as it is.
   std::function<void()> remove_earlier_result_;
+  // In a forced run: removes earlier caches, before the first cache is declared; empty then.
+  std::function<void()> remove_earlier_caches_;
   std::map<std::string, std::filesystem::path> inputs_;
   std::set<std::string> outputs_;
   std::string key_;
-  bool resume_ = false, forced_ = false;
+  bool resume_ = false;
   nlohmann::json counts_ = nlohmann::json::object(), seconds_ = nlohmann::json::object(),
                  notes_ = nlohmann::json::object(), device_ = nullptr;
 };

@@ -117,10 +117,12 @@ void RemoveOwned(const fs::path& path) {
   }
 }
 
-void RemoveOldRun(const fs::path& folder, const json& manifest, const json& status,
-                  bool caches_too) {
+void RemoveDeclared(const fs::path& folder, const json& status, const char* role) {
+  for (const std::string& path : DeclaredPaths(status, role)) RemoveOwned(folder / path);
+}
+
+void RemoveOldRun(const fs::path& folder, const json& manifest, const json& status) {
   std::set<std::string> paths = DeclaredPaths(status, "own");
-  paths.merge(DeclaredPaths(status, "scratch"));
   if (manifest.is_object() && manifest.contains("outputs") && manifest["outputs"].is_array()) {
     for (const json& output : manifest["outputs"]) {
       if (!output.is_object() || !output.contains("path") || !output["path"].is_string()) continue;
@@ -128,7 +130,6 @@ void RemoveOldRun(const fs::path& folder, const json& manifest, const json& stat
       if (StaysInFolder(path)) paths.insert(path.begin()->string());
     }
   }
-  if (caches_too) paths.merge(DeclaredPaths(status, "caches"));
   RemoveOwned(folder / kManifestFile);  // first: a half-removed folder must not look finished
   for (const std::string& path : paths) RemoveOwned(folder / path);
 }

@@ -35,10 +35,14 @@ void RefuseLinks(const std::filesystem::path& folder, const nlohmann::json& stat
 // EnvironmentError.
 void RemoveOwned(const std::filesystem::path& path);
 
-// Removes all that the run with this manifest and status (either may be null) wrote, but for its
-// log, and never the user's own files. Caches stay unless `caches_too`.
+// Removes what a run has declared in this role. Throws EnvironmentError.
+void RemoveDeclared(const std::filesystem::path& folder, const nlohmann::json& status,
+                    const char* role);
+
+// Removes the result that the run with this manifest and status (either may be null) wrote, and
+// never the user's own files. Its log, scratch and caches stay.
 void RemoveOldRun(const std::filesystem::path& folder, const nlohmann::json& manifest,
-                  const nlohmann::json& status, bool caches_too);
+                  const nlohmann::json& status);
 
 // Records {"path", "bytes", "sha256"} of all files in these outputs. A missing output is a bug.
 nlohmann::json OutputRecords(const std::filesystem::path& folder,

@@ -53,8 +53,8 @@ class StageRun {
 
  private:
   std::string WhyNotResumed() const;
-  void TakeOverDeclaredPaths();
   void RemoveEarlierRun();
+  void KeepEarlierResult();
   void StartLog();
   void RecordFailure(const char* state, const std::string& message);
   void Finish();
@@ -81,19 +81,28 @@ StageRun::StageRun(const StageRequest& request)
     throw DataError(fmt::format("{}: cannot resume: {}", request.folder.string(), WhyNotResumed()));
   }
   stage_.resume_ = same_key && !request.force;
-  stage_.forced_ = request.force;
   stage_.status_ =
       StatusOfNewRun(request.stage, stage_.key_, request.options, request.command_line);
-  if (!request.force) stage_.status_["caches"] = DeclaredPaths(old_status_, "caches");
+  stage_.status_["caches"] = DeclaredPaths(old_status_, "caches");
+  if (request.force) {
+    stage_.remove_earlier_caches_ = [this] {
+      RemoveDeclared(request_.folder, old_status_, "caches");
+      stage_.status_["caches"] = json::array();
+    };
+  }
   if (stage_.resume_) {
-    TakeOverDeclaredPaths();
+    for (const char* role : {"own", "scratch"})
+      stage_.status_[role] = DeclaredPaths(old_status_, role);
     if (old_status_.contains("seconds") && old_status_["seconds"].is_number())
       seconds_before_ = old_status_["seconds"];
-  } else if (old_manifest_.is_object()) {
-    TakeOverDeclaredPaths();
-    stage_.remove_earlier_result_ = [this] { RemoveEarlierRun(); };
   } else {
-    RemoveEarlierRun();
+    RemoveDeclared(request.folder, old_status_, "scratch");
+    if (old_manifest_.is_object()) {
+      stage_.status_["own"] = DeclaredPaths(old_status_, "own");
+      stage_.remove_earlier_result_ = [this] { RemoveEarlierRun(); };
+    } else {
+      RemoveEarlierRun();
+    }
   }
   WriteJson(request.folder / kStatusFile, stage_.status_);
   StartLog();
@@ -112,15 +121,11 @@ std::string StageRun::WhyNotResumed() const {
       DifferenceOf(earlier, request_.options_with_effect));
 }
 
-void StageRun::TakeOverDeclaredPaths() {
-  for (const char* role : {"own", "scratch"})
-    stage_.status_[role] = DeclaredPaths(old_status_, role);
-}
-
 // Its part of the log goes, too; what this run has written behind it stays.
 void StageRun::RemoveEarlierRun() {
-  RemoveOldRun(request_.folder, old_manifest_, old_status_, request_.force);
-  for (const char* role : {"own", "scratch"}) stage_.status_[role] = json::array();
+  RemoveOldRun(request_.folder, old_manifest_, old_status_);
+  stage_.RemoveEarlierCaches();
+  stage_.status_["own"] = json::array();
   const fs::path log = request_.folder / kLogFileName;
   if (log_begin_ == 0) return RemoveOwned(log);
   SetLogFile({});
@@ -168,23 +173,24 @@ void StageRun::RecordFailure(const char* state, const std::string& message) {
   stage_.status_["seconds"] = Seconds();
   LogToFileOnly("error: " + message);
   try {
-    if (stage_.remove_earlier_result_ && old_status_.is_object()) {
-      LogToFileOnly("the earlier result stays as it is");
-      json earlier = old_status_;
-      if (!request_.force) earlier["caches"] = stage_.status_["caches"];  // some may be new
-      stage_.status_ = earlier;
-    }
+    if (stage_.remove_earlier_result_ && old_status_.is_object()) KeepEarlierResult();
     WriteJson(request_.folder / kStatusFile, stage_.status_);
   } catch (const Error&) {
     // The disk may be full; the first error is the one to report.
   }
 }
 
+void StageRun::KeepEarlierResult() {
+  LogToFileOnly("the earlier result stays as it is");
+  RemoveDeclared(request_.folder, stage_.status_, "scratch");
+  json earlier = old_status_;
+  earlier["caches"] = stage_.status_["caches"];
+  stage_.status_ = earlier;
+}
+
 void StageRun::Finish() {
   stage_.RemoveEarlierResult();
-  // Scratch of earlier attempts too.
-  for (const std::string& path : DeclaredPaths(stage_.status_, "scratch"))
-    RemoveOwned(request_.folder / path);
+  RemoveDeclared(request_.folder, stage_.status_, "scratch");  // of earlier attempts, too
   const double seconds = Seconds();
   stage_.seconds_["total"] = seconds;
   ManifestFacts facts = {.stage = request_.stage,

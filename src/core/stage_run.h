@@ -31,7 +31,7 @@ struct StageRequest {
 
 // Does nothing if the folder is up to date. Otherwise locks the folder and runs `body`; continues
 // an earlier run with the same key that was cut off, and removes what any other run wrote: a
-// finished result when the body declares its first path, so that a body that refuses before leaves
+// finished result when the body declares its first output, so that a body that fails before leaves
 // it as it was. Throws what the body throws (recorded in status.json), UsageError if the folder is
 // another's, DataError if `resume` is set and no earlier run of the same key was cut off, and
 // EnvironmentError.

@@ -19,7 +19,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <utility>
 
 namespace tetrec {
 namespace {
@@ -255,23 +257,22 @@ void CheckVolumeMemory(const VolumeLayout& layout, const std::string& name,
       name, layout.size.x, layout.size.y, layout.size.z, gib(needed), free.of, gib(free.bytes)));
 }
 
-ImportedVolume ImportVolume(const fs::path& path, const fs::path& transfer_function,
-                            const fs::path& folder, const VolumeImportOptions& options,
-                            const FreeMemory& free) {
+ImportedVolume ReadVolumeForImport(const fs::path& path, const fs::path& transfer_function,
+                                   const VolumeImportOptions& options, const FreeMemory& free) {
   options.Check();
   options.CheckFor(path);
   const bool is_raw = NeedsLayout(path);
   const VolumeLayout layout = is_raw ? options.Layout() : ReadVolumeLayout(path);
   CheckVolumeMemory(layout, path.string(), free);
-  ImportedVolume imported;
-  imported.file = is_raw ? ReadRawVolume(path, layout, options.value_range)
-                         : ReadVolume(path, options.value_range);
-  const Volume& volume = imported.file.volume;
+  auto file =
+      std::make_unique<const VolumeFile>(is_raw ? ReadRawVolume(path, layout, options.value_range)
+                                                : ReadVolume(path, options.value_range));
+  const Volume& volume = file->volume;
   const TransferFunction function =
       ReadTransferFunction(transfer_function, {volume.value_at_0, volume.value_at_1});
-  if (!options.value_range && !function.given_in_values) WarnOfNarrowData(path, imported.file);
+  if (!options.value_range && !function.given_in_values) WarnOfNarrowData(path, *file);
 
-  Scene& scene = imported.scene;
+  Scene scene;
   scene.background = options.background;
   scene.has_alpha = true;
   scene.input_from_world = InputFromWorld(volume);
@@ -281,45 +282,52 @@ ImportedVolume ImportVolume(const fs::path& path, const fs::path& transfer_funct
   AddSphereOfViews(options, 0.5 * scene.subject_bounds.Diagonal(), scene);
 
   // The longest side is 2 world units.
-  const RayIntegrator rays(volume, function, 0.5 * options.attenuation, options.shading,
-                           world_from_input);
-  imported.dense_samples = rays.CountDense();
-  LogSamples(imported.file, imported.dense_samples);
+  RayIntegrator rays(volume, function, 0.5 * options.attenuation, options.shading,
+                     world_from_input);
+  LogSamples(*file, rays.CountDense());
   if (!rays.AnythingVisible()) FailInvisible(path, volume, transfer_function, function);
-  WriteGroundTruth(folder / kGroundTruth, volume, world_from_input, rays);
-  RenderViews(rays, scene, options.rays_per_side, folder);
+  return {std::move(scene), std::move(file), std::move(rays)};
+}
+
+void WriteImportedVolume(const ImportedVolume& imported, int rays_per_side,
+                         const fs::path& folder) {
+  const Scene& scene = imported.scene;
+  WriteGroundTruth(folder / kGroundTruth, imported.file->volume, scene.input_from_world.Inverse(),
+                   imported.rays);
+  RenderViews(imported.rays, scene, rays_per_side, folder);
   WriteScene(folder, scene);
-  return imported;
 }
 
 void RunVolumeImport(const VolumeImportOptions& options, Stage& stage) {
   const Timer timer;
+  const ImportedVolume imported =
+      ReadVolumeForImport(stage.Input("DATASET"), stage.Input("transfer-function"), options);
   for (const char* output : {"scene.json", "images", kGroundTruth}) stage.Output(output);
-  const ImportedVolume imported = ImportVolume(
-      stage.Input("DATASET"), stage.Input("transfer-function"), stage.folder(), options);
+  WriteImportedVolume(imported, options.rays_per_side, stage.folder());
   const Scene& scene = imported.scene;
-  const Volume& volume = imported.file.volume;
+  const VolumeFile& file = *imported.file;
+  const Volume& volume = file.volume;
   LogInfo("{} training, {} validation, {} test views", scene.ViewsOf(Split::kTrain).size(),
           scene.ViewsOf(Split::kValidation).size(), scene.ViewsOf(Split::kTest).size());
-  if (!imported.file.unused_fields.empty()) {
-    LogInfo("unused fields of the header: {}", fmt::join(imported.file.unused_fields, ", "));
+  if (!file.unused_fields.empty()) {
+    LogInfo("unused fields of the header: {}", fmt::join(file.unused_fields, ", "));
   }
   const Camera& camera = scene.cameras[0];
   LogInfo("images of {} x {} pixels", camera.width, camera.height);
   stage.Note("resolution", {camera.width, camera.height});
   stage.Count("samples", {volume.size.x, volume.size.y, volume.size.z});
-  stage.Count("samples_with_opacity", imported.dense_samples);
+  stage.Count("samples_with_opacity", imported.rays.CountDense());
   stage.Count("clamped_samples", volume.clamped);
   stage.Count("train_views", scene.ViewsOf(Split::kTrain).size());
   stage.Count("validation_views", scene.ViewsOf(Split::kValidation).size());
   stage.Count("test_views", scene.ViewsOf(Split::kTest).size());
   stage.Count("cameras", scene.cameras.size());
-  stage.Note("sample_type", Name(imported.file.type));
+  stage.Note("sample_type", Name(file.type));
   stage.Note("value_at_0", volume.value_at_0);
   stage.Note("value_at_1", volume.value_at_1);
   stage.Note("least_value", volume.least_value);
   stage.Note("largest_value", volume.largest_value);
-  stage.Note("unused_header_fields", imported.file.unused_fields);
+  stage.Note("unused_header_fields", file.unused_fields);
   stage.Seconds("import", timer.seconds());
 }
 

@@ -16,6 +16,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -62,16 +63,21 @@ void AddSphereOfViews(const VolumeImportOptions& options, double radius, Scene& 
 
 struct ImportedVolume {
   Scene scene;
-  VolumeFile file;
-  size_t dense_samples = 0;  // with opacity above 0
+  std::unique_ptr<const VolumeFile> file;
+  RayIntegrator rays;  // refers to the file's volume
 };
 
-// Writes the images last, so that a lack of memory or space and a transfer function that leaves
-// nothing visible (DataError) are found earlier.
-ImportedVolume ImportVolume(const std::filesystem::path& volume,
-                            const std::filesystem::path& transfer_function,
-                            const std::filesystem::path& folder, const VolumeImportOptions& options,
-                            const FreeMemory& free = MeasureFreeHostMemory());
+// Throws EnvironmentError if memory lacks, and DataError for damaged files and a transfer function
+// that leaves nothing visible.
+ImportedVolume ReadVolumeForImport(const std::filesystem::path& volume,
+                                   const std::filesystem::path& transfer_function,
+                                   const VolumeImportOptions& options,
+                                   const FreeMemory& free = MeasureFreeHostMemory());
+
+// Writes the scene, its images (each pixel the mean of `rays_per_side` squared rays) and the ground
+// truth; the ground truth first, as it may need the most space.
+void WriteImportedVolume(const ImportedVolume& imported, int rays_per_side,
+                         const std::filesystem::path& folder);
 
 // The stage; its inputs are "DATASET" and "transfer-function".
 void RunVolumeImport(const VolumeImportOptions& options, Stage& stage);

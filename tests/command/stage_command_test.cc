@@ -200,15 +200,31 @@ TEST_F(StageTest, ARefusedRunLeavesTheEarlierResultAsItWas) {
   EXPECT_THAT(log, HasSubstr("the earlier result stays as it is"));
   EXPECT_FALSE(First({input_, "-o", output_}).ran);  // up to date
 
-  // A run that was refused after work for later runs keeps both.
+  // A run that was refused after work for later runs keeps both, but not its scratch.
   const auto refuse_later = [](Stage& stage) {
     WriteText(stage.Cache("found.txt"), "found");
+    WriteText(stage.Scratch("half.txt"), "half");
     throw DataError("no photos");
   };
   EXPECT_EQ(First({input_, "-o", output_, "--rate", "3"}, refuse_later).exit_code, 3);
   EXPECT_EQ(Manifest(), manifest);
   EXPECT_EQ(Status()["key"], status["key"]);
   EXPECT_EQ(Status()["caches"], nlohmann::json({"cached.txt", "found.txt"}));
+  EXPECT_FALSE(fs::exists(fs::path(output_) / "half.txt"));
+  EXPECT_FALSE(First({input_, "-o", output_}).ran);
+
+  // A forced run removes earlier caches first.
+  const auto refuse_forced = [&](Stage& stage) {
+    stage.Scratch("half.txt");
+    EXPECT_TRUE(fs::exists(fs::path(output_) / "cached.txt"));
+    stage.Cache("found.txt");
+    EXPECT_FALSE(fs::exists(fs::path(output_) / "cached.txt"));
+    EXPECT_FALSE(fs::exists(fs::path(output_) / "found.txt"));
+    throw DataError("no photos");
+  };
+  EXPECT_EQ(First({input_, "-o", output_, "--force"}, refuse_forced).exit_code, 3);
+  EXPECT_EQ(Manifest(), manifest);
+  EXPECT_EQ(Status()["caches"], nlohmann::json({"found.txt"}));
   EXPECT_FALSE(First({input_, "-o", output_}).ran);
 
   // Another run removes it as soon as it writes; the log is then that run's alone.
@@ -227,6 +243,35 @@ TEST_F(StageTest, ARefusedRunLeavesTheEarlierResultAsItWas) {
   EXPECT_THAT(later, HasSubstr("before the first path"));
   EXPECT_THAT(later, HasSubstr("too late"));
   EXPECT_EQ(later.find("no such device"), std::string::npos);
+}
+
+TEST_F(StageTest, ScratchStaysWhenTheEarlierResultGoes) {
+  First({input_, "-o", output_}, [](Stage& stage) { WriteText(stage.Output("old.txt"), "old"); });
+  const fs::path out = output_;
+  const auto work = [&](Stage& stage) {
+    const fs::path half = stage.Scratch("half.txt");
+    WriteText(half, "half");
+    EXPECT_TRUE(fs::exists(out / "manifest.json"));
+    stage.Output("new.txt");
+    EXPECT_FALSE(fs::exists(out / "old.txt"));
+    EXPECT_TRUE(fs::exists(half));
+    throw Interrupted("stopped");
+  };
+  EXPECT_EQ(First({input_, "-o", output_, "--fast"}, work).exit_code, 130);
+  EXPECT_EQ(Status()["scratch"], nlohmann::json({"half.txt"}));
+  const Outcome resumed = First({input_, "-o", output_, "--fast"}, [&](Stage& stage) {
+    EXPECT_TRUE(fs::exists(stage.Scratch("half.txt")));
+    WriteText(stage.Output("new.txt"), "new");
+  });
+  EXPECT_TRUE(resumed.resumed);
+}
+
+// Its name may be that of a file that another version wrote.
+TEST_F(StageTest, ScratchNeverContainsAnEarlierResult) {
+  First({input_, "-o", output_}, [](Stage& stage) { WriteText(stage.Output("a/b"), "old"); });
+  First(
+      {input_, "-o", output_}, [](Stage& stage) { EXPECT_FALSE(fs::exists(stage.Scratch("a/b"))); },
+      2);
 }
 
 TEST_F(StageTest, NothingIsResumedWhereNothingWasBegun) {
@@ -574,7 +619,7 @@ TEST_F(StageSignalTest, SigtermAndSigintEndWith130AndTheRunCanBeContinued) {
     EXPECT_EQ(Status()["status"], "interrupted");
     EXPECT_TRUE(First({input_, "-o", output_}).resumed);
     First({input_, "-o", output_, "--force"}, [](Stage& stage) {
-      stage.Scratch("clear");
+      stage.Output("clear");
       throw DataError("clear");
     });
   }

@@ -85,6 +85,10 @@ class VolumeTest(StageCase):
         self.assertIn("outside the value range", narrow.stderr)
         self.assertGreater(self.manifest(self.scene)["counts"]["clamped_samples"], 0)
         self.assertNotEqual(hashes(self.scene), before)
+        # What is refused leaves the scene.
+        before = hashes(self.scene)
+        self.assert_fails(self.import_volume(self.header, "--value-range", "200,255"), 3, "is visible")
+        self.assertEqual(hashes(self.scene), before)
         self.assert_fails(self.import_volume(self.header, "--value-range", "15,0"), 2, "--value-range is 15,0")
         self.assert_fails(self.import_volume(self.header, "--value-range", "5"), 2, "--value-range")
 

@@ -37,8 +37,10 @@ std::string SmallSamples() {
 class VolumeImport : public ::testing::Test {
  protected:
   ImportedVolume Import(const std::string& to, const VolumeImportOptions& options) {
-    return ImportVolume(folder_.Write("v.raw", SmallSamples()), folder_.Write("tf.json", kFunction),
-                        folder_ / to, options);
+    ImportedVolume imported = ReadVolumeForImport(folder_.Write("v.raw", SmallSamples()),
+                                                  folder_.Write("tf.json", kFunction), options);
+    WriteImportedVolume(imported, options.rays_per_side, folder_ / to);
+    return imported;
   }
   ScratchFolder folder_;
 };
@@ -160,19 +162,17 @@ TEST_F(VolumeImport, AVolumeTooLargeForMemoryIsRefusedBeforeAnythingIsRead) {
   const auto function = folder_.Write("tf.json", kFunction);
   const FreeMemory little = {599, "the host"};
   ExpectError<EnvironmentError>(
-      [&] {
-        ImportVolume(folder_.Write("v.raw", "short"), function, folder_ / "scene", Small(), little);
-      },
+      [&] { ReadVolumeForImport(folder_.Write("v.raw", "short"), function, Small(), little); },
       {"3 x 2 x 5 samples"});
   ExpectError<EnvironmentError>(
       [&] {
-        ImportVolume(folder_.Write("v.nhdr",
-                                   "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 2 5\nencoding: "
-                                   "raw\ndata file: none.raw\n"),
-                     function, folder_ / "scene", VolumeImportOptions(), little);
+        ReadVolumeForImport(
+            folder_.Write("v.nhdr",
+                          "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 2 5\nencoding: "
+                          "raw\ndata file: none.raw\n"),
+            function, VolumeImportOptions(), little);
       },
       {"v.nhdr", "3 x 2 x 5 samples"});
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene"));
 }
 
 // Values of 12 bits in 16: 0, 140, ... 4060.
@@ -189,8 +189,8 @@ class TwelveBitImport : public VolumeImport {
  protected:
   TwelveBitImport() { options_.sample_type = SampleType::kUint16; }
   ImportedVolume ImportWith(const char* function) {
-    return ImportVolume(folder_.Write("v.raw", TwelveBits()), folder_.Write("tf.json", function),
-                        folder_ / "scene", options_);
+    return ReadVolumeForImport(folder_.Write("v.raw", TwelveBits()),
+                               folder_.Write("tf.json", function), options_);
   }
   VolumeImportOptions options_ = Small();
 };
@@ -202,15 +202,14 @@ TEST_F(TwelveBitImport, AVolumeThatNoImageWouldShowIsRefused) {
                          {"v.raw: nothing in it is visible", "samples range from 0 to 4060",
                           "tf.json", "above 0 at the values 13107 to 39327.6, 52428 to 65535",
                           "a value range LOW,HIGH", "the values 0 and 65535"});
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene"));
   ExpectError<DataError>(
       [&] { ImportWith(R"({"opacity": [[0, 0]], "colour": [[0, 1, 0, 0]]})"); },
       {"nothing in it is visible", "tf.json has opacity 0 everywhere", "raise it"});
   // With the data's own range it is visible.
   options_.value_range = glm::dvec2(0, 4060);
   const ImportedVolume imported = ImportWith(kFromThird);
-  EXPECT_EQ(imported.dense_samples, 18u);  // at i / 29: 6 to 17 and 24 to 29
-  EXPECT_EQ(imported.file.volume.clamped, 0u);
+  EXPECT_EQ(imported.rays.CountDense(), 18u);  // at i / 29: 6 to 17 and 24 to 29
+  EXPECT_EQ(imported.file->volume.clamped, 0u);
 }
 
 TEST_F(TwelveBitImport, WarnsIfTheDataUseASmallPartOfTheTypesRange) {
