@@ -3,17 +3,12 @@
 #define TETREC_ADAM_GLSL_H_
 
 #ifdef __cplusplus
+#include "shared/activation.glsl.h"
 #include "shared/glsl_subset.h"
 #else
+#include "activation.glsl.h"
 #include "glsl_subset.h"
 #endif
-
-// As Activation of field/layout.h.
-#define kActivationIdentity 0
-#define kActivationColor 1
-#define kActivationExp 2
-#define kActivationSigned 3
-#define kActivationSoftplus 4
 
 TETREC_BEGIN
 

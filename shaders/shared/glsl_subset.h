@@ -11,7 +11,9 @@
 #include <cstdint>
 namespace tetrec {
 // For built-in types; those of ceres::Jet are found by argument-dependent lookup.
+using std::cosh;
 using std::exp;
+using std::sinh;
 using std::sqrt;
 }  // namespace tetrec
 #define TETREC_BEGIN namespace tetrec {

@@ -4,9 +4,8 @@
 
 #include "core/file.h"
 #include "core/words.h"
+#include "shared/activation.glsl.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -26,7 +25,7 @@ inline constexpr auto kWords<FieldStorage> = std::to_array<Word<FieldStorage>>(
 const char* RowName(FieldStorage storage);
 
 // How the parameter that is learned becomes the value that is rendered. Shaders and files use the
-// numbers (kActivation... of shared/adam.glsl.h).
+// numbers (kActivation... of shared/activation.glsl.h).
 enum class Activation : uint32_t {
   kIdentity,  // the parameter itself
   kColor,     // the parameter itself, which an update clamps to [0, 1]
@@ -123,22 +122,13 @@ ParameterBounds BoundsOf(const Attribute& attribute, float largest);
 
 template <class Real>
 Real ValueOf(const Attribute& attribute, Real parameter) {
-  if (attribute.activation == Activation::kExp) return std::exp(parameter);
-  if (!HasScale(attribute.activation)) return parameter;
-  if (attribute.activation == Activation::kSigned)
-    return Real(attribute.scale) * std::sinh(parameter);
-  return Real(attribute.scale) *
-         (std::max(parameter, Real(0)) + std::log1p(std::exp(-std::abs(parameter))));
+  return ActivatedValue(int(attribute.activation), parameter, Real(attribute.scale));
+}
+// dvalue/dparameter.
+template <class Real>
+Real SlopeOf(const Attribute& attribute, Real parameter) {
+  return ActivationSlope(int(attribute.activation), parameter, Real(attribute.scale));
 }
 float ParameterOf(const Attribute& attribute, float value);
-// dvalue/dparameter, by the value.
-template <class Real>
-Real ActivationSlope(const Attribute& attribute, Real value) {
-  if (attribute.activation == Activation::kExp) return value;
-  if (!HasScale(attribute.activation)) return Real(1);
-  const Real scale(attribute.scale);
-  if (attribute.activation == Activation::kSoftplus) return -scale * std::expm1(-value / scale);
-  return std::sqrt(value * value + scale * scale);
-}
 
 }  // namespace tetrec

@@ -120,17 +120,16 @@ TEST(Activation, GoesThereAndBack) {
   EXPECT_EQ(ParameterOf(kDensityAttribute, -1.0f), kLeastLogDensity);
   EXPECT_EQ(ParameterOf(kSoftplus, 0.0f), kLeastLogDensity);
   EXPECT_EQ(ParameterOf(kSoftplus, -1.0f), kLeastLogDensity);
-  EXPECT_EQ(ActivationSlope(kDensityAttribute, 3.0), 3.0);
-  EXPECT_EQ(ActivationSlope(kIdentity, 3.0), 1.0);
+  EXPECT_EQ(SlopeOf(kIdentity, 3.0), 1.0);
 }
 
 TEST(Activation, HasTheSlopeOfItsValues) {
-  for (const Attribute& attribute : {kSigned, kSoftplus}) {
+  for (const Attribute& attribute : {kDensityAttribute, kSigned, kSoftplus}) {
     for (const double parameter : {-3.0, -0.5, 0.0, 0.1, 4.0}) {
       const double h = 1e-5;
       const double slope =
           (ValueOf(attribute, parameter + h) - ValueOf(attribute, parameter - h)) / (2 * h);
-      EXPECT_NEAR(ActivationSlope(attribute, ValueOf(attribute, parameter)), slope, 1e-8 * slope);
+      EXPECT_NEAR(SlopeOf(attribute, parameter), slope, 1e-8 * slope);
     }
   }
 }

@@ -163,8 +163,8 @@ class ReferenceRenderer final : public ProbedRenderer {
     std::vector<Real> by_parameter(attributes.size());
     for (size_t row = 0; row < state_.rows(); ++row) {
       for (size_t c = 0; c < attributes.size(); ++c) {
-        by_parameter[c] =
-            Real(sums_.At(row, c)) * ActivationSlope(*attributes[c], Real(ValueAt(field_, row, c)));
+        const float parameter = state_.parameters[row * attributes.size() + c];
+        by_parameter[c] = Real(sums_.At(row, c)) * SlopeOf(*attributes[c], Real(parameter));
       }
       row_update.Apply(state_, row, by_parameter, row_rates_[row]);
       SpreadRow<Real>(state_, row, field_);

@@ -1,7 +1,6 @@
 // The values of a field's rows, and the parameters that they come from.
 #pragma once
 
-#include "core/error.h"
 #include "field/field_state.h"
 
 #include <cstddef>
@@ -22,20 +21,6 @@ void SpreadRow(const FieldState& state, size_t row, RadianceField& field) {
       other.values[row * count + c] = ValueOf(other.attribute, *parameter++);
     }
   }
-}
-
-// The value of a component of a row, counted as in FieldLayout.
-inline float ValueAt(const RadianceField& field, size_t row, size_t component) {
-  if (component < kDensityOffset) return field.color_srgb[row][int(component)];
-  if (component == kDensityOffset) return field.density[row];
-  component -= kStandardComponents;
-  for (const AttributeValues& other : field.others) {
-    const size_t count = size_t(other.attribute.components);
-    if (component < count) return other.values[row * count + component];
-    component -= count;
-  }
-  TETREC_CHECK(false, "no such component");
-  return 0;
 }
 
 }  // namespace tetrec
