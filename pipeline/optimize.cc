@@ -90,6 +90,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   tetrec::AddWordOption(app, "--seen-space", options.seen_space,
                         "Space in front of the surfaces in the depth maps, where at most 12 photos "
                         "look: empty (no density) or learned");
+  tetrec::AddWordOption(app, "--seen-surfaces", options.seen_surfaces,
+                        "Surfaces on which the depth maps of several photos agree: kept (they never "
+                        "become transparent) or learned");
   tetrec::AddWordOption(app, "--judging-pictures", options.judging_pictures,
                         "Parts of the training pictures: kept back in the first part of a run, to "
                         "judge refinements, or learned throughout, while nothing judges");
@@ -183,7 +186,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
                 "--judging-pictures", "--watched-views"});
   GroupOptions(app, "Field",
                {"--storage", "--density", "--max-density", "--density-decay", "--sh", "--sh-decay",
-                "--camera-space", "--seen-space"});
+                "--camera-space", "--seen-space", "--seen-surfaces"});
   GroupOptions(
       app, "Learning rates",
       {"--color-rate", "--sh-rate", "--density-rate", "--position-rate", "--final-rate-share"});
@@ -200,7 +203,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   tetrec::StageCommand command(
-      "optimize", 21,
+      "optimize", 22,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

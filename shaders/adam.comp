@@ -72,8 +72,8 @@ void main() {
     vec4 gradient = TakeGradients(row);
     gradient[kDensityComponent] *=
         SlopeOfDensity(parameter[kDensityComponent], push.density_scale);
-    vec2 rates = texelFetch(row_rates, int(row)).xy;
-    float share = rates.x, kept_density = rates.y;
+    vec3 rates = texelFetch(row_rates, int(row)).xyz;
+    float share = rates.x, kept_density = rates.y, least_of_row = rates.z;
     float color_rate = share * push.rates[kRateColor];
     AdamState r = Next(parameter, first, second, kColorComponent, color_rate, gradient);
     AdamState g = Next(parameter, first, second, kColorComponent + 1, color_rate, gradient);
@@ -86,7 +86,8 @@ void main() {
       density.parameter =
           DecayedDensity(density.parameter, share * push.density_decay, kept_density);
     }
-    density.parameter = ClampBetween(density.parameter, push.least_density, push.largest_density);
+    density.parameter = ClampBetween(density.parameter, max(push.least_density, least_of_row),
+                                     push.largest_density);
     if (kDensityActivation == kActivationSigned) {
       density = StopAtZero(density, parameter[kDensityComponent]);
     }

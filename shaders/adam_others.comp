@@ -21,7 +21,7 @@ layout(std430, binding = kBindOtherGradients) buffer OtherGradients { Sum other_
 layout(std430, binding = kBindHasGradients) buffer HasGradients { uint has_gradients[]; };
 layout(std430, binding = kBindParameters) buffer Parameters { float parameters[]; };
 layout(std430, binding = kBindMoments) buffer Moments { float moments[]; };
-layout(std430, binding = kBindRowRates) readonly buffer RowRates { vec2 row_rates[]; };
+layout(std430, binding = kBindRowRates) readonly buffer RowRates { vec4 row_rates[]; };
 layout(push_constant) uniform Push { AdamPush push; };
 
 // Each attribute is components | activation << 8 | rate class << 16; 0 means that there is none.

@@ -10,7 +10,7 @@ layout(push_constant) uniform Push { ViewColorStepPush push; };
 
 layout(std430, binding = kBindParameters) writeonly buffer Parameters { float parameters[]; };
 layout(std430, binding = kBindMoments) buffer Moments { float moments[]; };
-layout(std430, binding = kBindRowRates) readonly buffer RowRates { vec2 row_rates[]; };
+layout(std430, binding = kBindRowRates) readonly buffer RowRates { vec4 row_rates[]; };
 layout(binding = kBindHarmonics) uniform textureBuffer harmonics;  // `parameters` as texels
 
 // The sums are in quanta; storing them would have rounded them.

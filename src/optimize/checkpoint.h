@@ -53,7 +53,7 @@ struct Checkpoint {
 // closed u32 x 3, u32 fine rays and u32 moving vertices (each 0 not tried, 1 not used, 2 used), u64
 // V, u64 T, the layout (AppendLayout), positions f32 x 3 V, tets and neighbours u32 x 4 T each,
 // then parameters, first moments and second moments, each f32 x rows x their number (FieldState),
-// and RowRates, f32 x 2 rows; then f64 share of the rates; of the vertices' motion u64 motions, u64
+// and RowRates, f32 x 3 rows; then f64 share of the rates; of the vertices' motion u64 motions, u64
 // x 3 counts (MotionCounts) and u64 M, 0 or V, first and second moments f32 x 3 M each, sizes and
 // room f32 x M each; then u64 exposures E, for each gains and offsets, f64 x 3 each, and for each
 // the sums of its three channels, f64 x 5 each (GainOffsetSums); then u32 sweeps over the cameras,

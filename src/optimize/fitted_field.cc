@@ -12,6 +12,14 @@
 #include <utility>
 
 namespace tetrec {
+namespace {
+
+// The least densities of surfaces on which depth maps agree, in units of DensityOfSurfaces: a third
+// of the light is lost along a median edge, or two thirds where few photos look, which explain walls
+// by haze. Where many look, what they teach is more exact than depth maps.
+constexpr double kLeastOfMany = 2, kLeastOfFew = 5;
+
+}  // namespace
 
 FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
                          TrainingRenderer& renderer, BatchDrawer& batches, PhotoSight sight,
@@ -20,6 +28,7 @@ FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
       batches_(batches),
       sight_(std::move(sight)),
       keeps_seen_space_empty_(options.seen_space == SpaceContent::kEmpty),
+      keeps_seen_surfaces_(options.seen_surfaces == SurfaceContent::kKept),
       density_of_surfaces_(density_of_surfaces) {
   const glm::dvec3 size = scene.subject_bounds.Size();
   subject_size_ = std::max({size.x, size.y, size.z});
@@ -28,10 +37,14 @@ FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
 
 void FittedField::Put(TetMesh mesh, FieldState state) {
   row_rates_ = RatesAt(PlacesOfRows(mesh, state.layout.storage));
-  const float least = BoundsOf(state.layout.density(), 1.0f).least;
+  const Attribute& density = state.layout.density();
+  const float empty = BoundsOf(density, 1.0f).least;
   for (size_t row = 0; row < row_rates_.size(); ++row) {
-    if (row_rates_[row].share > 0) continue;
-    state.parameters[row * size_t(state.layout.Components()) + kDensityOffset] = least;
+    float& parameter =
+        state.parameters[row * size_t(state.layout.Components()) + kDensityOffset];
+    parameter = row_rates_[row].share > 0
+                    ? std::max(parameter, ParameterOf(density, row_rates_[row].least_density))
+                    : empty;
   }
   PutWithRates(std::move(mesh), state);
 }
@@ -117,11 +130,24 @@ std::vector<RowRates> FittedField::RatesAt(std::span<const glm::vec3> places) co
   const std::vector<PlaceSight> sights = sight_.Of(places);
   std::vector<RowRates> rates(places.size());
   for (size_t row = 0; row < places.size(); ++row) {
-    const bool is_seen_empty = keeps_seen_space_empty_ && sights[row] == PlaceSight::kEmpty;
-    if (has_cameras[row] || is_seen_empty) rates[row].share = 0.0f;
-    if (sights[row] == PlaceSight::kMany) rates[row].kept_density = float(density_of_surfaces_);
+    const bool is_seen_empty = keeps_seen_space_empty_ && sights[row].is_empty;
+    const bool is_kept_surface = keeps_seen_surfaces_ && sights[row].is_surface;
+    if (is_kept_surface || sights[row].is_of_many) {
+      rates[row].kept_density = float(density_of_surfaces_);
+    }
+    if (has_cameras[row] || is_seen_empty) {
+      rates[row].share = 0.0f;
+    } else if (is_kept_surface && std::isfinite(density_of_surfaces_)) {
+      const double least = sights[row].is_of_many ? kLeastOfMany : kLeastOfFew;
+      rates[row].least_density = float(least * density_of_surfaces_);
+    }
   }
   return rates;
+}
+
+uint64_t FittedField::kept_surface_rows() const {
+  return uint64_t(std::ranges::count_if(
+      row_rates_, [](const RowRates& rates) { return rates.least_density > 0; }));
 }
 
 void FittedField::CountEmptied(std::span<const glm::vec3> places) {

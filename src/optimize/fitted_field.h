@@ -19,8 +19,10 @@
 namespace tetrec {
 
 // Whatever state it is given, there is no density in the space of the cameras and in what photos
-// see to be empty, and none grows there. Surfaces that many photos see do not decay: decay would
-// let light through them wherever the photos show the same colour behind.
+// see to be empty, and none grows there. Surfaces on which depth maps agree never become
+// transparent: hollows would show what changes from photo to photo, such as the light on a subject
+// that turns. Others that many photos see do not decay: decay would let light through them wherever
+// the photos show the same colour behind.
 class FittedField {
  public:
   // Tells `batches` whether colours depend on the view. What has `density_of_surfaces` or more is
@@ -56,6 +58,8 @@ class FittedField {
   // In the space of the cameras, and elsewhere in what photos see to be empty.
   uint64_t emptied_rows() const { return emptied_rows_; }
   uint64_t seen_empty_rows() const { return seen_empty_rows_; }
+  // At surfaces that never become transparent.
+  uint64_t kept_surface_rows() const;
 
  private:
   // Rows in space that is empty have a share of 0.
@@ -67,7 +71,7 @@ class FittedField {
   BatchDrawer& batches_;
   std::vector<Capsule> camera_space_;
   PhotoSight sight_;
-  bool keeps_seen_space_empty_;
+  bool keeps_seen_space_empty_, keeps_seen_surfaces_;
   double density_of_surfaces_;
   double subject_size_ = 0;
   std::vector<RowRates> row_rates_;

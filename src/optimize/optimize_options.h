@@ -27,6 +27,15 @@ template <>
 inline constexpr auto kWords<SpaceContent> = std::to_array<Word<SpaceContent>>(
     {{SpaceContent::kEmpty, "empty"}, {SpaceContent::kLearned, "learned"}});
 
+// What becomes of surfaces on which the depth maps of several photos agree (photo_sight.h).
+enum class SurfaceContent {
+  kKept,     // they never become transparent
+  kLearned,  // what the photos ask for
+};
+template <>
+inline constexpr auto kWords<SurfaceContent> = std::to_array<Word<SurfaceContent>>(
+    {{SurfaceContent::kKept, "kept"}, {SurfaceContent::kLearned, "learned"}});
+
 // What becomes of parts of the training pictures (judging.h).
 enum class JudgingPictures {
   kKept,     // for a while from learning; they judge refinements
@@ -147,6 +156,7 @@ struct OptimizeOptions {
   double checkpoint_interval_s = 30;
   SpaceContent camera_space = SpaceContent::kEmpty;
   SpaceContent seen_space = SpaceContent::kEmpty;
+  SurfaceContent seen_surfaces = SurfaceContent::kKept;
   JudgingPictures judging_pictures = JudgingPictures::kKept;
   FieldStorage storage = FieldStorage::kVertex;  // of the fitted field
   DensityForm density = DensityForm::kAuto;

@@ -23,6 +23,11 @@ constexpr double kNear = 0.05;
 // A place is hidden if it lies behind a depth by more than this share of it. What hangs from the
 // edge of a table is only slightly behind that edge.
 constexpr double kHiddenBehind = 0.02;
+// A map shows a surface at a place from this share of the depth before it to this share behind it:
+// a shell that starts at the surface, within the errors of depths, and is thick enough for vertices.
+constexpr double kSurfaceBefore = 0.004, kSurfaceBehind = 0.015;
+constexpr int kLeastMapsOfMany = 3, kLeastMapsOfFew = 2;
+constexpr int kMapsAtPerMapThrough = 5;
 // Pixels of a map per block, along each side: for what is near, few compared with what a vertex
 // covers; for what hides a place, as few as memory allows, because edges are sharp.
 constexpr int kBlockOfLeast = 4, kBlockOfLargest = 2;
@@ -95,14 +100,17 @@ float PhotoSight::Blocks::DepthAt(const glm::dvec3& in_cam) const {
 }
 
 PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
-  int photos = 0, maps_behind = 0;
+  int photos = 0, maps_behind = 0, maps_at = 0, maps_through = 0;
   bool is_near = false;
   for (const Photo& photo : photos_) {
     const glm::dvec3 in_cam = photo.cam_from_world * place;
     if (!photo.camera.Shows(in_cam)) continue;
     const double largest = photo.largest.DepthAt(in_cam), least = photo.least.DepthAt(in_cam);
     const bool is_hidden = largest > 0 && in_cam.z > (1 + kHiddenBehind) * largest;
-    if (!is_hidden && ++photos > kFewPhotos) return PlaceSight::kMany;
+    if (!is_hidden) ++photos;
+    if (largest > 0 && in_cam.z <= (1 + kSurfaceBehind) * largest) {
+      ++(in_cam.z < (1 - kSurfaceBefore) * largest ? maps_through : maps_at);
+    }
     if (least == 0 || in_cam.z > (1 + kNear) * least) continue;
     if (in_cam.z > (1 - kNear) * least) {
       is_near = true;
@@ -110,7 +118,11 @@ PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
       ++maps_behind;
     }
   }
-  return maps_behind >= kLeastMaps && !is_near ? PlaceSight::kEmpty : PlaceSight::kFew;
+  const bool is_of_many = photos > kFewPhotos;
+  return {.is_of_many = is_of_many,
+          .is_empty = !is_of_many && maps_behind >= kLeastMaps && !is_near,
+          .is_surface = maps_at >= (is_of_many ? kLeastMapsOfMany : kLeastMapsOfFew) &&
+                        maps_at >= kMapsAtPerMapThrough * maps_through};
 }
 
 std::vector<PlaceSight> PhotoSight::Of(std::span<const glm::vec3> places) const {

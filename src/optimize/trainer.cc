@@ -382,6 +382,7 @@ class Trainer {
     stage_.Count("rounds", rounds_.state().rounds);
     stage_.Count("emptied_rows", field_.emptied_rows());
     stage_.Count("seen_empty_rows", field_.seen_empty_rows());
+    stage_.Count("kept_surface_rows", field_.kept_surface_rows());
     stage_.Count("harmonics_degree", field_.harmonics_degree());
     stage_.Count("fine_rays", int(fine_rays_.state() == TrialState::kUsed));
     stage_.Seconds("optimize", seconds_);

@@ -63,6 +63,9 @@ void CheckRowRates(std::span<const RowRates> rates, size_t rows) {
     if (!(r.kept_density >= 0.0f)) {
       throw DataError(fmt::format("kept density {} is {}, not 0 or more", row, r.kept_density));
     }
+    if (std::isnan(r.least_density)) {
+      throw DataError(fmt::format("least density {} is not a number", row));
+    }
   }
 }
 

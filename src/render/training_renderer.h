@@ -98,6 +98,8 @@ struct RowRates {
   float share = 1.0f;  // of the learning rates, in [0, 1]; a row of 0 stays
   // Density from which on it does not decay [1 / world unit].
   float kept_density = std::numeric_limits<float>::infinity();
+  // Density below which it does not fall [1 / world unit].
+  float least_density = -std::numeric_limits<float>::infinity();
 };
 
 struct StepResult {

@@ -59,6 +59,7 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   for (size_t row = 0; row < rows; ++row) {
     checkpoint.row_rates.push_back({.share = float(row % 2)});
     if (row % 3 == 0) checkpoint.row_rates.back().kept_density = unit();
+    if (row % 5 == 0) checkpoint.row_rates.back().least_density = unit();
   }
   checkpoint.motion_trial = TrialState::kUsed;
   MotionState& motion = checkpoint.motion;
@@ -125,6 +126,7 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     for (size_t row = 0; row < read.row_rates.size(); ++row) {
       EXPECT_EQ(read.row_rates[row].share, written.row_rates[row].share);
       EXPECT_EQ(read.row_rates[row].kept_density, written.row_rates[row].kept_density);
+      EXPECT_EQ(read.row_rates[row].least_density, written.row_rates[row].least_density);
     }
     EXPECT_EQ(read.motion_trial, written.motion_trial);
     EXPECT_EQ(read.motion.motions, written.motion.motions);
@@ -206,6 +208,8 @@ TEST(Checkpoint, RefusesRatesThatAreNotPossible) {
   refused({.share = 1.5f}, "rate share 3 is 1.5");
   refused({.share = std::numeric_limits<float>::quiet_NaN()}, "rate share 3 is nan");
   refused({.kept_density = -1.0f}, "kept density 3 is -1");
+  refused({.least_density = std::numeric_limits<float>::quiet_NaN()},
+          "least density 3 is not a number");
 }
 
 TEST(Checkpoint, RefusesPosesThatAreNotPossible) {

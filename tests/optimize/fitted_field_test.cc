@@ -69,7 +69,7 @@ TEST(FittedField, HasNoDensityWherePhotosSeeNothing) {
   FittedField field(run.options, scene, *run.renderer, run.batches, sight);
   const std::vector<float> density = DensityOf(field, box);
   for (size_t v = 0; v < density.size(); ++v) {
-    EXPECT_EQ(density[v] < 1e-20f, sights[v] == PlaceSight::kEmpty) << v;
+    EXPECT_EQ(density[v] < 1e-20f, sights[v].is_empty) << v;
   }
   EXPECT_GT(field.seen_empty_rows(), 0u);
   EXPECT_LT(field.seen_empty_rows(), density.size());
@@ -104,6 +104,43 @@ TEST(FittedField, KeepsTheDensityOfSurfacesWhereManyPhotosLook) {
   EXPECT_TRUE(with_decay(12, 1.0) == decayed);
 }
 
+// Depth maps show the middle of a box of haze, and its photos are black: all of it should go.
+TEST(FittedField, KeepsSurfacesOnWhichDepthMapsAgree) {
+  for (const uint32_t photos : {3u, 13u}) {
+    SmallRun run;
+    Scene scene = RingOfCameras(int(photos), 0);
+    std::vector<StereoDepth> maps;
+    for (uint32_t view = 0; view < photos; ++view) {
+      scene.views[view].cam_from_world = {glm::dmat3(1.0), {0.0, 0.0, 40.0}};
+      maps.push_back(MakeStereoDepth(view, scene.cameras[0]));
+      std::fill(maps[view].depth.begin(), maps[view].depth.end(), 40.0f);
+      std::fill(maps[view].agreement.begin(), maps[view].agreement.end(), uint8_t(2));
+    }
+    RadianceField box = WavyBox(0.4);
+    std::fill(box.density.begin(), box.density.end(), 0.01f);
+    const PhotoSight sight(scene, maps);
+    const std::vector<PlaceSight> sights = sight.Of(box.mesh.positions);
+    const uint64_t surface = uint64_t(std::ranges::count(sights, true, &PlaceSight::is_surface));
+    FittedField field(run.options, scene, *run.renderer, run.batches, sight, 0.5);
+    const std::vector<float> before = DensityOf(field, box);
+    for (int i = 0; i < 20; ++i) run.steps.Take(AtProgress(0.1), false);
+    const std::vector<float> after = FieldOf(field.mesh(), field.ReadState()).density;
+    const float least = photos == 3 ? 2.5f : 1.0f;
+    for (size_t v = 0; v < before.size(); ++v) {
+      EXPECT_NEAR(before[v], sights[v].is_surface ? least : 0.01f, 1e-5f) << v;
+      if (!sights[v].is_surface) continue;
+      EXPECT_GE(after[v], 0.9999f * least) << v;
+    }
+    EXPECT_GT(surface, 0u);
+    EXPECT_LT(surface, before.size());
+    EXPECT_EQ(field.kept_surface_rows(), surface);
+    run.options.seen_surfaces = SurfaceContent::kLearned;
+    FittedField learned(run.options, scene, *run.renderer, run.batches, sight, 0.5);
+    for (const float density : DensityOf(learned, box)) EXPECT_NEAR(density, 0.01f, 1e-6f);
+    EXPECT_EQ(learned.kept_surface_rows(), 0u);
+  }
+}
+
 // A resumed run must do what the run would have done, wherever vertices have moved.
 TEST(FittedField, ResumesWithTheRatesOfACheckpoint) {
   SmallRun run;
@@ -113,9 +150,11 @@ TEST(FittedField, ResumesWithTheRatesOfACheckpoint) {
   std::vector<RowRates> rates = field.row_rates();
   rates[0].share = 0.0f;
   rates[1].kept_density = 2.5f;
+  rates[2].least_density = 0.5f;
   field.Resume(box.mesh, StateOf(box), rates);
   EXPECT_EQ(field.row_rates()[0].share, 0.0f);
   EXPECT_EQ(field.row_rates()[1].kept_density, 2.5f);
+  EXPECT_EQ(field.kept_surface_rows(), 1u);
   EXPECT_EQ(field.emptied_rows() + field.seen_empty_rows(), 1u);
   const std::vector<float> before = run.renderer->ReadState().parameters;
   EXPECT_TRUE(before == StateOf(box).parameters);

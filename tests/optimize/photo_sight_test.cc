@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 namespace tetrec {
 namespace {
@@ -42,7 +43,15 @@ PlaceSight SightOf(const PhotoSight& sight, const glm::vec3& place) {
 }
 
 bool IsEmpty(const PhotoSight& sight, const glm::vec3& place) {
-  return SightOf(sight, place) == PlaceSight::kEmpty;
+  return SightOf(sight, place).is_empty;
+}
+
+bool IsOfMany(const PhotoSight& sight, const glm::vec3& place) {
+  return SightOf(sight, place).is_of_many;
+}
+
+bool IsSurface(const PhotoSight& sight, const glm::vec3& place) {
+  return SightOf(sight, place).is_surface;
 }
 
 TEST(PhotoSight, OfFewPhotosIsEmptyInFrontOfWhatTwoMapsShow) {
@@ -81,18 +90,18 @@ TEST(PhotoSight, TakesTheLeastDepthOfABlock) {
 TEST(PhotoSight, IsOfManyWhereMoreThan12TrainingPhotosSeeAPlace) {
   for (const int cameras : {12, 13}) {
     const Scene scene = ViewsOfAWall(cameras);
-    EXPECT_EQ(SightOf(PhotoSight(scene), {0.0f, 0.0f, 2.0f}) == PlaceSight::kMany, cameras == 13);
+    EXPECT_EQ(IsOfMany(PhotoSight(scene), {0.0f, 0.0f, 2.0f}), cameras == 13);
     EXPECT_EQ(IsEmpty(PhotoSight(scene, MapsOf(scene, 2, 4.0f)), {0.0f, 0.0f, 2.0f}),
               cameras == 12);
   }
   Scene scene = ViewsOfAWall(13);
   const std::vector<glm::vec3> places = {
       {0.06f, 0.0f, 2.0f}, {0.0f, 0.0f, -9.0f}, {-0.95f, 0.0f, 2.0f}};
-  const std::vector<PlaceSight> expected = {PlaceSight::kMany, PlaceSight::kFew, PlaceSight::kFew};
+  const std::vector<PlaceSight> expected = {{.is_of_many = true}, {}, {}};
   EXPECT_EQ(PhotoSight(scene).Of(places), expected) << "behind the cameras, beside some frames";
   scene.views[4].split = Split::kTest;
-  EXPECT_EQ(SightOf(PhotoSight(scene), {0.06f, 0.0f, 2.0f}), PlaceSight::kFew);
-  EXPECT_EQ(SightOf(PhotoSight(), {0.06f, 0.0f, 2.0f}), PlaceSight::kFew);
+  EXPECT_FALSE(IsOfMany(PhotoSight(scene), {0.06f, 0.0f, 2.0f}));
+  EXPECT_FALSE(IsOfMany(PhotoSight(), {0.06f, 0.0f, 2.0f}));
 }
 
 TEST(PhotoSight, IsNotOfPhotosWhoseMapsShowSomethingInFront) {
@@ -100,10 +109,10 @@ TEST(PhotoSight, IsNotOfPhotosWhoseMapsShowSomethingInFront) {
   const PhotoSight all_but_one(scene, MapsOf(scene, 12, 4.0f));
   const PhotoSight one_hidden(scene, MapsOf(scene, 1, 4.0f));
   const glm::vec3 at_wall(0.0f, 0.0f, 4.05f), behind(0.0f, 0.0f, 4.1f);
-  EXPECT_EQ(SightOf(all_but_one, at_wall), PlaceSight::kMany);
-  EXPECT_EQ(SightOf(one_hidden, behind), PlaceSight::kFew);
-  EXPECT_EQ(SightOf(all_but_one, behind), PlaceSight::kFew) << "hidden is not empty";
-  EXPECT_EQ(SightOf(PhotoSight(scene), behind), PlaceSight::kMany);
+  EXPECT_TRUE(IsOfMany(all_but_one, at_wall));
+  EXPECT_FALSE(IsOfMany(one_hidden, behind));
+  EXPECT_EQ(SightOf(all_but_one, behind), PlaceSight()) << "hidden is not empty";
+  EXPECT_TRUE(IsOfMany(PhotoSight(scene), behind));
 }
 
 // A place that one map may show is not known to be empty, even where that map hides it by a little.
@@ -120,8 +129,36 @@ TEST(PhotoSight, IsHiddenOnlyBehindTheLargestDepthOfABlock) {
   const Scene scene = ViewsOfAWall(13);
   std::vector<StereoDepth> maps = MapsOf(scene, 13, 4.0f);
   for (StereoDepth& map : maps) map.depth[map.Index(33, 25)] = 2.5f;
-  EXPECT_EQ(SightOf(PhotoSight(scene, maps), {0.0f, 0.0f, 4.0f}), PlaceSight::kMany);
-  EXPECT_EQ(SightOf(PhotoSight(scene, maps), {0.0f, 0.0f, 4.2f}), PlaceSight::kFew);
+  EXPECT_TRUE(IsOfMany(PhotoSight(scene, maps), {0.0f, 0.0f, 4.0f}));
+  EXPECT_FALSE(IsOfMany(PhotoSight(scene, maps), {0.0f, 0.0f, 4.2f}));
+}
+
+TEST(PhotoSight, IsASurfaceRightWhereEnoughMapsShowOne) {
+  const Scene scene = ViewsOfAWall(14);
+  const PhotoSight sight(scene, MapsOf(scene, 3, 4.0f));
+  EXPECT_TRUE(IsSurface(sight, {0.0f, 0.0f, 4.0f}));
+  EXPECT_TRUE(IsSurface(sight, {0.0f, 0.0f, 4.05f})) << "just behind";
+  EXPECT_TRUE(IsSurface(sight, {0.0f, 0.0f, 3.99f})) << "within the error of depths";
+  EXPECT_FALSE(IsSurface(sight, {0.0f, 0.0f, 4.08f}));
+  EXPECT_FALSE(IsSurface(sight, {0.0f, 0.0f, 3.96f}));
+  EXPECT_FALSE(IsSurface(PhotoSight(scene, MapsOf(scene, 2, 4.0f)), {0.0f, 0.0f, 4.0f}));
+  EXPECT_FALSE(IsSurface(PhotoSight(scene), {0.0f, 0.0f, 4.0f}));
+  const Scene few = ViewsOfAWall(12);
+  EXPECT_TRUE(IsSurface(PhotoSight(few, MapsOf(few, 2, 4.0f)), {0.0f, 0.0f, 4.0f}));
+  EXPECT_FALSE(IsSurface(PhotoSight(few, MapsOf(few, 1, 4.0f)), {0.0f, 0.0f, 4.0f}));
+}
+
+TEST(PhotoSight, IsNoSurfaceThroughWhichManyMapsShowAnother) {
+  const Scene scene = ViewsOfAWall(14);
+  for (const auto& [at, through, is_surface] :
+       {std::tuple(10u, 2u, true), std::tuple(10u, 3u, false), std::tuple(4u, 1u, false)}) {
+    std::vector<StereoDepth> maps = MapsOf(scene, at, 4.0f);
+    for (uint32_t view = at; view < at + through; ++view) maps.push_back(MapOf(scene, view, 6.0f));
+    EXPECT_EQ(IsSurface(PhotoSight(scene, maps), {0.0f, 0.0f, 4.0f}), is_surface) << at;
+    // What hides the place says nothing about it.
+    for (uint32_t view = at; view < at + through; ++view) maps[view] = MapOf(scene, view, 2.0f);
+    EXPECT_TRUE(IsSurface(PhotoSight(scene, maps), {0.0f, 0.0f, 4.0f})) << at;
+  }
 }
 
 TEST(PhotoSight, IsReadFromTheMapsOfTheStart) {

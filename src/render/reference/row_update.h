@@ -6,6 +6,7 @@
 #include "render/training_renderer.h"
 #include "shared/adam.glsl.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -49,8 +50,12 @@ class RowUpdate {
       next.parameter = DecayedDensity(next.parameter, share * Real(adam_.density_decay),
                                       Real(ParameterOf(*attributes_[c], of_row.kept_density)));
     }
-    next.parameter = ClampParameter(int(attributes_[c]->activation), next.parameter,
-                                    Real(adam_.least_density), Real(adam_.largest_density));
+    Real least(adam_.least_density);
+    if (is_density) {
+      least = std::max(least, Real(ParameterOf(*attributes_[c], of_row.least_density)));
+    }
+    next.parameter = ClampParameter(int(attributes_[c]->activation), next.parameter, least,
+                                    Real(adam_.largest_density));
     if (attributes_[c]->activation == Activation::kSigned) {
       next = StopAtZero(next, Real(parameter));
     }

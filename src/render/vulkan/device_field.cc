@@ -308,8 +308,7 @@ DeviceField UploadField(const Device& device, TetMesh host_mesh, const FieldStat
                  PartOf<float>(std::span(state.parameters), components, kStandardPart), kTexels);
   field.moments = MakeBuffer(device, "moments", AdamMomentRows(state), kTexels);
   if (!state.layout.IsStandard()) field.others = UploadOthers(device, state);
-  field.row_rates =
-      Buffer(device, "row rates", field.row_count * sizeof(glm::vec2), VK_FORMAT_R32G32_SFLOAT);
+  field.row_rates = Buffer(device, "row rates", field.row_count * sizeof(glm::vec4), kTexels);
   UploadRowRates(field, std::vector<RowRates>(field.row_count));
   field.gradients =
       Buffer(device, "field gradients",
@@ -382,14 +381,17 @@ void AddToPositionGradients(DeviceField& field, std::span<const double> values,
 }
 
 void UploadRowRates(DeviceField& field, std::span<const RowRates> rates) {
-  std::vector<glm::vec2> rows;
+  const auto parameter = [&](float density) {
+    // Devices need not know infinity.
+    constexpr float kMost = std::numeric_limits<float>::max();
+    return std::clamp(ParameterOf(field.layout.density(), density), -kMost, kMost);
+  };
+  std::vector<glm::vec4> rows;
   rows.reserve(rates.size());
   for (const RowRates& r : rates) {
-    // Devices need not know infinity.
-    rows.emplace_back(r.share, std::min(ParameterOf(field.layout.density(), r.kept_density),
-                                        std::numeric_limits<float>::max()));
+    rows.emplace_back(r.share, parameter(r.kept_density), parameter(r.least_density), 0.0f);
   }
-  field.row_rates.Upload(rows.data(), rows.size() * sizeof(glm::vec2));
+  field.row_rates.Upload(rows.data(), rows.size() * sizeof(glm::vec4));
 }
 
 void UploadParameters(DeviceField& field, std::span<const float> parameters) {

@@ -37,7 +37,7 @@ struct DeviceField {
   Buffer parameters, gradients;  // rows of kStandardComponents
   Buffer moments;                // rows: all first moments of a row, then all second ones
   OtherAttributes others;
-  Buffer row_rates;           // vec2 per row (kBindRowRates)
+  Buffer row_rates;           // vec4 per row (kBindRowRates)
   Buffer position_gradients;  // vec4 per vertex: xyz | absolute sum; absent until asked for
   Buffer tet_scores;
   uint32_t vertex_count = 0, tet_count = 0, hull_faces = 0, hull_planes = 0;

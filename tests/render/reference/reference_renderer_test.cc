@@ -47,10 +47,12 @@ struct Learnt {
   TetScores scores;
 };
 
-// Every second row keeps its density above the middle of their range.
+// Every second row keeps its density above the middle of their range, and every fifth has a bound
+// below which its density does not fall.
 std::vector<RowRates> MixedRates(size_t rows) {
   std::vector<RowRates> rates(rows);
   for (size_t row = 0; row < rows; row += 2) rates[row].kept_density = 2.5f;
+  for (size_t row = 0; row < rows; row += 5) rates[row].least_density = 1.0f;
   return rates;
 }
 

@@ -165,6 +165,8 @@ TEST_P(TrainingPartsTest, RowsMoveByTheirShareOfTheRates) {
   ExpectError<DataError>([&] { shared.SetRowRates(rates); }, {"rate share 2 is 1.5"});
   rates[2] = {.kept_density = -1.0f};
   ExpectError<DataError>([&] { shared.SetRowRates(rates); }, {"kept density 2 is -1"});
+  rates[2] = {.least_density = std::numeric_limits<float>::quiet_NaN()};
+  ExpectError<DataError>([&] { shared.SetRowRates(rates); }, {"least density 2 is not a number"});
   // A new state has whole rates again.
   shared.SetState(field_.mesh, start);
   shared.Step(Whole(), update);
