@@ -90,9 +90,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   tetrec::AddWordOption(app, "--seen-space", options.seen_space,
                         "Space in front of the surfaces in the depth maps, where at most 12 photos "
                         "look: empty (no density) or learned");
-  tetrec::AddWordOption(app, "--seen-surfaces", options.seen_surfaces,
-                        "Surfaces on which the depth maps of several photos agree: kept (they never "
-                        "become transparent) or learned");
+  tetrec::AddWordOption(
+      app, "--seen-surfaces", options.seen_surfaces,
+      "Surfaces on which the depth maps of several photos agree: kept (they never "
+      "become transparent) or learned");
   tetrec::AddWordOption(app, "--judging-pictures", options.judging_pictures,
                         "Parts of the training pictures: kept back in the first part of a run, to "
                         "judge refinements, or learned throughout, while nothing judges");

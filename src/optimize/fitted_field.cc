@@ -15,8 +15,8 @@ namespace tetrec {
 namespace {
 
 // The least densities of surfaces on which depth maps agree, in units of DensityOfSurfaces: a third
-// of the light is lost along a median edge, or two thirds where few photos look, which explain walls
-// by haze. Where many look, what they teach is more exact than depth maps.
+// of the light is lost along a median edge, or two thirds where few photos look, which explain
+// walls by haze. Where many look, what they teach is more exact than depth maps.
 constexpr double kLeastOfMany = 2, kLeastOfFew = 5;
 
 }  // namespace
@@ -40,8 +40,7 @@ void FittedField::Put(TetMesh mesh, FieldState state) {
   const Attribute& density = state.layout.density();
   const float empty = BoundsOf(density, 1.0f).least;
   for (size_t row = 0; row < row_rates_.size(); ++row) {
-    float& parameter =
-        state.parameters[row * size_t(state.layout.Components()) + kDensityOffset];
+    float& parameter = state.parameters[row * size_t(state.layout.Components()) + kDensityOffset];
     parameter = row_rates_[row].share > 0
                     ? std::max(parameter, ParameterOf(density, row_rates_[row].least_density))
                     : empty;
@@ -138,7 +137,7 @@ std::vector<RowRates> FittedField::RatesAt(std::span<const glm::vec3> places) co
     if (has_cameras[row] || is_seen_empty) {
       rates[row].share = 0.0f;
     } else if (is_kept_surface && std::isfinite(density_of_surfaces_)) {
-      const double least = sights[row].is_of_many ? kLeastOfMany : kLeastOfFew;
+      const double least = sights[row].is_surface_of_few ? kLeastOfFew : kLeastOfMany;
       rates[row].least_density = float(least * density_of_surfaces_);
     }
   }

@@ -24,8 +24,10 @@ constexpr double kNear = 0.05;
 // edge of a table is only slightly behind that edge.
 constexpr double kHiddenBehind = 0.02;
 // A map shows a surface at a place from this share of the depth before it to this share behind it:
-// a shell that starts at the surface, within the errors of depths, and is thick enough for vertices.
+// a shell that starts at the surface, within the errors of depths, and is thick enough for
+// vertices.
 constexpr double kSurfaceBefore = 0.004, kSurfaceBehind = 0.015;
+constexpr int kFewPhotosOfSurface = 20;
 constexpr int kLeastMapsOfMany = 3, kLeastMapsOfFew = 2;
 constexpr int kMapsAtPerMapThrough = 5;
 // Pixels of a map per block, along each side: for what is near, few compared with what a vertex
@@ -118,11 +120,13 @@ PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
       ++maps_behind;
     }
   }
-  const bool is_of_many = photos > kFewPhotos;
+  const bool is_of_many = photos > kFewPhotos, may_be_of_few = photos <= kFewPhotosOfSurface;
+  const bool is_surface = maps_at >= (may_be_of_few ? kLeastMapsOfFew : kLeastMapsOfMany) &&
+                          maps_at >= kMapsAtPerMapThrough * maps_through;
   return {.is_of_many = is_of_many,
           .is_empty = !is_of_many && maps_behind >= kLeastMaps && !is_near,
-          .is_surface = maps_at >= (is_of_many ? kLeastMapsOfMany : kLeastMapsOfFew) &&
-                        maps_at >= kMapsAtPerMapThrough * maps_through};
+          .is_surface = is_surface,
+          .is_surface_of_few = is_surface && may_be_of_few};
 }
 
 std::vector<PlaceSight> PhotoSight::Of(std::span<const glm::vec3> places) const {

@@ -18,16 +18,17 @@ namespace tetrec {
 // Many photos forbid fog by themselves and agree on what is solid; a few do not.
 struct PlaceSight {
   bool is_of_many = false;  // more than 12 photos see the place
-  bool is_empty = false;    // few photos see it, and it is known to be empty
-  bool is_surface = false;  // depth maps agree on a surface there
+  bool is_empty = false;    // no more see it, and it is known to be empty
+  // Depth maps agree on a surface there; or they do, and at most 20 photos see it.
+  bool is_surface = false, is_surface_of_few = false;
   bool operator==(const PlaceSight&) const = default;
 };
 
 // A photo sees a place that is in its frame, unless its depth map shows only what is in front of
 // the place. A place that few photos see is empty if at least 2 maps show something clearly behind
-// it and none shows something near it. A place is at a surface if at least 3 maps, or 2 if few photos
-// see it, show one right there, and at most a fifth as many show something behind. Only depths that
-// at least 2 other views confirm count.
+// it and none shows something near it. A place is at a surface if at least 3 maps, or 2 if at most
+// 20 photos see it, show one right there, and at most a fifth as many show something behind. Only
+// depths that at least 2 other views confirm count.
 class PhotoSight {
  public:
   // No photo sees anything.

@@ -106,7 +106,7 @@ TEST(FittedField, KeepsTheDensityOfSurfacesWhereManyPhotosLook) {
 
 // Depth maps show the middle of a box of haze, and its photos are black: all of it should go.
 TEST(FittedField, KeepsSurfacesOnWhichDepthMapsAgree) {
-  for (const uint32_t photos : {3u, 13u}) {
+  for (const uint32_t photos : {3u, 21u}) {
     SmallRun run;
     Scene scene = RingOfCameras(int(photos), 0);
     std::vector<StereoDepth> maps;

@@ -134,7 +134,7 @@ TEST(PhotoSight, IsHiddenOnlyBehindTheLargestDepthOfABlock) {
 }
 
 TEST(PhotoSight, IsASurfaceRightWhereEnoughMapsShowOne) {
-  const Scene scene = ViewsOfAWall(14);
+  const Scene scene = ViewsOfAWall(21);
   const PhotoSight sight(scene, MapsOf(scene, 3, 4.0f));
   EXPECT_TRUE(IsSurface(sight, {0.0f, 0.0f, 4.0f}));
   EXPECT_TRUE(IsSurface(sight, {0.0f, 0.0f, 4.05f})) << "just behind";
@@ -143,13 +143,13 @@ TEST(PhotoSight, IsASurfaceRightWhereEnoughMapsShowOne) {
   EXPECT_FALSE(IsSurface(sight, {0.0f, 0.0f, 3.96f}));
   EXPECT_FALSE(IsSurface(PhotoSight(scene, MapsOf(scene, 2, 4.0f)), {0.0f, 0.0f, 4.0f}));
   EXPECT_FALSE(IsSurface(PhotoSight(scene), {0.0f, 0.0f, 4.0f}));
-  const Scene few = ViewsOfAWall(12);
+  const Scene few = ViewsOfAWall(20);
   EXPECT_TRUE(IsSurface(PhotoSight(few, MapsOf(few, 2, 4.0f)), {0.0f, 0.0f, 4.0f}));
   EXPECT_FALSE(IsSurface(PhotoSight(few, MapsOf(few, 1, 4.0f)), {0.0f, 0.0f, 4.0f}));
 }
 
 TEST(PhotoSight, IsNoSurfaceThroughWhichManyMapsShowAnother) {
-  const Scene scene = ViewsOfAWall(14);
+  const Scene scene = ViewsOfAWall(21);
   for (const auto& [at, through, is_surface] :
        {std::tuple(10u, 2u, true), std::tuple(10u, 3u, false), std::tuple(4u, 1u, false)}) {
     std::vector<StereoDepth> maps = MapsOf(scene, at, 4.0f);
