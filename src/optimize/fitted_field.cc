@@ -14,10 +14,10 @@
 namespace tetrec {
 namespace {
 
-// The least densities of surfaces on which depth maps agree, in units of DensityOfSurfaces: a third
-// of the light is lost along a median edge, or two thirds where few photos look, which explain
-// walls by haze. Where many look, what they teach is more exact than depth maps.
-constexpr double kLeastOfMany = 2, kLeastOfFew = 5;
+// The least density of surfaces on which depth maps agree, in units of DensityOfSurfaces: a third
+// of the light is lost along a median edge, or two thirds with few photos. What many photos teach
+// is more exact than depth maps.
+constexpr double kLeastOfSurfaces = 2, kLeastOfSmallCollection = 5;
 
 }  // namespace
 
@@ -127,6 +127,9 @@ std::vector<float> FittedField::RoomOfVertices() const {
 std::vector<RowRates> FittedField::RatesAt(std::span<const glm::vec3> places) const {
   const std::vector<uint8_t> has_cameras = InsideCapsules(places, camera_space_);
   const std::vector<PlaceSight> sights = sight_.Of(places);
+  const float least_of_surfaces =
+      float((sight_.IsOfSmallCollection() ? kLeastOfSmallCollection : kLeastOfSurfaces) *
+            density_of_surfaces_);
   std::vector<RowRates> rates(places.size());
   for (size_t row = 0; row < places.size(); ++row) {
     const bool is_seen_empty = keeps_seen_space_empty_ && sights[row].is_empty;
@@ -137,8 +140,7 @@ std::vector<RowRates> FittedField::RatesAt(std::span<const glm::vec3> places) co
     if (has_cameras[row] || is_seen_empty) {
       rates[row].share = 0.0f;
     } else if (is_kept_surface && std::isfinite(density_of_surfaces_)) {
-      const double least = sights[row].is_surface_of_few ? kLeastOfFew : kLeastOfMany;
-      rates[row].least_density = float(least * density_of_surfaces_);
+      rates[row].least_density = least_of_surfaces;
     }
   }
   return rates;

@@ -27,8 +27,8 @@ constexpr double kHiddenBehind = 0.02;
 // a shell that starts at the surface, within the errors of depths, and is thick enough for
 // vertices.
 constexpr double kSurfaceBefore = 0.004, kSurfaceBehind = 0.015;
-constexpr int kFewPhotosOfSurface = 20;
-constexpr int kLeastMapsOfMany = 3, kLeastMapsOfFew = 2;
+constexpr size_t kSmallCollection = 20;
+constexpr int kLeastMapsOfSurface = 3, kLeastMapsOfSmallCollection = 2;
 constexpr int kMapsAtPerMapThrough = 5;
 // Pixels of a map per block, along each side: for what is near, few compared with what a vertex
 // covers; for what hides a place, as few as memory allows, because edges are sharp.
@@ -120,14 +120,14 @@ PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
       ++maps_behind;
     }
   }
-  const bool is_of_many = photos > kFewPhotos, may_be_of_few = photos <= kFewPhotosOfSurface;
-  const bool is_surface = maps_at >= (may_be_of_few ? kLeastMapsOfFew : kLeastMapsOfMany) &&
-                          maps_at >= kMapsAtPerMapThrough * maps_through;
+  const bool is_of_many = photos > kFewPhotos;
+  const int least_maps = IsOfSmallCollection() ? kLeastMapsOfSmallCollection : kLeastMapsOfSurface;
   return {.is_of_many = is_of_many,
           .is_empty = !is_of_many && maps_behind >= kLeastMaps && !is_near,
-          .is_surface = is_surface,
-          .is_surface_of_few = is_surface && may_be_of_few};
+          .is_surface = maps_at >= least_maps && maps_at >= kMapsAtPerMapThrough * maps_through};
 }
+
+bool PhotoSight::IsOfSmallCollection() const { return photos_.size() <= kSmallCollection; }
 
 std::vector<PlaceSight> PhotoSight::Of(std::span<const glm::vec3> places) const {
   std::vector<PlaceSight> sights(places.size());

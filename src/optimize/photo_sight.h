@@ -19,15 +19,14 @@ namespace tetrec {
 struct PlaceSight {
   bool is_of_many = false;  // more than 12 photos see the place
   bool is_empty = false;    // no more see it, and it is known to be empty
-  // Depth maps agree on a surface there; or they do, and at most 20 photos see it.
-  bool is_surface = false, is_surface_of_few = false;
+  bool is_surface = false;  // depth maps agree on a surface there
   bool operator==(const PlaceSight&) const = default;
 };
 
 // A photo sees a place that is in its frame, unless its depth map shows only what is in front of
 // the place. A place that few photos see is empty if at least 2 maps show something clearly behind
-// it and none shows something near it. A place is at a surface if at least 3 maps, or 2 if at most
-// 20 photos see it, show one right there, and at most a fifth as many show something behind. Only
+// it and none shows something near it. A place is at a surface if at least 3 maps, or 2 of a
+// small collection, show one right there, and at most a fifth as many show something behind. Only
 // depths that at least 2 other views confirm count.
 class PhotoSight {
  public:
@@ -37,6 +36,9 @@ class PhotoSight {
   explicit PhotoSight(const Scene& scene, std::span<const StereoDepth> maps = {});
 
   std::vector<PlaceSight> Of(std::span<const glm::vec3> places) const;  // [world units]
+
+  // At most 20 photos, which explain walls by haze.
+  bool IsOfSmallCollection() const;
 
   // Reads the depth maps that tetrec-tetrahedralize --start dense wrote below `start_folder`, if
   // there are any. Throws DataError, naming the file, for a map that does not fit the scene.
