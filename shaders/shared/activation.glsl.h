@@ -19,7 +19,7 @@ TETREC_BEGIN
 
 // ln(1 + x) for x in [0, 1].
 #ifdef __cplusplus
-TETREC_FN Real LogOfOnePlus(Real x) { return std::log1p(x); }
+TETREC_FN Real LogOfOnePlus(Real x) { return log1p(x); }
 #else
 float LogOfOnePlus(float x) {  // by its series where 1 + x would be rounded
   return x < 0.01 ? x * (1.0 - x * (0.5 - x * (1.0 / 3.0))) : log(1.0 + x);

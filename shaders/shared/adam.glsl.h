@@ -71,7 +71,7 @@ TETREC_FN Real ClampColor(Real color) {
   return color < Real(0.0) ? Real(0.0) : color > Real(1.0) ? Real(1.0) : color;
 }
 
-// Bounds of a parameter (BoundsOf of field/layout.h, and a row's own). The larger one counts if
+// Bounds of a parameter (BoundsOf of field/layout.h, and a row's own). The upper one counts if
 // they contradict each other.
 TETREC_FN Real ClampBetween(Real parameter, Real least, Real largest) {
   Real raised = parameter < least ? least : parameter;

@@ -13,6 +13,7 @@ namespace tetrec {
 // For built-in types; those of ceres::Jet are found by argument-dependent lookup.
 using std::cosh;
 using std::exp;
+using std::log1p;
 using std::sinh;
 using std::sqrt;
 }  // namespace tetrec

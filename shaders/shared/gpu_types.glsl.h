@@ -288,7 +288,8 @@ struct SpreadPush {
 #define kBindPartialSsims 38  // float per workgroup
 #define kBindFaceChunks 39    // uint per chunk of faces that a tile may see
 #define kBindAppended 40      // uvec4: fragment, ray, place in the ray's list
-// vec2 per row: share of the learning rates, parameter of density from which on it does not decay
+// vec4 per row: share of the learning rates, parameter of density from which on it does not decay,
+// least parameter of density, 0
 #define kBindRowRates 41
 #define kBindExposures 42     // texels vec4, two per view: gain, offset
 #define kBindExposureSums 43  // vec4, four per block (exposure_sums.comp)
@@ -316,7 +317,7 @@ struct SpreadPush {
 #define kSeenRowsGroups 0  // three
 #define kSeenRowsCount 3
 #define kSeenRowsHeader 4
-#define kBindRowRateTexels 60  // texels vec2: those of kBindRowRates
+#define kBindRowRateTexels 60  // texels vec4: those of kBindRowRates
 
 #ifdef __cplusplus
 static_assert(sizeof(GpuView) == 16 * kViewRows && sizeof(GpuBlock) == 16);

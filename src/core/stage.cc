@@ -25,6 +25,8 @@ bool Stage::HasInput(const std::string& name) const { return inputs_.contains(na
 fs::path Stage::Declare(const std::string& relative, const char* role, bool by_top_name) {
   const fs::path path = fs::path(relative).lexically_normal();
   TETREC_CHECK(StaysInFolder(path), "not a path inside the stage folder: " + relative);
+  // Another version's result may contain a file of this name.
+  if (DeclaredPaths(status_, "own").contains(path.begin()->string())) RemoveEarlierResult();
   const json name = by_top_name ? path.begin()->string() : path.string();
   json& names = status_[role];
   if (std::find(names.begin(), names.end(), name) == names.end()) {
@@ -54,12 +56,7 @@ void Stage::RemoveEarlierCaches() {
   if (remove_earlier_caches_) std::exchange(remove_earlier_caches_, nullptr)();
 }
 
-fs::path Stage::Scratch(const std::string& relative) {
-  // Another version's result may contain a file of this name.
-  const std::string top = fs::path(relative).begin()->string();
-  if (DeclaredPaths(status_, "own").contains(top)) RemoveEarlierResult();
-  return Declare(relative, "scratch", false);
-}
+fs::path Stage::Scratch(const std::string& relative) { return Declare(relative, "scratch", false); }
 
 fs::path Stage::Cache(const std::string& relative) {
   RemoveEarlierCaches();

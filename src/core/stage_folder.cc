@@ -121,7 +121,7 @@ void RemoveDeclared(const fs::path& folder, const json& status, const char* role
   for (const std::string& path : DeclaredPaths(status, role)) RemoveOwned(folder / path);
 }
 
-void RemoveOldRun(const fs::path& folder, const json& manifest, const json& status) {
+std::set<std::string> ResultPaths(const json& manifest, const json& status) {
   std::set<std::string> paths = DeclaredPaths(status, "own");
   if (manifest.is_object() && manifest.contains("outputs") && manifest["outputs"].is_array()) {
     for (const json& output : manifest["outputs"]) {
@@ -130,8 +130,12 @@ void RemoveOldRun(const fs::path& folder, const json& manifest, const json& stat
       if (StaysInFolder(path)) paths.insert(path.begin()->string());
     }
   }
+  return paths;
+}
+
+void RemoveOldRun(const fs::path& folder, const json& manifest, const json& status) {
   RemoveOwned(folder / kManifestFile);  // first: a half-removed folder must not look finished
-  for (const std::string& path : paths) RemoveOwned(folder / path);
+  for (const std::string& path : ResultPaths(manifest, status)) RemoveOwned(folder / path);
 }
 
 json OutputRecords(const fs::path& folder, const std::set<std::string>& outputs) {

@@ -39,6 +39,10 @@ void RemoveOwned(const std::filesystem::path& path);
 void RemoveDeclared(const std::filesystem::path& folder, const nlohmann::json& status,
                     const char* role);
 
+// The paths in the folder that belong to the result of the run with this manifest and status
+// (either may be null): top names of its outputs.
+std::set<std::string> ResultPaths(const nlohmann::json& manifest, const nlohmann::json& status);
+
 // Removes the result that the run with this manifest and status (either may be null) wrote, and
 // never the user's own files. Its log, scratch and caches stay.
 void RemoveOldRun(const std::filesystem::path& folder, const nlohmann::json& manifest,

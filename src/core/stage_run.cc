@@ -97,8 +97,8 @@ StageRun::StageRun(const StageRequest& request)
       seconds_before_ = old_status_["seconds"];
   } else {
     RemoveDeclared(request.folder, old_status_, "scratch");
+    stage_.status_["own"] = ResultPaths(old_manifest_, old_status_);
     if (old_manifest_.is_object()) {
-      stage_.status_["own"] = DeclaredPaths(old_status_, "own");
       stage_.remove_earlier_result_ = [this] { RemoveEarlierRun(); };
     } else {
       RemoveEarlierRun();
@@ -123,9 +123,13 @@ std::string StageRun::WhyNotResumed() const {
 
 // Its part of the log goes, too; what this run has written behind it stays.
 void StageRun::RemoveEarlierRun() {
+  // No run may continue what is half removed.
+  stage_.status_["key"] = "";
+  WriteJson(request_.folder / kStatusFile, stage_.status_);
   RemoveOldRun(request_.folder, old_manifest_, old_status_);
   stage_.RemoveEarlierCaches();
   stage_.status_["own"] = json::array();
+  stage_.status_["key"] = stage_.key_;
   const fs::path log = request_.folder / kLogFileName;
   if (log_begin_ == 0) return RemoveOwned(log);
   SetLogFile({});
@@ -184,6 +188,13 @@ void StageRun::KeepEarlierResult() {
   LogToFileOnly("the earlier result stays as it is");
   RemoveDeclared(request_.folder, stage_.status_, "scratch");
   json earlier = old_status_;
+  if (earlier["key"] !=
+      old_manifest_["key"]) {  // of a run that was killed before it wrote anything
+    earlier = StatusOfNewRun(request_.stage, old_manifest_["key"], old_manifest_["options"],
+                             old_manifest_["command"]);
+    earlier["own"] = ResultPaths(old_manifest_, nullptr);
+    earlier["status"] = "done";
+  }
   earlier["caches"] = stage_.status_["caches"];
   stage_.status_ = earlier;
 }

@@ -32,9 +32,9 @@ struct StageRequest {
 // Does nothing if the folder is up to date. Otherwise locks the folder and runs `body`; continues
 // an earlier run with the same key that was cut off, and removes what any other run wrote: a
 // finished result when the body declares its first output, so that a body that fails before leaves
-// it as it was. Throws what the body throws (recorded in status.json), UsageError if the folder is
-// another's, DataError if `resume` is set and no earlier run of the same key was cut off, and
-// EnvironmentError.
+// it as it was: then only the log records the failure, and the next run starts anew. Throws what
+// the body throws (recorded in status.json), UsageError if the folder is another's, DataError if
+// `resume` is set and no earlier run of the same key was cut off, and EnvironmentError.
 void RunStage(const StageRequest& request, const std::function<void(Stage&)>& body);
 
 }  // namespace tetrec

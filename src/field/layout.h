@@ -34,6 +34,12 @@ enum class Activation : uint32_t {
   kSoftplus,  // scale * ln(1 + e^parameter); as kExp below `scale`, linear in the parameter above
 };
 
+static_assert(uint32_t(Activation::kIdentity) == kActivationIdentity &&
+              uint32_t(Activation::kColor) == kActivationColor &&
+              uint32_t(Activation::kExp) == kActivationExp &&
+              uint32_t(Activation::kSigned) == kActivationSigned &&
+              uint32_t(Activation::kSoftplus) == kActivationSoftplus);
+
 // Which learning rate an attribute follows. An attribute with a rate of its own needs a class here
 // and its rate in AdamUpdate.
 enum class RateClass : uint32_t { kColor, kDensity, kHarmonics };

@@ -28,8 +28,11 @@ FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
       batches_(batches),
       sight_(std::move(sight)),
       keeps_seen_space_empty_(options.seen_space == SpaceContent::kEmpty),
-      keeps_seen_surfaces_(options.seen_surfaces == SurfaceContent::kKept),
       density_of_surfaces_(density_of_surfaces) {
+  if (options.seen_surfaces == SurfaceContent::kKept && std::isfinite(density_of_surfaces)) {
+    const double least = sight_.IsOfSmallCollection() ? kLeastOfSmallCollection : kLeastOfSurfaces;
+    least_of_surfaces_ = float(std::min(least * density_of_surfaces, options.max_density));
+  }
   const glm::dvec3 size = scene.subject_bounds.Size();
   subject_size_ = std::max({size.x, size.y, size.z});
   if (options.camera_space == SpaceContent::kEmpty) camera_space_ = FindCameraSpace(scene);
@@ -127,20 +130,17 @@ std::vector<float> FittedField::RoomOfVertices() const {
 std::vector<RowRates> FittedField::RatesAt(std::span<const glm::vec3> places) const {
   const std::vector<uint8_t> has_cameras = InsideCapsules(places, camera_space_);
   const std::vector<PlaceSight> sights = sight_.Of(places);
-  const float least_of_surfaces =
-      float((sight_.IsOfSmallCollection() ? kLeastOfSmallCollection : kLeastOfSurfaces) *
-            density_of_surfaces_);
   std::vector<RowRates> rates(places.size());
   for (size_t row = 0; row < places.size(); ++row) {
     const bool is_seen_empty = keeps_seen_space_empty_ && sights[row].is_empty;
-    const bool is_kept_surface = keeps_seen_surfaces_ && sights[row].is_surface;
+    const bool is_kept_surface = least_of_surfaces_ > 0 && sights[row].is_surface;
     if (is_kept_surface || sights[row].is_of_many) {
       rates[row].kept_density = float(density_of_surfaces_);
     }
     if (has_cameras[row] || is_seen_empty) {
       rates[row].share = 0.0f;
-    } else if (is_kept_surface && std::isfinite(density_of_surfaces_)) {
-      rates[row].least_density = least_of_surfaces;
+    } else if (is_kept_surface) {
+      rates[row].least_density = least_of_surfaces_;
     }
   }
   return rates;

@@ -71,8 +71,9 @@ class FittedField {
   BatchDrawer& batches_;
   std::vector<Capsule> camera_space_;
   PhotoSight sight_;
-  bool keeps_seen_space_empty_, keeps_seen_surfaces_;
+  bool keeps_seen_space_empty_;
   double density_of_surfaces_;
+  float least_of_surfaces_ = 0;  // on which depth maps agree; 0: they are learned
   double subject_size_ = 0;
   std::vector<RowRates> row_rates_;
   uint64_t topology_ = 0;

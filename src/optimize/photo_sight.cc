@@ -69,7 +69,9 @@ PhotoSight::PhotoSight(const Scene& scene, std::span<const StereoDepth> maps) {
   }
   for (const StereoDepth& map : maps) {
     const auto photo = std::ranges::find(photos_, map.view, &Photo::view);
-    if (photo != photos_.end()) photo->Summarize(map);
+    if (photo == photos_.end()) continue;
+    photo->Summarize(map);
+    has_maps_ = true;
   }
 }
 
@@ -84,6 +86,7 @@ PhotoSight PhotoSight::Read(const Scene& scene, const fs::path& start_folder) {
                                   map.view, photo.view));
     }
     photo.Summarize(map);
+    sight.has_maps_ = true;
   }
   return sight;
 }
@@ -109,7 +112,7 @@ PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
     if (!photo.camera.Shows(in_cam)) continue;
     const double largest = photo.largest.DepthAt(in_cam), least = photo.least.DepthAt(in_cam);
     const bool is_hidden = largest > 0 && in_cam.z > (1 + kHiddenBehind) * largest;
-    if (!is_hidden) ++photos;
+    if (!is_hidden && ++photos > kFewPhotos && !has_maps_) return {.is_of_many = true};
     if (largest > 0 && in_cam.z <= (1 + kSurfaceBehind) * largest) {
       ++(in_cam.z < (1 - kSurfaceBefore) * largest ? maps_through : maps_at);
     }

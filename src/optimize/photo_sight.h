@@ -37,7 +37,7 @@ class PhotoSight {
 
   std::vector<PlaceSight> Of(std::span<const glm::vec3> places) const;  // [world units]
 
-  // At most 20 photos, which explain walls by haze.
+  // At most 20 photos, which haze explains as well as walls.
   bool IsOfSmallCollection() const;
 
   // Reads the depth maps that tetrec-tetrahedralize --start dense wrote below `start_folder`, if
@@ -64,6 +64,7 @@ class PhotoSight {
   PlaceSight Of(const glm::dvec3& place) const;
 
   std::vector<Photo> photos_;
+  bool has_maps_ = false;
 };
 
 }  // namespace tetrec

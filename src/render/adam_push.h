@@ -9,11 +9,6 @@
 
 namespace tetrec {
 
-static_assert(uint32_t(Activation::kIdentity) == kActivationIdentity &&
-              uint32_t(Activation::kColor) == kActivationColor &&
-              uint32_t(Activation::kExp) == kActivationExp &&
-              uint32_t(Activation::kSigned) == kActivationSigned &&
-              uint32_t(Activation::kSoftplus) == kActivationSoftplus);
 static_assert(uint32_t(RateClass::kColor) == kRateColor &&
               uint32_t(RateClass::kDensity) == kRateDensity &&
               uint32_t(RateClass::kHarmonics) == kRateHarmonics && kRateClasses <= 4);

@@ -67,8 +67,8 @@ struct ImportedVolume {
   RayIntegrator rays;  // refers to the file's volume
 };
 
-// Throws EnvironmentError if memory lacks, and DataError for damaged files and a transfer function
-// that leaves nothing visible.
+// Throws EnvironmentError if there is too little memory, and DataError for damaged files and a
+// transfer function that leaves nothing visible.
 ImportedVolume ReadVolumeForImport(const std::filesystem::path& volume,
                                    const std::filesystem::path& transfer_function,
                                    const VolumeImportOptions& options,

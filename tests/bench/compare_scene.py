@@ -5,7 +5,7 @@
 
 Prints the focal lengths and the errors of the cameras after a similarity that fits their centres to the
 true ones. Of a start it prints how many of the depth maps' pixels are kept, right (within 2 %) and wrong
-(by more than 10 %); of a surface, by its depths from every few cameras, how much of the subject's
+(by more than 10 %); of a surface, by its depths from some of the cameras, how much of the subject's
 bounds it covers, how exact it is there and how far its normals are off. The subject of the turntable
 stands still there, and the camera goes around it.
 """
@@ -180,8 +180,10 @@ def main():
     for folder in folders:
         if (folder / "surface.ply").exists():
             compare_surface(folder, scene, truths, scale)
-        else:
+        elif (folder / "depth").exists():
             compare_depths(folder, truths, scale)
+        else:
+            sys.exit(f"{folder}: contains neither a surface.ply nor depth maps")
     return 0
 
 

@@ -266,12 +266,57 @@ TEST_F(StageTest, ScratchStaysWhenTheEarlierResultGoes) {
   EXPECT_TRUE(resumed.resumed);
 }
 
-// Its name may be that of a file that another version wrote.
-TEST_F(StageTest, ScratchNeverContainsAnEarlierResult) {
-  First({input_, "-o", output_}, [](Stage& stage) { WriteText(stage.Output("a/b"), "old"); });
-  First(
-      {input_, "-o", output_}, [](Stage& stage) { EXPECT_FALSE(fs::exists(stage.Scratch("a/b"))); },
-      2);
+// Their names may be those of files that another version wrote.
+TEST_F(StageTest, ScratchAndCachesNeverContainAnEarlierResult) {
+  for (const bool cache : {false, true}) {
+    First({input_, "-o", output_}, [](Stage& stage) { WriteText(stage.Output("a/b"), "old"); });
+    const auto other = [&](Stage& stage) {
+      EXPECT_TRUE(fs::exists(fs::path(output_) / "a/b"));
+      EXPECT_FALSE(fs::exists(cache ? stage.Cache("a/b") : stage.Scratch("a/b")));
+    };
+    EXPECT_TRUE(First({input_, "-o", output_}, other, 2 + cache).ran);
+  }
+}
+
+TEST_F(StageTest, AResultKeepsItsStatusAfterARunThatWasKilledAndOneThatWasRefused) {
+  First({input_, "-o", output_});
+  const nlohmann::json manifest = Manifest(), status = Status();
+  const pid_t pid = fork();
+  if (pid == 0) {
+    First({input_, "-o", output_, "--rate", "3"}, [](Stage& stage) {
+      WriteText(stage.Scratch("half.txt"), "half");
+      raise(SIGKILL);
+    });
+    _exit(0);
+  }
+  int ended = 0;
+  waitpid(pid, &ended, 0);
+  ASSERT_TRUE(WIFSIGNALED(ended));
+  EXPECT_EQ(Status()["status"], "running");
+  EXPECT_TRUE(fs::exists(fs::path(output_) / "half.txt"));
+  const auto refuse = [](Stage&) { throw DataError("no photos"); };
+  EXPECT_EQ(First({input_, "-o", output_, "--rate", "4"}, refuse).exit_code, 3);
+  EXPECT_EQ(Manifest(), manifest);
+  for (const char* name : {"key", "status", "options", "own"})
+    EXPECT_EQ(Status()[name], status[name]) << name;
+  EXPECT_FALSE(fs::exists(fs::path(output_) / "half.txt"));
+  EXPECT_FALSE(First({input_, "-o", output_}).ran);
+}
+
+// Its outputs are gone in part, and it is not what the new run has begun.
+TEST_F(StageTest, ARunThatWasKilledWhileItRemovedAnotherResultIsNotResumed) {
+  First({input_, "-o", output_}, [](Stage& stage) {
+    WriteText(stage.Output("a.txt"), "a");
+    WriteText(stage.Output("b.txt"), "b");
+  });
+  nlohmann::json half = Status();
+  half["key"] = "";
+  WriteJson(fs::path(output_) / "status.json", half);
+  fs::remove(fs::path(output_) / "manifest.json");
+  fs::remove(fs::path(output_) / "a.txt");
+  const Outcome next = First({input_, "-o", output_, "--fast"});
+  EXPECT_FALSE(next.resumed);
+  EXPECT_FALSE(fs::exists(fs::path(output_) / "b.txt"));
 }
 
 TEST_F(StageTest, NothingIsResumedWhereNothingWasBegun) {

@@ -155,7 +155,7 @@ TEST(PhotoSight, IsNoSurfaceThroughWhichManyMapsShowAnother) {
     std::vector<StereoDepth> maps = MapsOf(scene, at, 4.0f);
     for (uint32_t view = at; view < at + through; ++view) maps.push_back(MapOf(scene, view, 6.0f));
     EXPECT_EQ(IsSurface(PhotoSight(scene, maps), {0.0f, 0.0f, 4.0f}), is_surface) << at;
-    // What hides the place says nothing about it.
+    // Maps that hide the place do not count.
     for (uint32_t view = at; view < at + through; ++view) maps[view] = MapOf(scene, view, 2.0f);
     EXPECT_TRUE(IsSurface(PhotoSight(scene, maps), {0.0f, 0.0f, 4.0f})) << at;
   }

@@ -35,7 +35,7 @@ class VideoInputTest(StageCase):
         self.assertIn(len(content["views"]), range(7, 11))
         self.assertGreater(content["point_count"], 200)
 
-        # The scene outlives what finds no other one: neither frames, nor features.
+        # The scene stays if a later run finds no frames, or no features.
         (self.folder / "notes.txt").write_text("not a video")
         self.assert_fails(self.run_stage("sfm", self.folder / "notes.txt", "-o", scene, "--force"), 3,
                           "cannot be read as a video")
@@ -43,7 +43,7 @@ class VideoInputTest(StageCase):
         grey.mkdir()
         for i in range(3):
             write_png(grey / f"{i}.png", 32, 32, bytes((100 + i, 99, 98, 255)) * 32 * 32)
-        self.assert_fails(self.run_stage("sfm", grey, "-o", scene), 3)
+        self.assert_fails(self.run_stage("sfm", grey, "-o", scene), 3, "COLMAP found no model")
         self.assertIn("up to date", self.run_stage(*find_cameras).stdout)
         self.assertEqual([path.name for path in scene.iterdir() if path.name in ("work", "video")], [])
 

@@ -85,7 +85,7 @@ class VolumeTest(StageCase):
         self.assertIn("outside the value range", narrow.stderr)
         self.assertGreater(self.manifest(self.scene)["counts"]["clamped_samples"], 0)
         self.assertNotEqual(hashes(self.scene), before)
-        # What is refused leaves the scene.
+        # A refused import keeps the earlier scene.
         before = hashes(self.scene)
         self.assert_fails(self.import_volume(self.header, "--value-range", "200,255"), 3, "is visible")
         self.assertEqual(hashes(self.scene), before)

@@ -267,13 +267,13 @@ DeviceFieldBytes BytesOf(const FieldLayout& layout, bool fixed_point, size_t vie
   const uint64_t sum = SumBytes(fixed_point);
   const bool cells = layout.storage == FieldStorage::kCell;
   // Rows of 16 bytes: 2 per tet, beside its scores; 2 per vertex and 4 sums; for what has
-  // attributes a parameter, two moments and a sum per component, two rates, behind colour and
+  // attributes a parameter, two moments and a sum per component, the rates, behind colour and
   // density a parameter and a sum per component (padded to 4) and a moment per attribute, and one
   // row more if that is a tet; 2 per face, and twice as many nodes of 2 as there are faces, at
   // most. View-dependent colours of a row and their sums for each view of a batch.
   const RowPart others = OtherPart(layout);
   const uint64_t views = layout.HarmonicsDegree() > 0 ? views_per_batch : 0;
-  const uint64_t attributes = kStandardComponents * (3 * 4 + sum) + 8 + others.stride * (4 + sum) +
+  const uint64_t attributes = kStandardComponents * (3 * 4 + sum) + 16 + others.stride * (4 + sum) +
                               4 * OtherMomentPart(layout).count + (others.count > 0 ? 4 : 0) +
                               views * (16 + kStandardComponents * sum);
   return {.of_tet = 2 * 16 + kScoresPerTet * sum + (cells ? 16 + attributes : 0),

@@ -1,4 +1,4 @@
-// Steps of density that has a scale: signed and softplus.
+// Steps of density by its activations.
 #include "render/scenes.h"
 
 #include <gtest/gtest.h>
@@ -102,6 +102,20 @@ TEST_P(DensityUpdateTest, OfSignedDensityFollowsItsSlopeAndStopsAtZero) {
   EXPECT_GT(moved, 20u);
   EXPECT_GT(stopped, 0u);
   EXPECT_GT(kept, 0u);
+  EXPECT_GT(raised, 0u);
+}
+
+TEST_P(DensityUpdateTest, OfPositiveDensityFollowsItsSlope) {
+  const RadianceField field = RandomField(40, 6, 6.0f);
+  const FirstStep step = TakeFirstStep(MakeRenderer(), field, kDensityAttribute);
+  size_t raised = 0;
+  for (size_t row = 0; row < step.after.rows(); ++row) {
+    const WantedStep want = WantedOf(step, row, double(field.density[row]),
+                                     std::log(double(step.rates[row].kept_density)),
+                                     double(kLeastLogDensity), std::log(double(kLeast)));
+    raised += want.is_raised && row % 5 == 0;
+    EXPECT_NEAR(step.after.parameters[row * 4 + kDensityOffset], want.parameter, 2e-4);
+  }
   EXPECT_GT(raised, 0u);
 }
 
