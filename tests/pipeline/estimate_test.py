@@ -12,7 +12,7 @@ class EstimateTest(StageCase):
     """Runs `make estimate`, which starts no stage."""
 
     def estimate(self, folder, **variables):
-        words = {"INPUT": folder, "RUN": self.folder / "run", "BUILD": BIN.parent} | variables
+        words = {"INPUT": folder, "BUILD": BIN.parent} | variables
         result = subprocess.run(
             ["make", "--no-print-directory", "-C", PIPELINE, "estimate", *(f"{k}={v}" for k, v in words.items())],
             capture_output=True, text=True, check=False)
