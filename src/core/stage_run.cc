@@ -188,12 +188,14 @@ void StageRun::KeepEarlierResult() {
   LogToFileOnly("the earlier result stays as it is");
   RemoveDeclared(request_.folder, stage_.status_, "scratch");
   json earlier = old_status_;
-  if (earlier["key"] !=
-      old_manifest_["key"]) {  // of a run that was killed before it wrote anything
-    earlier = StatusOfNewRun(request_.stage, old_manifest_["key"], old_manifest_["options"],
-                             old_manifest_["command"]);
+  // That may be the status of a run that was killed before it wrote an output.
+  if (earlier["key"] != old_manifest_["key"]) {
+    for (const char* name : {"key", "options", "command"}) {
+      if (old_manifest_.contains(name)) earlier[name] = old_manifest_[name];
+    }
     earlier["own"] = ResultPaths(old_manifest_, nullptr);
     earlier["status"] = "done";
+    earlier["error"] = nullptr;
   }
   earlier["caches"] = stage_.status_["caches"];
   stage_.status_ = earlier;
