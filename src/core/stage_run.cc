@@ -188,7 +188,8 @@ void StageRun::KeepEarlierResult() {
   LogToFileOnly("the earlier result stays as it is");
   RemoveDeclared(request_.folder, stage_.status_, "scratch");
   json earlier = old_status_;
-  // That may be the status of a run that was killed before it wrote an output.
+  // If a run in between was killed before its first output, its status took the place of the
+  // result's.
   if (earlier["key"] != old_manifest_["key"]) {
     for (const char* name : {"key", "options", "command"}) {
       if (old_manifest_.contains(name)) earlier[name] = old_manifest_[name];
