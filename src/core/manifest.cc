@@ -51,12 +51,12 @@ std::string StateAndErrorInWords(const json& status) {
   return state + (error.empty() ? "" : ": " + error);
 }
 
-// False if the stage before has other outputs than those that `manifest` records of its input. Null
-// and manifests without a record pass: others report them.
+// False if the stage before has another result than the one that `manifest` records of its input.
+// Null and manifests without a record pass: others report them.
 bool IsMadeFrom(const json& manifest, const json& previous) {
   const auto inputs = manifest.find("inputs");
   if (previous.is_null() || inputs == manifest.end() || !inputs->is_array()) return true;
-  const std::string hash = HashOfJson(previous.value("outputs", json::array()));
+  const std::string hash = HashOfResult(previous);
   return std::ranges::all_of(*inputs, [&](const json& input) {
     const std::string recorded = TextOrEmpty(input, "sha256");
     return TextOrEmpty(input, "stage") != TextOrEmpty(previous, "stage") || recorded.empty() ||
@@ -91,6 +91,7 @@ void WriteManifest(const fs::path& folder, const ManifestFacts& facts) {
                          {"counts", facts.counts},
                          {"notes", facts.notes},
                          {"warnings", facts.warnings},
+                         {"degraded", facts.degraded},
                          {"seconds", facts.seconds},
                          {"resumed", facts.resumed},
                          {"peak_rss_bytes", PeakRssBytes()},
@@ -197,7 +198,7 @@ fs::path PreviousStage(const fs::path& folder, const std::set<std::string>& stag
     const json written = ReadManifestOrStatus(*previous / kManifestFile);
     if (!IsMadeFrom(manifest, written)) {
       throw DataError(fmt::format(
-          "{}: was made anew since {} was made from it; run {} and the stages after it again",
+          "{}: was recreated since {} was made from it; run {} and the stages after it again",
           previous->string(), at.string(), ProgramOf(TextOrEmpty(manifest, "stage"))));
     }
     at = *previous;

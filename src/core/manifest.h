@@ -36,7 +36,7 @@ struct ManifestFacts {
   nlohmann::json inputs;   // records, see stage_input.h
   nlohmann::json outputs;  // records {"path", "bytes", "sha256"}, see stage_folder.h
   nlohmann::json device, counts, notes, seconds;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings, degraded;  // Stage::Degrade
   bool resumed = false;
 };
 void WriteManifest(const std::filesystem::path& folder, const ManifestFacts& facts);

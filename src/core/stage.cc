@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/log.h"
 #include "core/manifest.h"
 #include "core/stage_folder.h"
 
@@ -50,6 +51,11 @@ fs::path Stage::Output(const std::string& relative) {
   RemoveEarlierResult();
   outputs_.insert(relative);
   return Declare(relative, "own", true);
+}
+
+void Stage::Degrade(const std::string& why) {
+  LogWarning("{}", why);
+  degraded_.push_back(why);
 }
 
 void Stage::RemoveEarlierCaches() {

@@ -11,6 +11,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace tetrec {
 
@@ -36,6 +37,9 @@ class Stage {
   void Count(const std::string& name, const nlohmann::json& value) { counts_[name] = value; }
   void Seconds(const std::string& name, double seconds) { seconds_[name] = seconds; }
   void Device(const nlohmann::json& device) { device_ = device; }
+  // Warns of something that the result lacks although it may be there another time, such as a
+  // program or a device. The same command then runs again instead of finding the folder up to date.
+  void Degrade(const std::string& why);
   // Other facts for the manifest, e.g. names of unregistered photos.
   void Note(const std::string& name, const nlohmann::json& value) { notes_[name] = value; }
 
@@ -56,6 +60,7 @@ class Stage {
   std::function<void()> remove_earlier_caches_;
   std::map<std::string, std::filesystem::path> inputs_;
   std::set<std::string> outputs_;
+  std::vector<std::string> degraded_;
   std::string key_;
   bool resume_ = false;
   nlohmann::json counts_ = nlohmann::json::object(), seconds_ = nlohmann::json::object(),

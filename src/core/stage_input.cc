@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/folder_files.h"
 #include "core/manifest.h"
 #include "core/printable.h"
 #include "core/stage_folder.h"
@@ -17,27 +18,13 @@ using nlohmann::json;
 namespace {
 
 // Names, sizes and times of the files inside: enough to see a change without reading gigabytes.
-// Links to folders are followed, except to folders already listed: they may lead in circles.
 json ListingOf(const fs::path& folder) {
   json listing = json::array();
-  std::set<fs::path> entered = {fs::canonical(folder)};
-  std::error_code error;
-  fs::recursive_directory_iterator entry(folder, fs::directory_options::follow_directory_symlink,
-                                         error);
-  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+  for (const fs::path& file : FilesBelow(folder)) {
     std::error_code gone;
-    if (entry->is_directory(gone) && !entered.insert(fs::canonical(entry->path())).second) {
-      entry.disable_recursion_pending();
-    }
-    if (!entry->is_regular_file(gone)) continue;
-    listing.push_back({entry->path().lexically_relative(folder).string(), entry->file_size(),
-                       int64_t(entry->last_write_time().time_since_epoch().count())});
-  }
-  if (error) {
-    const std::string message =
-        fmt::format("{}: cannot be listed ({})", folder.string(), error.message());
-    if (error == std::errc::permission_denied) throw EnvironmentError(message);
-    throw DataError(message);
+    if (!fs::is_regular_file(file, gone)) continue;
+    listing.push_back({file.lexically_relative(folder).string(), fs::file_size(file),
+                       int64_t(fs::last_write_time(file).time_since_epoch().count())});
   }
   std::sort(listing.begin(), listing.end());
   return listing;
@@ -69,7 +56,7 @@ StageInput ReadStageInput(const std::string& name, const fs::path& path,
     CheckOutputIsOutside(output_folder, path);
     input.record["kind"] = "stage";
     input.record["stage"] = manifest["stage"];
-    input.record["sha256"] = HashOfJson(manifest["outputs"]);
+    input.record["sha256"] = HashOfResult(manifest);
   } else if (fs::is_directory(path)) {
     CheckOutputIsOutside(output_folder, path);
     input.record["kind"] = "folder";
@@ -90,6 +77,18 @@ StageInput ReadStageInput(const std::string& name, const fs::path& path,
   }
   input.hashes[name] = input.record["sha256"];
   return input;
+}
+
+std::string HashOfResult(const json& manifest) {
+  const json outputs = manifest.value("outputs", json::array());
+  json sources = json::array();
+  const auto inputs = manifest.find("inputs");
+  if (inputs != manifest.end() && inputs->is_array()) {
+    for (const json& input : *inputs) {
+      if (TextOrEmpty(input, "kind") == "stage") sources.push_back(TextOrEmpty(input, "sha256"));
+    }
+  }
+  return HashOfJson(sources.empty() ? outputs : json::array({outputs, sources}));
 }
 
 std::string HashOfJson(const json& value) {

@@ -35,6 +35,10 @@ StageInput ReadStageInput(const std::string& name, const std::filesystem::path& 
                           const std::filesystem::path& output_folder,
                           const FilesNamedBy& files_of = {});
 
+// Stands for the result of a finished stage: its outputs and all that they were made from. A later
+// stage also reads the scene, which may have changed although what was made from it has not.
+std::string HashOfResult(const nlohmann::json& manifest);
+
 // SHA-256 of the value's compact text.
 std::string HashOfJson(const nlohmann::json& value);
 

@@ -219,6 +219,7 @@ void StageRun::Finish() {
                          .notes = stage_.notes_,
                          .seconds = stage_.seconds_,
                          .warnings = TakeWarnings(),
+                         .degraded = stage_.degraded_,
                          .resumed = stage_.resume_};
   for (const StageInput& input : request_.inputs) facts.inputs.push_back(input.record);
   LogWarningsAgain(facts.warnings);
@@ -250,7 +251,8 @@ void RunStage(const StageRequest& request, const std::function<void(Stage&)>& bo
   }
   CheckFolderIsOurs(request.folder, request.stage);
   const json manifest = ReadManifestOrStatus(request.folder / kManifestFile);
-  if (!request.force && manifest.is_object() && manifest["key"] == request.Key() &&
+  const bool is_same = manifest.is_object() && manifest["key"] == request.Key();
+  if (is_same && !request.force && manifest.value("degraded", json::array()).empty() &&
       FirstSpoiledOutput(request.folder, manifest).empty()) {
     fmt::print("up to date: {}\n", request.folder.string());
     return;

@@ -3,6 +3,7 @@
 
 #include <glm/glm.hpp>
 
+#include <algorithm>
 #include <limits>
 #include <span>
 
@@ -29,6 +30,15 @@ struct Bounds3 {
     return {Center() - 0.5 * factor * Size(), Center() + 0.5 * factor * Size()};
   }
 };
+
+// The largest distance between neighbouring 32-bit floats in the box, as a share of its diagonal.
+inline double StepOfFloats(const Bounds3& box) {
+  const glm::dvec3 farthest = glm::max(glm::abs(box.min), glm::abs(box.max));
+  const double largest = std::max({farthest.x, farthest.y, farthest.z});
+  return largest * double(std::numeric_limits<float>::epsilon()) / box.Diagonal();
+}
+// What is far smaller than its distance from 0 loses its shape in floats.
+inline constexpr double kLargestStepOfFloats = 1e-4;
 
 inline Bounds3 BoundsOf(std::span<const glm::vec3> points) {
   Bounds3 bounds;

@@ -4,6 +4,7 @@
 #include "colmap/model.h"
 #include "core/checked_json.h"
 #include "core/error.h"
+#include "core/folder_files.h"
 #include "core/short_list.h"
 #include "image/image.h"
 #include "import/missing_pictures.h"
@@ -66,10 +67,10 @@ void CountOthers(const fs::path& images, Dataset& set) {
   std::set<std::string> known;
   for (const PosedPicture& picture : set.pictures) known.insert(picture.name);
   size_t others = 0;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(images)) {
-    const bool is_picture = HasPhotoExtension(entry.path()) && entry.is_regular_file();
-    others +=
-        is_picture && !known.contains(entry.path().lexically_relative(images).generic_string());
+  for (const fs::path& file : FilesBelow(images)) {
+    std::error_code gone;
+    const bool is_picture = HasPhotoExtension(file) && fs::is_regular_file(file, gone);
+    others += is_picture && !known.contains(file.lexically_relative(images).generic_string());
   }
   if (others == 0) return;
   set.remarks.push_back(

@@ -10,6 +10,7 @@
 #include "import/choose_split.h"
 #include "import/stored_pictures.h"
 #include "scene/carve.h"
+#include "scene/points.h"
 #include "scene/split.h"
 #include "scene/subject_bounds.h"
 
@@ -285,7 +286,8 @@ void LogScene(const ImportedScene& imported) {
     LogInfo("{} points that some training view sees through: dropped", imported.points_transparent);
   }
   if (imported.points_out_of_bounds > 0) {
-    LogInfo("{} points outside the subject's bounds: dropped", imported.points_out_of_bounds);
+    LogInfo("{} points outside the {} bounds: dropped", imported.points_out_of_bounds,
+            scene.has_alpha ? "subject's" : "world's");
   }
 }
 
@@ -378,11 +380,11 @@ ImportedScene ImportDataset(const Dataset& set, const std::filesystem::path& fol
   } else {
     MoveToBounds(scene, SubjectBoundsInInput(set, stored));
   }
-  if (scene.has_alpha) {
-    imported.points_out_of_bounds = std::erase_if(scene.points, [&](const ScenePoint& point) {
-      return !scene.subject_bounds.Contains(point.position);
-    });
-  }
+  imported.points_out_of_bounds = std::erase_if(scene.points, [&](const ScenePoint& point) {
+    const glm::dvec3 distance = glm::abs(point.position);
+    if (std::max({distance.x, distance.y, distance.z}) > kFarthestPoint) return true;
+    return scene.has_alpha && !scene.subject_bounds.Contains(point.position);
+  });
   WriteScene(folder, scene);
   return imported;
 }
@@ -398,14 +400,21 @@ void RunImport(const ImportOptions& options, Stage& stage) {
   ImportOptions with_list = options;
   if (stage.HasInput("test-list")) with_list.test_list = stage.Input("test-list");
   const Dataset set = ReadForImport(stage.Input("DATASET"), with_list);
-  stage.Output("scene.json");
-  stage.Output("images");
+  // An earlier scene stays until this one is complete.
+  const std::filesystem::path imported_here = stage.Scratch("imported");
+  std::filesystem::remove_all(imported_here);
+  std::filesystem::create_directories(imported_here);
   const ColmapPlace place =
       options.triangulate
           ? ColmapPlace{stage.folder() / "log.txt", stage.Cache("colmap"), stage.Scratch("work")}
           : ColmapPlace{};
-  const ImportedScene imported = ImportDataset(set, stage.folder(), with_list, place);
-  if (!imported.scene.points.empty()) stage.Output("points.ply");
+  const ImportedScene imported = ImportDataset(set, imported_here, with_list, place);
+  for (const char* name : {"images", "points.ply", "scene.json"}) {
+    if (!std::filesystem::exists(imported_here / name)) continue;
+    const std::filesystem::path output = stage.Output(name);
+    std::filesystem::remove_all(output);  // of an earlier run that was cut off here
+    std::filesystem::rename(imported_here / name, output);
+  }
   LogFindings(imported);
   LogScene(imported);
   Record(imported, stage);

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/ply.h"
+#include "geometry/bounds3.h"
 #include "mesh/triangle_mesh.h"
 
 #include <fmt/format.h>
@@ -30,6 +31,15 @@ const std::vector<double>& Scalars(const PlyElement& element, const char* proper
 void ReadPositions(const PlyElement& vertices, const std::string& name, TriangleMesh& mesh) {
   const auto &x = Scalars(vertices, "x", name), &y = Scalars(vertices, "y", name),
              &z = Scalars(vertices, "z", name);
+  Bounds3 bounds;
+  for (size_t v = 0; v < x.size(); ++v) bounds.Add({x[v], y[v], z[v]});
+  if (bounds.Diagonal() > 0 && StepOfFloats(bounds) > kLargestStepOfFloats &&
+      vertices.Find("x")->type == PlyType::kDouble) {
+    throw DataError(fmt::format(
+        "{}: a mesh of {:.4g} in diagonal is too far from 0, around {:.6g},{:.6g},"
+        "{:.6g}, for 32-bit floats; move it to 0",
+        name, bounds.Diagonal(), bounds.Center().x, bounds.Center().y, bounds.Center().z));
+  }
   mesh.positions.reserve(x.size());
   for (size_t v = 0; v < x.size(); ++v) {
     const glm::vec3 p{float(x[v]), float(y[v]), float(z[v])};

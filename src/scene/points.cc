@@ -12,7 +12,7 @@
 namespace tetrec {
 namespace {
 
-constexpr double kFar = 1e9;
+constexpr double kFar = kFarthestPoint;
 
 // The scalar properties of a file's vertices, by name.
 class VertexColumns {

@@ -8,6 +8,9 @@
 
 namespace tetrec {
 
+// No coordinate of a point is larger.
+inline constexpr double kFarthestPoint = 1e9;
+
 // points.ply of a scene folder: x y z, red green blue (0 to 255), reprojection_error, track_length.
 // Throws DataError naming the file and the property, also if a value is out of range.
 std::vector<ScenePoint> ReadScenePoints(const std::filesystem::path& path);

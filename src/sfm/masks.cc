@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/folder_files.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/printable.h"
@@ -27,10 +28,8 @@ std::map<std::string, std::vector<std::string>> ImagesByStem(const fs::path& fol
                                 folder.string()));
   }
   std::map<std::string, std::vector<std::string>> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
-    std::error_code broken;
-    if (entry.is_directory(broken)) continue;
-    const std::string name = entry.path().lexically_relative(folder).generic_string();
+  for (const fs::path& file : FilesBelow(folder)) {
+    const std::string name = file.lexically_relative(folder).generic_string();
     const std::string stem = WithoutImageExtension(name);
     if (stem != name) files[stem].push_back(name);
   }

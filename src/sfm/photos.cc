@@ -4,6 +4,7 @@
 #include "core/checked_json.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/folder_files.h"
 #include "core/log.h"
 #include "core/lower_case.h"
 #include "core/parallel.h"
@@ -42,6 +43,8 @@ bool IsOtherImage(const fs::path& path) {
   return kExtensions.contains(LowerExtension(path));
 }
 
+bool IsHidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
 std::vector<std::string> PhotoNames(const fs::path& folder, const fs::path& masks) {
   if (!fs::is_directory(folder)) {
     throw DataError(fmt::format("{}: is not a folder; give the folder that contains the photos",
@@ -49,19 +52,17 @@ std::vector<std::string> PhotoNames(const fs::path& folder, const fs::path& mask
   }
   std::vector<std::string> names, unusable;
   std::vector<std::string> others, other_images;  // not read
-  for (auto it = fs::recursive_directory_iterator(folder); it != fs::recursive_directory_iterator();
-       ++it) {
-    std::error_code broken;  // a link that leads nowhere or to itself; reading names the reason
-    const bool hidden = it->path().filename().string().starts_with('.');
-    const bool is_folder = it->is_directory(broken);
-    const bool of_masks = is_folder && !masks.empty() && fs::equivalent(it->path(), masks, broken);
-    if ((hidden && is_folder) || of_masks) it.disable_recursion_pending();
-    if (hidden || is_folder) continue;
-    const std::string name = it->path().lexically_relative(folder).generic_string();
-    if (IsPhotoName(it->path())) {
+  const auto enters = [&](const fs::path& subfolder) {
+    std::error_code missing;
+    return !IsHidden(subfolder) && (masks.empty() || !fs::equivalent(subfolder, masks, missing));
+  };
+  for (const fs::path& file : FilesBelow(folder, enters)) {
+    if (IsHidden(file)) continue;
+    const std::string name = file.lexically_relative(folder).generic_string();
+    if (IsPhotoName(file)) {
       StaysInside(name) ? names.push_back(name) : unusable.push_back(Printable(name));
     } else {
-      (IsOtherImage(it->path()) ? other_images : others).push_back(name);
+      (IsOtherImage(file) ? other_images : others).push_back(name);
     }
   }
   if (!unusable.empty()) {

@@ -106,6 +106,24 @@ Similarity3 YUpFromExport(const ExportOptions& options) {
   return {1.0, glm::dmat3({1, 0, 0}, {0, 0, -1}, {0, 1, 0}), glm::dvec3(0)};
 }
 
+void CheckFloatsSuffice(const ExportOptions& options, const Similarity3& input_from_world,
+                        const Bounds3& subject_in_world) {
+  const Similarity3 export_from_world = ExportFromWorld(options, input_from_world);
+  const glm::dvec3 &low = subject_in_world.min, &high = subject_in_world.max;
+  Bounds3 exported;
+  for (int corner = 0; corner < 8; ++corner) {
+    exported.Add(export_from_world * glm::dvec3((corner & 1) ? high.x : low.x,
+                                                (corner & 2) ? high.y : low.y,
+                                                (corner & 4) ? high.z : low.z));
+  }
+  if (StepOfFloats(exported) <= kLargestStepOfFloats) return;
+  throw DataError(fmt::format(
+      "the subject, {:.4g} in diagonal, is too far from 0 in the input's coordinates, around "
+      "{:.6g},{:.6g},{:.6g}, for files of 32-bit floats; leave out --coordinates input and apply "
+      "input_from_surface of manifest.json",
+      exported.Diagonal(), exported.Center().x, exported.Center().y, exported.Center().z));
+}
+
 void WriteExports(const TexturedMesh& surface, const RadianceField& field_in_world,
                   const Similarity3& input_from_world, const ExportOptions& options, Stage& stage) {
   const Similarity3 export_from_world = ExportFromWorld(options, input_from_world);

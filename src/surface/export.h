@@ -56,6 +56,11 @@ Similarity3 InputFromExport(const ExportOptions& options, const Similarity3& inp
 // turned.
 Similarity3 YUpFromExport(const ExportOptions& options);
 
+// Throws DataError if 32-bit floats, which files have, are too coarse for the subject because it is
+// far from 0 in the coordinates of the files.
+void CheckFloatsSuffice(const ExportOptions& options, const Similarity3& input_from_world,
+                        const Bounds3& subject_in_world);
+
 // Writes the surface, which is in the frame of ExportFromWorld, and the field, which is still in
 // the world, in the formats of the options, as outputs of the stage. Notes in the manifest
 // "coordinates", and "input_from_surface", the way from surface.ply to the input's coordinates.

@@ -9,6 +9,7 @@
 #include "core/timer.h"
 #include "field/change_storage.h"
 #include "field/radiance_field.h"
+#include "geometry/bounds3.h"
 #include "mesh/mesh_facts.h"
 #include "run/field_world.h"
 #include "surface/align_with_photos.h"
@@ -23,6 +24,7 @@
 #include "surface/smooth.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -113,7 +115,7 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld
     if (options.level == SurfaceLevel::kOpacity || options.device.device != "auto") throw;
     why_not = error.what();
   }
-  LogWarning("the surface is a level of density instead of opacity: {}", *why_not);
+  stage.Degrade("the surface is a level of density instead of opacity: " + *why_not);
   return std::nullopt;
 }
 
@@ -127,26 +129,34 @@ LevelSet ChosenSet(const RadianceField& stored, const FieldWorld& world,
 // What a box keeps of the surface and what it cuts off. Throws DataError if it keeps nothing.
 CutSurface Cropped(const TriangleMesh& mesh, const Bounds3& crop, const ExportOptions& options,
                    const FieldWorld& world) {
-  CutSurface cut = CutByBox(mesh, crop, ExportFromWorld(options, world.input_from_world));
+  const Similarity3 export_from_world = ExportFromWorld(options, world.input_from_world);
+  CutSurface cut = CutByBox(mesh, crop, export_from_world);
   if (cut.inside.triangles.empty()) {
+    Bounds3 bounds;
+    for (const glm::vec3& position : mesh.positions) {
+      bounds.Add(export_from_world * glm::dvec3(position));
+    }
     throw DataError(
-        "no part of the surface is inside the crop, which is in the coordinates of surface.ply, "
-        "after scaling");
+        fmt::format("no part of the surface is inside the crop {}; in the coordinates of "
+                    "surface.ply, it reaches from {:.4g},{:.4g},{:.4g} to {:.4g},{:.4g},{:.4g}",
+                    fmt::join(options.crop, ","), bounds.min.x, bounds.min.y, bounds.min.z,
+                    bounds.max.x, bounds.max.y, bounds.max.z));
   }
   return cut;
 }
 
 // The training photos of the scene that the field was fitted to. Nothing if they are not there, and
 // the texture was not asked for by its size.
-std::vector<TexturePhoto> ReadPhotos(const SurfaceOptions& options, const Stage& stage) {
+std::vector<TexturePhoto> ReadPhotos(const SurfaceOptions& options, Stage& stage) {
   if (!options.texture.wanted && options.align_rounds == 0) return {};
   const std::filesystem::path field = stage.Input("field");
   try {
     return ReadTexturePhotos(PreviousStage(field, {"sfm", "import"}), field);
   } catch (const DataError& error) {
     if (options.texture.size > 0) throw;
-    LogWarning("no photos, so the surface stays as extracted, with only vertex colours: {}",
-               error.what());
+    stage.Degrade(
+        fmt::format("no photos, so the surface stays as extracted, with only vertex colours: {}",
+                    error.what()));
     return {};
   }
 }
@@ -258,7 +268,7 @@ void Report(const TriangleMesh& mesh, Stage& stage) {
 }  // namespace
 
 void SurfaceOptions::Check() const {
-  CheckAtLeast("isovalue", isovalue, 0.0);
+  if (isovalue != 0) CheckRange("isovalue", isovalue, 1e-30, 1e30);
   if (level == SurfaceLevel::kOpacity && isovalue > 0) {
     throw UsageError(fmt::format(
         "isovalue is {}, but the level is opacity; choose density as level, or no isovalue",
@@ -286,6 +296,7 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
                degenerate, stored.mesh.tets.size());
   }
   const FieldWorld world = ReadFieldWorld(stage.Input("field") / kFieldWorldFile);
+  CheckFloatsSuffice(options.exports, world.input_from_world, world.subject_bounds);
   const Timer timer;
   LevelSet set = ChosenSet(stored, world, options, stage);
   const size_t triangles = set.triangles.size();

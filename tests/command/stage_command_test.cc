@@ -416,13 +416,47 @@ TEST_F(StageTest, AChainIsFollowedOnlyThroughFoldersThatWereNotMadeAnew) {
   WriteText(input_, "other");
   EXPECT_TRUE(First({input_, "-o", output_}).ran);
   ExpectError<DataError>([&] { PreviousStage(second, {"first"}); },
-                         {output_ + ": was made anew since " + second + " was made from it",
+                         {output_ + ": was recreated since " + second + " was made from it",
                           "run tetrec-second and the stages after it again"});
   ExpectError<DataError>([&] { PreviousStage(output_, {"first"}); },
                          {output_ + ": was not made from a folder of tetrec-first"});
   fs::remove_all(output_);
   ExpectError<DataError>([&] { PreviousStage(second, {"zeroth"}); },
                          {output_ + ": is missing or unfinished, and " + second});
+}
+
+TEST_F(StageTest, ALaterStageRunsAgainAlthoughOnlyWhatTheEarlierOneReadHasChanged) {
+  const std::string second = folder_ / "run/2_second", third = folder_ / "run/3_third";
+  const auto run = [&](const std::string& name, const std::string& before, const std::string& input,
+                       const std::string& output) {
+    StageCommand command(name, 1, "Writes always the same.");
+    command.InputStage("BEFORE", "Folder of the stage before", {before});
+    return RunCommand(command, {input, "-o", output},
+                      [](Stage& stage) { WriteText(stage.Output("n.txt"), "same"); });
+  };
+  First({input_, "-o", output_});
+  run("second", "first", output_, second);
+  run("third", "second", second, third);
+  EXPECT_FALSE(run("third", "second", second, third).ran);
+  WriteText(input_, "changed");
+  First({input_, "-o", output_});
+  EXPECT_TRUE(run("second", "first", output_, second).ran);
+  ExpectError<DataError>([&] { PreviousStage(third, {"first"}); },
+                         {second + ": was recreated since " + third + " was made from it"});
+  EXPECT_TRUE(run("third", "second", second, third).ran);
+  EXPECT_EQ(PreviousStage(third, {"first"}), fs::canonical(output_));
+}
+
+TEST_F(StageTest, ADegradedResultIsNotUpToDate) {
+  const auto degraded = [](Stage& stage) {
+    CopyInput(stage);
+    stage.Degrade("no curves: gnuplot is not in PATH");
+  };
+  EXPECT_THAT(First({input_, "-o", output_}, degraded).err, HasSubstr("warning: no curves"));
+  EXPECT_EQ(Manifest()["degraded"][0], "no curves: gnuplot is not in PATH");
+  EXPECT_TRUE(First({input_, "-o", output_}).ran);
+  EXPECT_TRUE(Manifest()["degraded"].empty());
+  EXPECT_FALSE(First({input_, "-o", output_}).ran);
 }
 
 TEST_F(StageTest, TheKeyOfALaterStageFollowsTheContentOfTheEarlierOne) {

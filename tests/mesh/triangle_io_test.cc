@@ -1,8 +1,10 @@
 #include "core/error.h"
 #include "core/file.h"
+#include "expect_error.h"
 #include "mesh/triangle_mesh.h"
 #include "scratch_folder.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -30,6 +32,21 @@ TEST(TriangleMeshFile, PlyReadsBackAsItWasWritten) {
   EXPECT_EQ(read.positions, mesh.positions);
   EXPECT_EQ(read.colors_srgb, mesh.colors_srgb);
   EXPECT_EQ(read.triangles, mesh.triangles);
+}
+
+TEST(TriangleMeshFile, MeshesTooFarFromZeroForFloatsAreRefused) {
+  const auto text = [](const char* x) {
+    return fmt::format(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\n"
+        "property double z\nelement face 1\nproperty list uchar uint vertex_index\nend_header\n"
+        "{0} 0 0\n{0} 1 0\n{0} 0 2\n3 0 1 2\n",
+        x);
+  };
+  WriteText(Path("far.ply"), text("5400000"));
+  ExpectError<DataError>([] { ReadTriangleMesh(Path("far.ply")); },
+                         {"far.ply", "2.236 in diagonal is too far from 0", "5.4e+06"});
+  WriteText(Path("near.ply"), text("540"));
+  EXPECT_EQ(ReadTriangleMesh(Path("near.ply")).positions.size(), 3u);
 }
 
 TEST(TriangleMeshFile, PlyFacesBecomeFansAndFloatColoursBytes) {

@@ -37,11 +37,17 @@ class BadInputTest(StageCase):
         manifest = self.manifest(scene)
         self.assert_fails(self.run_stage("import", self.folder / "ball", "-o", scene, "--masks", "subject"), 3,
                           "masks: subject needs masks")
+        picture = self.folder / "ball" / "train" / "r_2.png"
+        whole = picture.read_bytes()
+        picture.write_bytes(whole[:100])
+        self.assert_fails(self.run_stage("import", self.folder / "ball", "-o", scene), 3, "r_2.png")
+        picture.write_bytes(whole)
         transforms = self.folder / "ball" / "transforms_train.json"
         transforms.write_text(transforms.read_text()[:-9])
         self.assert_fails(self.run_stage("import", self.folder / "ball", "-o", scene), 3, "transforms_train.json")
         self.assertEqual(self.manifest(scene), manifest)
         self.assertTrue((scene / "scene.json").exists())
+        self.assertEqual(sorted(path.name for path in scene.iterdir() if path.is_dir()), ["images"])
 
     def test_sfm_of_one_photo(self):
         self.assert_fails(self.run_stage("sfm", self.photos(1), "-o", self.folder / "out"), 3)
@@ -94,7 +100,7 @@ class BadInputTest(StageCase):
         (programs / "heif-convert").write_text("#!/bin/sh\nprintf '\\377\\330\\377\\340' > photo.jpg\n")
         (programs / "heif-convert").chmod(0o755)
         result = self.run_stage("sfm", photos, "-o", self.folder / "out", environment={"PATH": str(programs)})
-        self.assert_fails(result, 4, "heif-convert could not write all of it", "free some space")
+        self.assert_fails(result, 4, "heif-convert did not write all of", "free some space")
         self.assertEqual(list((self.folder / "out" / "photos").iterdir()), [])
 
     def test_sfm_without_colmap_in_path(self):
@@ -219,6 +225,20 @@ class BadInputTest(StageCase):
             result = self.run_stage("surface", field, "-o", self.folder / "run" / "5_surface", "--device", device,
                                     environment={"VK_ICD_FILENAMES": nowhere, "VK_DRIVER_FILES": nowhere})
             self.assert_fails(result, 4, "Vulkan")
+
+    def test_a_surface_made_without_a_device_is_made_again(self):
+        field, surface = self.folder / "run" / "3_field", self.folder / "run" / "5_surface"
+        self.assert_done(self.run_stage("optimize", self.tiny_tetrahedra(), "-o", field, "--time-limit", 0,
+                                        "--iterations", 2, "--renderer", "reference", "--watched-views", 0))
+        nowhere = str(self.folder / "no-driver.json")
+        without = {"VK_ICD_FILENAMES": nowhere, "VK_DRIVER_FILES": nowhere}
+        result = self.run_stage("surface", field, "-o", surface, environment=without)
+        self.assert_done(result)
+        self.assertIn("level of density instead of opacity", result.stderr)
+        self.assertEqual(len(self.manifest(surface)["degraded"]), 1)
+        self.assertNotIn("up to date", self.run_stage("surface", field, "-o", surface).stdout)
+        self.assertEqual(self.manifest(surface)["notes"]["level"], "opacity")
+        self.assertIn("up to date", self.run_stage("surface", field, "-o", surface).stdout)
 
     def test_a_failed_write_leaves_no_manifest_and_the_next_run_repairs_it(self):
         scene = self.tiny_scene()

@@ -130,6 +130,21 @@ class StagesTest(StageCase):
         self.assertNotIn("up to date", result.stdout)
         self.assertNotEqual(self.manifest(scene)["key"], key)
 
+    def test_another_background_of_the_scene_makes_the_later_stages_run_again(self):
+        tetrahedra, field = self.tiny_tetrahedra(), self.folder / "run" / "3_field"
+        optimize = ("optimize", tetrahedra, "-o", field, "--time-limit", 0, "--iterations", 2, "--renderer", "reference")
+        mesh = hashes(tetrahedra)
+        self.assert_done(self.run_stage(*optimize))
+        self.assertIn("up to date", self.run_stage(*optimize).stdout)
+        self.assert_done(self.run_stage("import", self.folder / "ball", "-o", self.folder / "run" / "1_scene",
+                                        "--background", "black"))
+        self.assert_done(self.run_stage("tetrahedralize", self.folder / "run" / "1_scene", "-o", tetrahedra,
+                                        "--resolution", 16, "--outer-points", 50))
+        self.assertEqual(hashes(tetrahedra), mesh)
+        result = self.run_stage(*optimize)
+        self.assert_done(result)
+        self.assertNotIn("up to date", result.stdout)
+
     def test_a_stage_folder_may_be_a_link(self):
         elsewhere = self.folder / "disk" / "a" / "tetrahedra"
         elsewhere.mkdir(parents=True)

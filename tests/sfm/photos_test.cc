@@ -45,6 +45,15 @@ TEST_F(PhotosTest, FoldersWithoutPhotosOrWithOneAreRefused) {
   ExpectError<DataError>([&] { Find(0.25); }, {"only one photo", "photo 00.png"});
 }
 
+TEST_F(PhotosTest, PhotosInLinkedFoldersAreFound) {
+  WriteNumberedPhotos(folder_ / "elsewhere", 3);
+  WritePhotos(1);
+  fs::create_directory_symlink("../elsewhere", fs::path(photos_) / "day2");
+  const PhotoFolder found = Find(0.25);
+  ASSERT_EQ(found.photos.size(), 4u);
+  EXPECT_EQ(found.photos[0].name, "day2/photo 00.png");
+}
+
 TEST_F(PhotosTest, ImagesOfOtherKindsAreNamed) {
   WritePhotos(1);
   folder_.Write("photos/b.WebP", "of a phone");

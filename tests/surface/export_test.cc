@@ -167,6 +167,20 @@ TEST(ExportOptions, FilesWithYUpAreTurnedAndNotMirrored) {
             glm::dvec3(1, 2, 3));
 }
 
+TEST(ExportFrame, CoordinatesThatAreTooLargeForFloatsAreRefused) {
+  // A subject of two metres where a map has its zone's coordinates.
+  const Similarity3 input_from_world{1.0, glm::dmat3(1.0), {4e5, 5.4e6, 300}};
+  const Bounds3 subject{glm::dvec3(-1), glm::dvec3(1)};
+  ExpectError<DataError>(
+      [&] {
+        CheckFloatsSuffice({.coordinates = ExportCoordinates::kInput}, input_from_world, subject);
+      },
+      {"3.464 in diagonal, is too far from 0", "400000,5.4e+06,300", "leave out --coordinates"});
+  CheckFloatsSuffice({}, input_from_world, subject);
+  CheckFloatsSuffice({.coordinates = ExportCoordinates::kInput},
+                     {1.0, glm::dmat3(1.0), {400, 540, 300}}, subject);
+}
+
 TEST(ExportOptions, RefusesWhatMakesNoSense) {
   const auto refused = [](const ExportOptions& options, const char* name) {
     ExpectError<UsageError>([&] { options.Check(); }, {name});
