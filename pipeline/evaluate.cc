@@ -37,10 +37,13 @@ int main(int argc, char** argv) {
   bounds->default_str("");
   app.add_option("--threshold", options.threshold_percent,
                  "Largest distance that counts as a match [% of the subject's diagonal]")
+      ->needs("--ground-truth")
       ->capture_default_str();
   app.add_option("--surface-samples", options.surface_samples, "Points sampled on each surface")
+      ->needs("--ground-truth")
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Random seed of the surface samples")
+      ->needs("--ground-truth")
       ->capture_default_str();
   app.get_option("--ground-truth")->needs("SURFACE");
   app.get_option("--cameras")->needs("--ground-truth");

@@ -6,6 +6,7 @@
 #include "command/stage_command.h"
 #include "command/word_option.h"
 #include "core/error.h"
+#include "core/log.h"
 #include "core/stage.h"
 #include "volume/import.h"
 
@@ -67,6 +68,14 @@ void ReadTexts(const VolumeTexts& texts, tetrec::VolumeImportOptions& options) {
   if (!texts.value_range.empty()) {
     options.value_range = glm::dvec2(texts.value_range[0], texts.value_range[1]);
   }
+}
+
+// --max-size bounds the views of a volume, but does not enlarge them.
+void LogUnusedSize(const CLI::App& app, int max_size_px, int size_px) {
+  if (app.get_option("--max-size")->count() == 0 || app.get_option("--size")->count() > 0) return;
+  if (max_size_px > 0 && max_size_px <= size_px) return;
+  tetrec::LogInfo("views have {} x {} pixels, fewer than --max-size allows; --size enlarges them",
+                  size_px, size_px);
 }
 
 // Refuses options of volumes for image data sets, and the reverse.
@@ -157,7 +166,10 @@ int main(int argc, char** argv) {
   return command.Run(
       argc, argv,
       [&](tetrec::Stage& stage) {
-        if (is_volume) return RunVolumeImport(volume_options, stage);
+        if (is_volume) {
+          LogUnusedSize(app, options.max_size, volume_options.size_px);
+          return RunVolumeImport(volume_options, stage);
+        }
         RunImport(options, stage);
       },
       [&] {

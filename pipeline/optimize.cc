@@ -212,6 +212,15 @@ int main(int argc, char** argv) {
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunOptimize(options, stage); },
       [&] {
+        const CLI::App& app = command.app();
+        if (options.harmonics == tetrec::HarmonicsChoice::kNone) {
+          tetrec::RefuseOptions(app, {"--sh-rate", "--sh-decay"},
+                                "has no effect with --sh 0; leave it out");
+        }
+        if (options.budget == tetrec::BudgetChoice::kFull) {
+          tetrec::RefuseOptions(app, {"--matched-psnr"},
+                                "has no effect with --budget full; leave it out");
+        }
         options.renderer.Check();
         options.Check();
       });

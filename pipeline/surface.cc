@@ -2,6 +2,7 @@
 #include "surface/surface.h"
 
 #include "command/help.h"
+#include "command/option_checks.h"
 #include "command/stage_command.h"
 #include "command/word_option.h"
 
@@ -100,5 +101,11 @@ int main(int argc, char** argv) {
       {"--texture", "--formats", "--coordinates", "--scale", "--known-distance", "--crop"});
   return command.Run(
       argc, argv, [&](tetrec::Stage& stage) { RunSurface(options, stage); },
-      [&] { options.Check(); });
+      [&] {
+        if (options.level == tetrec::SurfaceLevel::kOpacity) {
+          tetrec::RefuseOptions(app, {"--smoothing", "--rays", "--seed"},
+                                "has no effect with --level opacity; leave it out");
+        }
+        options.Check();
+      });
 }

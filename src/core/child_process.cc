@@ -253,7 +253,7 @@ ChildResult RunChild(const fs::path& program, const std::vector<std::string>& ar
   result.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   ThrowIfStopRequested(name + " was stopped");
   if (timed_out) {
-    throw EnvironmentError(
+    throw ChildTimedOut(
         fmt::format("{} did not end within {:g} s and was stopped", name, options.time_limit_s));
   }
   return result;

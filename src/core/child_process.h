@@ -1,6 +1,8 @@
 // Runs another program by argument list (never through a shell).
 #pragma once
 
+#include "core/error.h"
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -9,6 +11,10 @@
 #include <vector>
 
 namespace tetrec {
+
+struct ChildTimedOut : EnvironmentError {
+  using EnvironmentError::EnvironmentError;
+};
 
 struct ChildOptions {
   std::filesystem::path working_folder;                          // empty: ours
@@ -19,7 +25,7 @@ struct ChildOptions {
   // whose results depend on them.
   bool fixed_addresses = false;
   uint64_t max_memory_bytes = 0;  // of its address space; 0: no limit
-  double time_limit_s = 0;        // after it the child is killed (EnvironmentError); 0: none
+  double time_limit_s = 0;        // after it the child is killed (ChildTimedOut); 0: none
 };
 
 struct ChildResult {

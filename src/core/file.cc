@@ -226,7 +226,9 @@ nlohmann::json ParseJson(std::string_view text, const std::string& name) {
   }
 }
 
-nlohmann::json ReadJson(const fs::path& path) { return ParseJson(ReadText(path), path.string()); }
+nlohmann::json ReadJson(const fs::path& path) {
+  return ParseJson(ReadText(path, kMostBytesOfJson), path.string());
+}
 
 void WriteJson(const fs::path& path, const nlohmann::json& value) {
   // File names may contain bytes that are not UTF-8.

@@ -67,6 +67,8 @@ void WriteText(const std::filesystem::path& path, const std::string& text);
 // Throws DataError with the name and the position of a syntax error, and for values nested deeper
 // than 100 levels.
 nlohmann::json ParseJson(std::string_view text, const std::string& name);
+// Values take up to 25 times as much memory as their text.
+inline constexpr uint64_t kMostBytesOfJson = uint64_t{1} << 27;
 nlohmann::json ReadJson(const std::filesystem::path& path);
 void WriteJson(const std::filesystem::path& path, const nlohmann::json& value);
 

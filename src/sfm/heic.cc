@@ -41,6 +41,25 @@ bool IsComplete(const fs::path& jpeg) {
   }
 }
 
+[[noreturn]] void Refuse(const fs::path& photo, const std::string& reason,
+                         const fs::path& scratch) {
+  fs::remove_all(scratch);
+  throw DataError(
+      fmt::format("{}: cannot be read as HEIC ({}); copy it again, or convert it to JPEG",
+                  photo.string(), reason));
+}
+
+// Writes photo.jpg into the working folder.
+ChildResult Convert(const fs::path& program, const fs::path& photo, const ChildOptions& options,
+                    const fs::path& scratch) {
+  try {
+    return RunChild(program, {"--quiet", "-q", "100", fs::absolute(photo).string(), "photo.jpg"},
+                    options);
+  } catch (const ChildTimedOut& error) {
+    Refuse(photo, error.what(), scratch);
+  }
+}
+
 }  // namespace
 
 bool IsHeic(std::span<const uint8_t> front) {
@@ -66,23 +85,19 @@ void ConvertHeic(const fs::path& photo, const fs::path& jpeg, const fs::path& sc
   options.working_folder = scratch;
   options.max_memory_bytes = kMostMemory_bytes;
   options.time_limit_s = kTimeLimit_s;
-  const ChildResult result = RunChild(
-      program, {"--quiet", "-q", "100", fs::absolute(photo).string(), "photo.jpg"}, options);
+  const ChildResult result = Convert(program, photo, options, scratch);
   // A file of several images becomes several files.
   const bool has_several = fs::exists(scratch / "photo-1.jpg");
   const fs::path written = scratch / (has_several ? "photo-1.jpg" : "photo.jpg");
   if (result.exit_code != 0 || !fs::exists(written)) {
-    const std::string reason = ReasonOf(result);
-    fs::remove_all(scratch);
-    throw DataError(
-        fmt::format("{}: cannot be read as HEIC ({}); copy it again, or convert it to JPEG",
-                    photo.string(), reason));
+    Refuse(photo, ReasonOf(result), scratch);
   }
   if (!IsComplete(written)) {
     fs::remove_all(scratch);
     throw EnvironmentError(
-        fmt::format("{}: heif-convert could not write all of it; free some space and run it again",
-                    jpeg.string()));
+        fmt::format("{}: heif-convert did not write all of {}; free some space and run it again, "
+                    "or convert the photo to JPEG",
+                    photo.string(), jpeg.string()));
   }
   if (has_several) {
     LogInfo("{}: HEIC file of several images, of which the first is used", photo.string());

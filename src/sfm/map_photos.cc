@@ -277,7 +277,8 @@ nlohmann::json Retry(const SfmWork& work, const fs::path& database, const std::s
   for (int i = 1; i <= work.options.retries && model.images.size() < photos; ++i) {
     const Timer timer;
     max_features = std::min(max_features * 8 / 3, kMostFeatures);
-    suffix = fmt::format("-retry-{}", i);
+    // What is tried again depends on the first model, and that on the seed.
+    suffix = fmt::format("-retry-{}-{}", i, work.options.seed);
     const fs::path richer = database.string() + suffix;
     WriteRicherDatabase(work, model, max_features, richest, richer);
     MapAgain(work, richer, kUsualDemands, work.cache / (model_name + suffix),

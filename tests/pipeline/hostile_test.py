@@ -375,6 +375,7 @@ class HostileTest(HostileCase):
             ("import", "--downscale", "inf"), ("import", "--bounds", "0,0,0,0,0,nan"), ("import", "--spacing", "1x1"),
             ("render", "--samples", "0"), ("render", "--samples", "1e9"), ("render", "--device", ""),
             ("surface", "--smoothing", "-1"), ("surface", "--isovalue", "inf"), ("surface", "--margin", "nan"),
+            ("surface", "--isovalue", "1e-50"), ("evaluate", "--seed", "3"), ("evaluate", "--surface-samples", "5000"),
             ("surface", "--texture", "-5"), ("surface", "--smooth-normals", "101"), ("surface", "--align-rounds", "101"),
             ("evaluate", "--threshold", "-inf"), ("tetrahedralize", "--resolution", "513"))
 

@@ -110,6 +110,10 @@ class VolumeTest(StageCase):
         self.assert_done(self.import_volume(self.header, "--max-size", 20))
         camera = json.loads((self.scene / "scene.json").read_text())["cameras"][0]
         self.assertEqual((camera["width"], camera["height"]), (20, 20))
+        result = self.run_stage("import", self.header, "-o", self.scene, "--transfer-function", self.function,
+                                "--cameras", 8, "--rays-per-side", 1, "--max-size", 300)
+        self.assert_done(result)
+        self.assertIn("views have 256 x 256 pixels, fewer than --max-size allows", result.stderr)
 
     def test_bad_volumes_are_named(self):
         self.header.write_text(self.header.read_text().replace("7 6 5", "7 6 9"))
