@@ -105,9 +105,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
                         "gain by them: auto (where cameras were estimated from photos), on or off");
   tetrec::AddWordOption(
       app, "--move", options.move,
-      "How vertices move: safe (no tet turns inside out), auto (safe, unless the judging pictures "
-      "lose by it), article (by Adam on each coordinate in every second epoch, as in the DiffTetVR "
-      "article; may break the mesh) or off");
+      "How vertices move: safe (no tet turns inside out), article (by Adam on each coordinate in "
+      "every second epoch, as in the DiffTetVR article; may break the mesh) or off");
   tetrec::AddWordOption(
       app, "--sh", options.harmonics,
       "Degree of spherical harmonics by which colours depend on the view: 0 (they do not) to 3, or "
@@ -204,7 +203,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   tetrec::StageCommand command(
-      "optimize", 22,
+      "optimize", 23,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

@@ -36,6 +36,36 @@ std::string DifferenceOf(const json& before, const json& now) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+// A run that was killed before its first output has left its own status beside the manifest of the
+// result that stays.
+bool IsOfKilledRun(const json& status, const json& manifest) {
+  return status.is_object() && status["key"] != manifest["key"];
+}
+
+json StatusOfResult(const json& manifest, json status) {
+  if (!IsOfKilledRun(status, manifest)) return status;
+  for (const char* name : {"key", "options", "command"}) {
+    if (manifest.contains(name)) status[name] = manifest[name];
+  }
+  status["own"] = ResultPaths(manifest, nullptr);
+  status["scratch"] = json::array();
+  status["status"] = "done";
+  status["error"] = nullptr;
+  return status;
+}
+
+// Removes what a killed run has left beside a result that is up to date.
+void TidyUp(const fs::path& folder, const json& manifest) {
+  if (!IsOfKilledRun(ReadManifestOrStatus(folder / kStatusFile), manifest) || IsLocked(folder)) {
+    return;
+  }
+  const FolderLock lock(folder);
+  const json status = ReadManifestOrStatus(folder / kStatusFile);
+  RefuseLinks(folder, status);
+  RemoveDeclared(folder, status, "scratch");
+  WriteJson(folder / kStatusFile, StatusOfResult(manifest, status));
+}
+
 void LogWarningsAgain(const std::vector<std::string>& warnings) {
   if (warnings.empty()) return;
   LogLine(LogLevel::kInfo,
@@ -187,17 +217,7 @@ void StageRun::RecordFailure(const char* state, const std::string& message) {
 void StageRun::KeepEarlierResult() {
   LogToFileOnly("the earlier result stays as it is");
   RemoveDeclared(request_.folder, stage_.status_, "scratch");
-  json earlier = old_status_;
-  // If a run in between was killed before its first output, its status took the place of the
-  // result's.
-  if (earlier["key"] != old_manifest_["key"]) {
-    for (const char* name : {"key", "options", "command"}) {
-      if (old_manifest_.contains(name)) earlier[name] = old_manifest_[name];
-    }
-    earlier["own"] = ResultPaths(old_manifest_, nullptr);
-    earlier["status"] = "done";
-    earlier["error"] = nullptr;
-  }
+  json earlier = StatusOfResult(old_manifest_, old_status_);
   earlier["caches"] = stage_.status_["caches"];
   stage_.status_ = earlier;
 }
@@ -254,6 +274,7 @@ void RunStage(const StageRequest& request, const std::function<void(Stage&)>& bo
   const bool is_same = manifest.is_object() && manifest["key"] == request.Key();
   if (is_same && !request.force && manifest.value("degraded", json::array()).empty() &&
       FirstSpoiledOutput(request.folder, manifest).empty()) {
+    TidyUp(request.folder, manifest);
     fmt::print("up to date: {}\n", request.folder.string());
     return;
   }

@@ -19,7 +19,7 @@ namespace {
 
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'E'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'F'};
 
 constexpr size_t kChecksumBytes = 64;  // hexadecimal SHA-256 of all before it
 
@@ -273,7 +273,6 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   head.Write(checkpoint.metrics_bytes);
   head.Write(checkpoint.harmonics);
   head.Write(checkpoint.fine_rays);
-  head.Write(checkpoint.motion_trial);
   head.Write(uint64_t(checkpoint.mesh.positions.size()));
   head.Write(uint64_t(checkpoint.mesh.tets.size()));
   AppendLayout(head, checkpoint.state.layout);
@@ -321,7 +320,6 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.metrics_bytes = reader.Read<uint64_t>("metrics bytes");
   result.harmonics = reader.Read<HarmonicsState>("harmonics");
   result.fine_rays = ReadTrial(reader, name, "fine rays");
-  result.motion_trial = ReadTrial(reader, name, "moving vertices");
   const uint64_t vertices = reader.Read<uint64_t>("vertex count");
   const uint64_t tets = reader.Read<uint64_t>("tet count");
   FieldState& state = result.state;

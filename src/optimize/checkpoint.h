@@ -35,7 +35,6 @@ struct Checkpoint {
   uint64_t metrics_bytes = 0;  // length of metrics.csv at that time
   HarmonicsState harmonics;
   TrialState fine_rays = TrialState::kNotTried;
-  TrialState motion_trial = TrialState::kNotTried;
   TetMesh mesh;
   FieldState state;
   std::vector<RowRates> row_rates;  // of the state
@@ -44,13 +43,13 @@ struct Checkpoint {
   PoseState poses;
 };
 
-// Own format, little endian: "TETRECKD", u64 iteration, f64 seconds, u64 rays, of the pace u64
+// Own format, little endian: "TETRECKF", u64 iteration, f64 seconds, u64 rays, of the pace u64
 // rays per step, u64 views per batch, f64 speed and u64 steps per motion, u32 rounds and u32 ended
 // (0 or 1), f64 best PSNR, u64 judging views and for each f64 squares and rays, u64 growth steps
 // and their fields, 8 bytes each (GrowthStep), of the coarsening u32 ended and u32 has failed (each
 // 0 or 1), f64 kept share, u64 finest vertices, u64 views and for each f64 squares and rays, of the
 // convergence u64 x 3 and f64 (ConvergenceState), u64 metrics bytes, harmonics unlocked, judged and
-// closed u32 x 3, u32 fine rays and u32 moving vertices (each 0 not tried, 1 not used, 2 used), u64
+// closed u32 x 3, u32 fine rays (0 not tried, 1 not used, 2 used), u64
 // V, u64 T, the layout (AppendLayout), positions f32 x 3 V, tets and neighbours u32 x 4 T each,
 // then parameters, first moments and second moments, each f32 x rows x their number (FieldState),
 // and RowRates, f32 x 3 rows; then f64 share of the rates; of the vertices' motion u64 motions, u64

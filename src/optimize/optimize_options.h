@@ -57,17 +57,13 @@ inline constexpr auto kWords<FineRaysChoice> = std::to_array<Word<FineRaysChoice
 
 // How vertices move.
 enum class MoveChoice {
-  kAuto,     // as kSafe, unless the judging pictures lose by it (motion_trial.h)
   kSafe,     // no farther than the tets allow (vertex_motion.h)
   kArticle,  // wherever Adam takes each coordinate (article_motion.h)
   kOff,
 };
 template <>
-inline constexpr auto kWords<MoveChoice> =
-    std::to_array<Word<MoveChoice>>({{MoveChoice::kAuto, "auto"},
-                                     {MoveChoice::kSafe, "safe"},
-                                     {MoveChoice::kArticle, "article"},
-                                     {MoveChoice::kOff, "off"}});
+inline constexpr auto kWords<MoveChoice> = std::to_array<Word<MoveChoice>>(
+    {{MoveChoice::kSafe, "safe"}, {MoveChoice::kArticle, "article"}, {MoveChoice::kOff, "off"}});
 
 // By what a refinement chooses where it refines (refine_scores.h).
 enum class RefineScore {
@@ -142,7 +138,7 @@ struct OptimizeOptions {
   PoseMode poses = PoseMode::kAuto;                       // corrections of the training cameras
   HarmonicsChoice harmonics = HarmonicsChoice::kAuto;
   FineRaysChoice fine_rays = FineRaysChoice::kAuto;
-  MoveChoice move = MoveChoice::kAuto;
+  MoveChoice move = MoveChoice::kSafe;
   BudgetChoice budget = BudgetChoice::kAuto;
   uint64_t budget_tets = 0;   // bound on tets; 0: none
   uint64_t budget_mb = 0;     // bound on the predicted peak of memory [10^6 bytes]; 0: none

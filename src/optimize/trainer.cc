@@ -19,7 +19,6 @@
 #include "optimize/fitted_field.h"
 #include "optimize/harmonics_trials.h"
 #include "optimize/mesh_budget.h"
-#include "optimize/motion_trial.h"
 #include "optimize/photo_sight.h"
 #include "optimize/pose_sweeps.h"
 #include "optimize/rate_trial.h"
@@ -83,7 +82,6 @@ class Trainer {
         poses_(options, pictures_, *renderer_),
         harmonics_(options, field_, pictures_, steps_),
         fine_rays_(options, scene.has_alpha, field_, pictures_, steps_),
-        motion_trial_(options, field_, pictures_, steps_, motion_),
         rounds_(
             options,
             PlanRounds(options, length_, start.positions.size(), max_vertices_, affording_pixels_),
@@ -192,7 +190,6 @@ class Trainer {
     exposure_ = ResumedExposure(std::move(checkpoint.exposure));
     poses_.Resume(std::move(checkpoint.poses), name, Done());
     field_.Resume(std::move(checkpoint.mesh), checkpoint.state, std::move(checkpoint.row_rates));
-    motion_trial_.Resume(checkpoint.motion_trial);
     motion_.Resume(std::move(checkpoint.motion));
     LogInfo("continues from iteration {} after {:.0f} s", steps_.iteration(), seconds_);
   }
@@ -226,10 +223,11 @@ class Trainer {
         continue;
       }
       if (coarsening_.IsDue(done)) {
-        if (coarsening_.Advance(seconds_, {done, growth})) motion_trial_.LetCoarserMeshMove();
+        coarsening_.Advance(seconds_, {done, growth});
         continue;
       }
-      if (motion_trial_.Advance({done, growth}) || harmonics_.Advance(growth)) continue;
+      motion_.StartIfDue(growth);
+      if (harmonics_.Advance(growth)) continue;
       if (fine_rays_.Advance(growth)) {
         JudgeAnew();
         continue;
@@ -361,7 +359,6 @@ class Trainer {
     checkpoint.metrics_bytes = metrics_bytes;
     checkpoint.harmonics = harmonics_.state();
     checkpoint.fine_rays = fine_rays_.state();
-    checkpoint.motion_trial = motion_trial_.state();
     checkpoint.motion = motion_.state();
     checkpoint.mesh = field_.mesh();
     checkpoint.state = field_.ReadState();
@@ -473,7 +470,6 @@ class Trainer {
   PoseSweeps poses_;
   HarmonicsTrials harmonics_;
   FineRays fine_rays_;
-  MotionTrial motion_trial_;
   RefinementRounds rounds_;
   Coarsening coarsening_;
   GrowthStep end_of_growth_;

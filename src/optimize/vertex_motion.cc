@@ -14,6 +14,8 @@
 namespace tetrec {
 namespace {
 
+// The gradients of a coarse first field move vertices nowhere useful.
+constexpr double kFirstMotion = 0.05;
 // At the end of a run, while the noise of batches settles, the mesh stands still.
 constexpr double kLastMotion = 0.8;
 constexpr float kBeta1 = 0.9f, kBeta2 = 0.95f;
@@ -25,8 +27,14 @@ std::vector<float> SizesOfVertices(const TetMesh& mesh) {
 
 }  // namespace
 
+void VertexMotion::StartIfDue(double growth) {
+  if (IsArticle() || (options_.move == MoveChoice::kSafe && growth >= kFirstMotion)) {
+    has_started_ = true;
+  }
+}
+
 bool VertexMotion::IsOn(uint64_t step, double progress) const {
-  return is_used_ && (IsArticle() ? IsInJointEpoch(step, views_) : progress < kLastMotion);
+  return has_started_ && (IsArticle() ? IsInJointEpoch(step, views_) : progress < kLastMotion);
 }
 
 uint64_t VertexMotion::StepsOfMotion() const {

@@ -40,9 +40,10 @@ class VertexMotion {
                size_t views)
       : options_(options), field_(field), renderer_(renderer), views_(views) {}
 
-  // Vertices move from now on (until the progress kLastMotion, if safely), or not at all.
-  void Use(bool moves) { is_used_ = moves; }
-  bool is_used() const { return is_used_; }
+  // Lets vertices move from now on (until the progress kLastMotion, if safely) if they are to move
+  // and the run has grown enough (schedule.h).
+  void StartIfDue(double growth);
+  bool has_started() const { return has_started_; }
 
   // What step `step`, counted from 1, computes.
   GradientParts PartsOf(uint64_t step, double progress) const;
@@ -89,7 +90,7 @@ class VertexMotion {
   FittedField& field_;
   TrainingRenderer& renderer_;
   size_t views_;
-  bool is_used_ = false;
+  bool has_started_ = false;
   MotionState state_;
   uint64_t topology_ = 0;  // FittedField::topology() of the state
   double seconds_ = 0;

@@ -278,28 +278,36 @@ TEST_F(StageTest, ScratchAndCachesNeverContainAnEarlierResult) {
   }
 }
 
-TEST_F(StageTest, AResultKeepsItsStatusAfterARunThatWasKilledAndOneThatWasRefused) {
+TEST_F(StageTest, AResultGetsItsStatusBackAfterARunThatWasKilled) {
   First({input_, "-o", output_});
   const nlohmann::json manifest = Manifest(), status = Status();
-  const pid_t pid = fork();
-  if (pid == 0) {
-    First({input_, "-o", output_, "--rate", "3"}, [](Stage& stage) {
-      WriteText(stage.Scratch("half.txt"), "half");
-      raise(SIGKILL);
-    });
-    _exit(0);
+  // By the command of the result, or by one that is refused.
+  for (const bool is_refused : {false, true}) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+      First({input_, "-o", output_, "--rate", "3"}, [](Stage& stage) {
+        WriteText(stage.Scratch("half.txt"), "half");
+        raise(SIGKILL);
+      });
+      _exit(0);
+    }
+    int ended = 0;
+    waitpid(pid, &ended, 0);
+    ASSERT_TRUE(WIFSIGNALED(ended));
+    EXPECT_EQ(Status()["status"], "running");
+    EXPECT_TRUE(fs::exists(fs::path(output_) / "half.txt"));
+    const auto refuse = [](Stage&) { throw DataError("no photos"); };
+    if (is_refused) {
+      EXPECT_EQ(First({input_, "-o", output_, "--rate", "4"}, refuse).exit_code, 3);
+    } else {
+      EXPECT_FALSE(First({input_, "-o", output_}).ran);
+    }
+    EXPECT_EQ(Manifest(), manifest);
+    for (const char* name : {"key", "status", "options", "own"}) {
+      EXPECT_EQ(Status()[name], status[name]) << name;
+    }
+    EXPECT_FALSE(fs::exists(fs::path(output_) / "half.txt"));
   }
-  int ended = 0;
-  waitpid(pid, &ended, 0);
-  ASSERT_TRUE(WIFSIGNALED(ended));
-  EXPECT_EQ(Status()["status"], "running");
-  EXPECT_TRUE(fs::exists(fs::path(output_) / "half.txt"));
-  const auto refuse = [](Stage&) { throw DataError("no photos"); };
-  EXPECT_EQ(First({input_, "-o", output_, "--rate", "4"}, refuse).exit_code, 3);
-  EXPECT_EQ(Manifest(), manifest);
-  for (const char* name : {"key", "status", "options", "own"})
-    EXPECT_EQ(Status()[name], status[name]) << name;
-  EXPECT_FALSE(fs::exists(fs::path(output_) / "half.txt"));
   EXPECT_FALSE(First({input_, "-o", output_}).ran);
 }
 

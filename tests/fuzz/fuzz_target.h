@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <span>
@@ -12,13 +13,22 @@
 
 namespace fuzz {
 
-// A reader may refuse its input with DataError; every other exception, signal, sanitizer report or
-// excess of memory or time is a finding.
-template <class Body>
+// At exit: prints how many inputs were accepted. If none was, the seeds are of an older format, and
+// nothing behind the first check was reached.
+struct AcceptedInputs {
+  ~AcceptedInputs() { std::printf("Accepted %zu inputs\n", count); }
+  size_t count = 0;
+};
+
+// A reader may refuse its input with one kind of error; every other exception, signal, sanitizer
+// report or excess of memory or time is a finding.
+template <class Refusal = tetrec::DataError, class Body>
 int Refusing(const Body& body) {
+  static AcceptedInputs accepted;
   try {
     body();
-  } catch (const tetrec::DataError&) {
+    ++accepted.count;
+  } catch (const Refusal&) {
   }
   return 0;
 }

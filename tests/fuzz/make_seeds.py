@@ -246,9 +246,9 @@ def stereo_depth_bytes():
 def checkpoint_bytes(layout, rows):
     """The two tets with `rows` rows of colour and density, their moments and rates, moving vertices, and what else a
     run remembers of its two views; without a checksum."""
-    trials = struct.pack("<5I", 1, 1, 0, 1, 2)  # harmonics unlocked, judged, closed; fine rays; moving vertices
+    trials = struct.pack("<4I", 1, 1, 0, 1)  # harmonics unlocked, judged, closed; fine rays
     growth = struct.pack("<Qd4Q3d2Q", 12, 2.5, 5, 2, 0, 10 ** 8, 21.0, 0.5, 0.1, 0, 0)
-    out = b"TETRECKD" + struct.pack("<QdQQQdQ", 20, 1.5, 640, 4096, 4, 1, 16)
+    out = b"TETRECKF" + struct.pack("<QdQQQdQ", 20, 1.5, 640, 4096, 4, 1, 16)
     out += struct.pack("<IIdQ4dQ", 1, 0, 21.0, 2, 1.5, 16, 0.25, 32, 1) + growth
     out += struct.pack("<IIdQQ4d", 0, 1, 0.5, 10, 2, 1.5, 16, 0.25, 32)  # of coarsening
     out += struct.pack("<3QdQ", 12, 1, 8, 21.0, 100) + trials
@@ -256,7 +256,7 @@ def checkpoint_bytes(layout, rows):
     out += mesh[:16] + layout + mesh[16:]
     out += struct.pack(f"<{4 * rows}f", *(i / 9 for i in range(4 * rows)))
     out += struct.pack(f"<{8 * rows}f", *(i / 99 for i in range(8 * rows)))
-    out += rows * struct.pack("<2f", 1, math.inf)
+    out += rows * struct.pack("<3f", 1, math.inf, -math.inf)
     out += struct.pack("<d4QQ", 0.5, 3, 5, 4, 3, 5) + struct.pack("<40f", *(i / 40 for i in range(40)))
     exposure, sums = (1.1, 1, 0.9, 0, 0.01, 0), 3 * (0.5, 0.25, 0.25, 1, 0.5)
     out += struct.pack("<Q42d", 2, *exposure, *exposure, *sums, *sums)

@@ -46,10 +46,8 @@ bool IsPossible(const tetrec::PictureRequest& request) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const tetrec::Scene scene = SceneOfOneView();
-  try {
+  return fuzz::Refusing<tetrec::UsageError>([&] {
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     if (!IsPossible(tetrec::ParsePictureRequest(QueryOf(text), scene))) std::abort();
-  } catch (const tetrec::UsageError&) {
-  }
-  return 0;
+  });
 }

@@ -15,14 +15,14 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECKD", u64 iteration, f64 seconds, u64 rays, u64 x 2, f64 and u64 of
+// Where the fields start: "TETRECKF", u64 iteration, f64 seconds, u64 rays, u64 x 2, f64 and u64 of
 // the pace, u32 x 2 and f64 of the rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x
 // 11 of their growth, u32 x 2, f64, u64, u64 and f64 x 2 of the coarsening, u64 x 3 and f64 of the
-// convergence, u64 metrics bytes, u32 x 3 harmonics, u32 fine rays, u32 moving vertices, u64 V, u64
-// T, then the layout: u32 storage, u32 attributes, and of "color" and "density" the length of the
-// name, the name, and 3 u32 each. Positions follow.
-constexpr size_t kSecondsAt = 16, kRaysPerStepAt = 32, kFineRaysAt = 316, kMotionAt = 320,
-                 kVertexCountAt = 324, kTetCountAt = 332, kStorageAt = 340,
+// convergence, u64 metrics bytes, u32 x 3 harmonics, u32 fine rays, u64 V, u64 T, then the layout:
+// u32 storage, u32 attributes, and of "color" and "density" the length of the name, the name, and 3
+// u32 each. Positions follow.
+constexpr size_t kSecondsAt = 16, kRaysPerStepAt = 32, kFineRaysAt = 316, kVertexCountAt = 320,
+                 kTetCountAt = 328, kStorageAt = 336,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
@@ -61,7 +61,6 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
     if (row % 3 == 0) checkpoint.row_rates.back().kept_density = unit();
     if (row % 5 == 0) checkpoint.row_rates.back().least_density = unit();
   }
-  checkpoint.motion_trial = TrialState::kUsed;
   MotionState& motion = checkpoint.motion;
   motion.motions = 9;
   motion.counts = {5, 4, 3};
@@ -128,7 +127,6 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
       EXPECT_EQ(read.row_rates[row].kept_density, written.row_rates[row].kept_density);
       EXPECT_EQ(read.row_rates[row].least_density, written.row_rates[row].least_density);
     }
-    EXPECT_EQ(read.motion_trial, written.motion_trial);
     EXPECT_EQ(read.motion.motions, written.motion.motions);
     EXPECT_EQ(read.motion.first_moment, written.motion.first_moment);
     EXPECT_EQ(read.motion.second_moment, written.motion.second_moment);
@@ -280,8 +278,6 @@ TEST(Checkpoint, RefusesUnknownStatesOfTrials) {
                          {"c.bin", "0 rays per step"});
   ExpectError<DataError>([&] { ParseCheckpoint(With(good, kFineRaysAt, uint32_t{3}), "c.bin"); },
                          {"c.bin", "fine rays", "3"});
-  ExpectError<DataError>([&] { ParseCheckpoint(With(good, kMotionAt, uint32_t{3}), "c.bin"); },
-                         {"c.bin", "moving vertices", "3"});
 }
 
 TEST(Checkpoint, RefusesMotionsThatAreNotPossible) {

@@ -280,7 +280,7 @@ struct LateRun {
                {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
                FilesIn(folder.path())) {
     run.PutField(0.4, side);
-    run.motion.Use(true);
+    run.motion.StartIfDue(1.0);
     run.steps.Resume(kStepsBefore, 1000);
   }
   static OptimizeOptions Options() {

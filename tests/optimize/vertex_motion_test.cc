@@ -2,7 +2,6 @@
 
 #include "field/change_storage.h"
 #include "optimize/checkpoint.h"
-#include "optimize/motion_trial.h"
 #include "optimize/ring_scene.h"
 #include "optimize/small_run.h"
 #include "render/seen_colors.h"
@@ -38,7 +37,7 @@ bool IsInside(const glm::vec3& position) {
 struct MovingRun : SmallRun {
   explicit MovingRun(MoveChoice move = MoveChoice::kSafe, const DevicePace& pace = {})
       : SmallRun(MovingOptions(move, pace), 5, kDensity) {
-    motion.Use(move == MoveChoice::kSafe);
+    motion.StartIfDue(1.0);
   }
 
   // The true field, but vertices inside are moved by up to `most`, with their colours.
@@ -59,8 +58,6 @@ struct MovingRun : SmallRun {
     for (int i = 0; i < steps_to_take; ++i) steps.Take(AtProgress(progress), false);
   }
   double Psnr() { return pictures.JudgeField().psnr; }
-
-  MotionTrial trial{options, field, pictures, steps, motion};
 };
 
 TEST(VertexMotion, BringsVerticesBackToWhereThePicturesWantThem) {
@@ -274,28 +271,16 @@ TEST(VertexMotion, BeginsAnewOnAMeshThatItDoesNotKnow) {
   EXPECT_EQ(run.motion.state().motions, 1u);
 }
 
-TEST(MotionTrial, KeepsWhatGained) {
-  MovingRun run(MoveChoice::kAuto);
-  run.PutMoved(0.06f);
-  run.steps.Resume(400, 0);
-  EXPECT_FALSE(run.trial.Advance({0.05, 0.05}));
-  EXPECT_EQ(run.trial.state(), TrialState::kNotTried);
-  const double before = run.Psnr();
-  EXPECT_TRUE(run.trial.Advance({0.15, 0.15}));
-  EXPECT_EQ(run.trial.state(), TrialState::kUsed);
-  EXPECT_TRUE(run.motion.is_used());
-  EXPECT_GT(run.Psnr(), before);
-  EXPECT_EQ(run.steps.iteration(), 400u + TrialSteps(400));
-  EXPECT_FALSE(run.trial.Advance({0.2, 0.2}));
-}
-
-TEST(MotionTrial, LetsVerticesMoveOnceTheFieldIsNoLongerCoarse) {
-  MovingRun run;
-  run.motion.Use(false);
-  EXPECT_FALSE(run.trial.Advance({0.01, 0.01}));
-  EXPECT_FALSE(run.motion.is_used());
-  EXPECT_FALSE(run.trial.Advance({0.01, 0.05}));
-  EXPECT_TRUE(run.motion.is_used());
+TEST(VertexMotion, StartsOnceTheFieldIsNoLongerCoarse) {
+  for (const MoveChoice move : {MoveChoice::kSafe, MoveChoice::kOff}) {
+    SmallRun run(MovingOptions(move), 5, kDensity);
+    run.motion.StartIfDue(0.04);
+    EXPECT_FALSE(run.motion.has_started());
+    run.motion.StartIfDue(0.05);
+    EXPECT_EQ(run.motion.has_started(), move == MoveChoice::kSafe);
+    run.motion.StartIfDue(0.01);  // with --rounds, growth may fall
+    EXPECT_EQ(run.motion.has_started(), move == MoveChoice::kSafe);
+  }
 }
 
 // Of a mesh that has no motion yet, as after the return to a smaller one.
@@ -326,58 +311,6 @@ TEST(VertexMotion, HasAStateThatFitsTheMesh) {
   run.Take(16, 0.3);
   EXPECT_EQ(put_and_read().size.size(), 300u);
   EXPECT_GT(run.motion.counts().all(), moved);
-}
-
-// The true field loses by every move.
-TEST(MotionTrial, LeavesAFieldThatLostAsItWas) {
-  MovingRun run(MoveChoice::kAuto);
-  run.PutMoved(0.0f);
-  run.steps.Resume(400, 0);
-  const std::vector<glm::vec3> positions = run.field.mesh().positions;
-  const FieldState before = run.field.ReadState();
-  EXPECT_TRUE(run.trial.Advance({0.15, 0.15}));
-  EXPECT_EQ(run.trial.state(), TrialState::kNotUsed);
-  EXPECT_FALSE(run.motion.is_used());
-  EXPECT_EQ(run.field.mesh().positions, positions);
-  EXPECT_EQ(run.field.ReadState().parameters, before.parameters);
-  EXPECT_EQ(run.field.ReadState().second_moment, before.second_moment);
-  EXPECT_EQ(run.steps.iteration(), 400u);
-  EXPECT_EQ(run.motion.counts().all(), 0u);
-  EXPECT_TRUE(run.motion.state().size.empty());
-  run.trial.LetCoarserMeshMove();
-  EXPECT_EQ(run.trial.state(), TrialState::kUsed);
-  EXPECT_TRUE(run.motion.is_used());
-  MovingRun still(MoveChoice::kOff);
-  still.trial.LetCoarserMeshMove();
-  EXPECT_EQ(still.trial.state(), TrialState::kNotUsed);
-}
-
-TEST(MotionTrial, LetsVerticesMoveWhereNothingCanJudge) {
-  MovingRun run(MoveChoice::kAuto);
-  run.steps.Resume(400, 0);
-  run.pictures.EndJudgingIfDue(1.0);
-  EXPECT_FALSE(run.trial.Advance({0.15, 0.15}));
-  EXPECT_EQ(run.trial.state(), TrialState::kUsed);
-  EXPECT_TRUE(run.motion.is_used());
-}
-
-TEST(MotionTrial, WaitsUntilThereAreStepsToTellFrom) {
-  MovingRun run(MoveChoice::kAuto);
-  run.PutMoved(0.06f);
-  run.steps.Resume(kFewestTrialSteps - 1, 0);
-  EXPECT_FALSE(run.trial.Advance({0.15, 0.15}));
-  EXPECT_EQ(run.trial.state(), TrialState::kNotTried);
-  run.steps.Resume(kFewestTrialSteps, 0);
-  EXPECT_TRUE(run.trial.Advance({0.2, 0.2}));
-}
-
-TEST(MotionTrial, ContinuesAsItWasDecided) {
-  for (const TrialState state : {TrialState::kUsed, TrialState::kNotUsed}) {
-    MovingRun run(MoveChoice::kAuto);
-    run.trial.Resume(state);
-    EXPECT_FALSE(run.trial.Advance({0.15, 0.15}));
-    EXPECT_EQ(run.motion.is_used(), state == TrialState::kUsed);
-  }
 }
 
 }  // namespace
