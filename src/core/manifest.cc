@@ -183,6 +183,13 @@ std::optional<fs::path> PreviousFolder(const fs::path& folder, const json& manif
   return (fs::weakly_canonical(fs::absolute(folder)) / previous).lexically_normal();
 }
 
+void CheckIsMadeFrom(const fs::path& folder, const json& manifest, const fs::path& previous) {
+  if (IsMadeFrom(manifest, ReadManifestOrStatus(previous / kManifestFile))) return;
+  throw DataError(fmt::format(
+      "{}: was recreated since {} was made from it; run {} and the stages after it again",
+      previous.string(), folder.string(), ProgramOf(TextOrEmpty(manifest, "stage"))));
+}
+
 fs::path PreviousStage(const fs::path& folder, const std::set<std::string>& stages) {
   fs::path at = folder;
   for (int link = 0; link < kLongestChain; ++link) {
@@ -195,12 +202,8 @@ fs::path PreviousStage(const fs::path& folder, const std::set<std::string>& stag
     }
     const std::optional<fs::path> previous = PreviousFolder(at, manifest);
     if (!previous) break;
+    CheckIsMadeFrom(at, manifest, *previous);
     const json written = ReadManifestOrStatus(*previous / kManifestFile);
-    if (!IsMadeFrom(manifest, written)) {
-      throw DataError(fmt::format(
-          "{}: was recreated since {} was made from it; run {} and the stages after it again",
-          previous->string(), at.string(), ProgramOf(TextOrEmpty(manifest, "stage"))));
-    }
     at = *previous;
     if (stages.contains(TextOrEmpty(written, "stage"))) {
       ReadManifest(at, stages);

@@ -58,6 +58,11 @@ nlohmann::json ReadManifestOrStatus(const std::filesystem::path& path);
 std::optional<std::filesystem::path> PreviousFolder(const std::filesystem::path& folder,
                                                     const nlohmann::json& manifest);
 
+// Throws DataError if `previous`, the stage before that of `manifest`, was recreated since `folder`
+// was made from it. Folders without a manifest pass: others report them.
+void CheckIsMadeFrom(const std::filesystem::path& folder, const nlohmann::json& manifest,
+                     const std::filesystem::path& previous);
+
 // The nearest folder before `folder` in the chain that one of `stages` wrote. Throws DataError if
 // the chain ends before it, if its folder was moved away, or if a folder on the way was made anew
 // since the next one was made from it: a field seen through another scene's cameras is wrong.

@@ -8,7 +8,6 @@
 #include "core/progress.h"
 #include "eval/mesh_preview.h"
 #include "eval/metrics_json.h"
-#include "eval/up_direction.h"
 #include "geometry/checked_geometry.h"
 
 #include <fmt/format.h>
@@ -61,7 +60,6 @@ Similarity3 InputFromSurface(const StageFacts& surface) {
 
 void DrawPreviews(const TriangleMesh& mesh, const Scene& scene, SurfaceResult& result) {
   PreviewOptions options;
-  options.up = UpInWorld(scene);
   for (const glm::vec3& position : mesh.positions) options.bounds.Add(glm::dvec3(position));
   // More than the margin that tetrec-surface leaves around the subject; without its bounds a
   // surface reaches out to the scene's end.

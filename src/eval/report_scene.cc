@@ -6,7 +6,6 @@
 #include "core/progress.h"
 #include "core/spread_choice.h"
 #include "eval/html.h"
-#include "eval/up_direction.h"
 #include "report_scripts.h"
 
 #include <fmt/format.h>
@@ -63,13 +62,12 @@ std::string SceneData(const Scene& scene) {
   std::vector<uint8_t> held_out;
   for (const View& view : scene.views) held_out.push_back(view.split != Split::kTrain);
   const Cloud cloud = SomePoints(scene.points);
-  const glm::dvec3 up = UpInWorld(scene), center = scene.subject_bounds.Center();
+  const glm::dvec3 center = scene.subject_bounds.Center();
   return fmt::format(
       " data-cameras=\"{}\" data-held-out=\"{}\" data-points=\"{}\" data-colors=\"{}\""
-      " data-up=\"[{},{},{}]\" data-center=\"[{},{},{}]\" data-radius=\"{}\"",
+      " data-up=\"[0,0,1]\" data-center=\"[{},{},{}]\" data-radius=\"{}\"",
       Text(Pyramids(scene)), Base64(held_out), Text(cloud.positions), Base64(cloud.colors_srgb),
-      up.x, up.y, up.z, center.x, center.y, center.z,
-      0.5 * glm::length(scene.subject_bounds.Size()));
+      center.x, center.y, center.z, 0.5 * glm::length(scene.subject_bounds.Size()));
 }
 
 // A 4 x 4 matrix by columns, as three.js reads it.

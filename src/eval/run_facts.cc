@@ -97,6 +97,7 @@ RunFacts ReadRunFacts(const std::filesystem::path& last) {
     const std::optional<std::filesystem::path> previous =
         PreviousFolder(newest.folder, newest.manifest);
     if (!previous) break;
+    CheckIsMadeFrom(newest.folder, newest.manifest, *previous);
     try {
       facts.stages.push_back(FactsOf(*previous));
     } catch (const DataError& error) {

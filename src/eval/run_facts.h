@@ -34,7 +34,8 @@ struct RunFacts {
 };
 
 // Follows the manifests from `last` back to the first stage. A missing folder ends the chain with a
-// warning; `last` itself must exist (DataError).
+// warning; `last` itself must exist, and no folder may have been recreated since the next one was
+// made from it (DataError): scores by other cameras would be wrong.
 RunFacts ReadRunFacts(const std::filesystem::path& last);
 // Adds the folder of a branch (the surface).
 void AddStage(const std::filesystem::path& folder, RunFacts& facts);

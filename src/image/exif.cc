@@ -4,17 +4,20 @@
 #include "core/error.h"
 #include "core/file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string_view>
 
 namespace tetrec {
 namespace {
 
 // Types of values, and their tags. (Exif 2.32, section 4.6)
 constexpr uint16_t kAscii = 2, kShort = 3, kLong = 4, kRational = 5;
-constexpr uint16_t kMake = 0x010F, kModel = 0x0110, kExifDirectory = 0x8769, kFocalLength = 0x920A,
-                   kFocalLength35 = 0xA405;
+constexpr uint16_t kMake = 0x010F, kModel = 0x0110, kOrientation = 0x0112, kExifDirectory = 0x8769,
+                   kFocalLength = 0x920A, kFocalLength35 = 0xA405;
 constexpr size_t kEntryBytes = 12;
+constexpr std::string_view kExifMark("Exif\0\0", 6);  // in front of EXIF in a JPEG's segment
 
 void WriteEntry(ByteWriter& to, uint16_t tag, uint16_t type, size_t count, size_t value) {
   to.Write(tag);
@@ -58,22 +61,74 @@ std::vector<uint8_t> ExifOf(const CameraNotes& notes) {
   return exif.bytes();
 }
 
+// The integers of a TIFF structure in the byte order that it has. Beyond its end, where the places
+// that a damaged one gives may be, they are 0.
+struct TiffIntegers {
+  std::span<const uint8_t> bytes;
+  bool are_big_endian = false;
+
+  uint32_t At(size_t position, size_t size) const {
+    if (position > bytes.size() || size > bytes.size() - position) return 0;
+    uint32_t value = 0;
+    for (size_t i = 0; i < size; ++i) {
+      value = value << 8 | bytes[position + (are_big_endian ? i : size - 1 - i)];
+    }
+    return value;
+  }
+};
+
 }  // namespace
 
 std::vector<uint8_t> WithExif(std::span<const uint8_t> jpeg, const CameraNotes& notes) {
   TETREC_CHECK(jpeg.size() > 2 && jpeg[0] == 0xFF && jpeg[1] == 0xD8, "not a JPEG file");
   const std::vector<uint8_t> exif = ExifOf(notes);
-  const std::string mark("Exif\0\0", 6);
-  const size_t length = 2 + mark.size() + exif.size();
+  const size_t length = 2 + kExifMark.size() + exif.size();
   ByteWriter with;
   with.WriteArray(jpeg.first(2));
   for (const size_t byte : {size_t(0xFF), size_t(0xE1), length >> 8, length & 0xFF}) {
     with.Write(uint8_t(byte));
   }
-  with.WriteArray<char>(mark);
+  with.WriteArray<char>(kExifMark);
   with.WriteArray<uint8_t>(exif);
   with.WriteArray(jpeg.subspan(2));
   return with.bytes();
+}
+
+int OrientationOfExif(std::span<const uint8_t> app1) {
+  const std::string_view text(reinterpret_cast<const char*>(app1.data()), app1.size());
+  if (!text.starts_with(kExifMark)) return 1;
+  const std::string_view signature = text.substr(kExifMark.size(), 4);
+  const bool is_big_endian = signature == std::string_view("MM\0*", 4);
+  if (!is_big_endian && signature != std::string_view("II*\0", 4)) return 1;
+  const TiffIntegers exif{app1.subspan(kExifMark.size()), is_big_endian};
+  // Only the first directory counts: the second one is about the thumbnail.
+  const size_t directory = exif.At(4, 4);
+  // No more than fit, so that a hostile file of many such segments takes no time.
+  const size_t entries = std::min<size_t>(exif.At(directory, 2), exif.bytes.size() / kEntryBytes);
+  for (size_t i = 0; i < entries; ++i) {
+    const size_t entry = directory + 2 + kEntryBytes * i;
+    if (exif.At(entry, 2) != kOrientation) continue;
+    if (exif.At(entry + 2, 2) != kShort || exif.At(entry + 4, 4) != 1) return 1;
+    const uint32_t orientation = exif.At(entry + 8, 2);
+    return orientation >= 1 && orientation <= 8 ? int(orientation) : 1;
+  }
+  return 1;
+}
+
+glm::dvec2 UpInImage(int orientation) {
+  switch (orientation) {
+    case 3:
+    case 4:
+      return glm::dvec2(0, 1);  // the last row is the upright image's top
+    case 5:
+    case 6:
+      return glm::dvec2(-1, 0);  // the first column is
+    case 7:
+    case 8:
+      return glm::dvec2(1, 0);  // the last column is
+    default:
+      return glm::dvec2(0, -1);  // the first row is
+  }
 }
 
 }  // namespace tetrec

@@ -1,6 +1,8 @@
 // EXIF: what a camera notes beside its pixels.
 #pragma once
 
+#include <glm/glm.hpp>
+
 #include <cstdint>
 #include <span>
 #include <string>
@@ -17,5 +19,13 @@ struct CameraNotes {
 
 // The JPEG file with the notes as EXIF, in front of all that it contains.
 std::vector<uint8_t> WithExif(std::span<const uint8_t> jpeg, const CameraNotes& notes);
+
+// The orientation tells how a stored image must be turned or mirrored to be upright, from 1 (not at
+// all) to 8. This is that of the content of a JPEG's APP1 segment; 1 if the segment is not EXIF, is
+// damaged, or gives no such number.
+int OrientationOfExif(std::span<const uint8_t> app1);
+
+// The direction in the stored image, x right and y down, that is up in the upright one.
+glm::dvec2 UpInImage(int orientation);
 
 }  // namespace tetrec

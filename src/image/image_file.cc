@@ -92,6 +92,11 @@ void CheckJpeg(std::span<const uint8_t> bytes, const std::string& name) {
   CheckJpegScans(bytes, name);
 }
 
+int OrientationOfPhoto(std::span<const uint8_t> bytes, const std::string& name) {
+  if (IsTiff(bytes)) return OrientationOfTiff(bytes, name);
+  return StartsWith(bytes, kJpegSignature) ? ReadJpegMarkers(bytes, name).orientation : 1;
+}
+
 // OpenCV reads EXR only if this environment variable is set when it first looks. It is set before
 // any thread starts, since the environment is not thread-safe.
 const bool kExrEnabled = setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1) == 0;
@@ -278,7 +283,7 @@ Image ReadImage(const std::filesystem::path& path, ExifRotation rotation,
   return DecodeImage(ReadBytes(path, kMaxFileBytes), path.string(), rotation, clipped_pixels);
 }
 
-Image ReadPhoto(const std::filesystem::path& path) {
+Image ReadPhoto(const std::filesystem::path& path, int* orientation) {
   const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
   const bool is_photo =
       StartsWith(bytes, kPngSignature) || StartsWith(bytes, kJpegSignature) || IsTiff(bytes);
@@ -286,7 +291,9 @@ Image ReadPhoto(const std::filesystem::path& path) {
     throw DataError(fmt::format(
         "{}: not a photo that can be read; expected JPEG, PNG, TIFF or HEIC", path.string()));
   }
-  return DecodeImage(bytes, path.string());
+  Image image = DecodeImage(bytes, path.string());
+  if (orientation != nullptr) *orientation = OrientationOfPhoto(bytes, path.string());
+  return image;
 }
 
 void WriteImage(const std::filesystem::path& path, const Image& image) {

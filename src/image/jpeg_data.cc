@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "image/big_endian.h"
+#include "image/exif.h"
 
 #include <fmt/format.h>
 
@@ -104,6 +105,10 @@ JpegFacts ReadJpegMarkers(std::span<const uint8_t> bytes, const std::string& nam
     if (is_frame && length >= 7) {
       facts.size = glm::max(facts.size,
                             {BigEndian16(&bytes[position + 5]), BigEndian16(&bytes[position + 3])});
+    }
+    // Other things than EXIF have such segments (APP1), too.
+    if (code == 0xE1 && length > 2 && facts.orientation == 1) {
+      facts.orientation = OrientationOfExif(bytes.subspan(position + 2, length - 2));
     }
     if (code == 0xDA) ++facts.scans;
     position += length;

@@ -16,6 +16,7 @@ constexpr uint8_t kJpegSignature[] = {0xFF, 0xD8, 0xFF};
 struct JpegFacts {
   glm::u64vec2 size{0};  // of the largest frame [px]; 0 if there is none
   int scans = 0;
+  int orientation = 1;  // by EXIF (exif.h)
 };
 
 // Walks the markers to the end of the image, which a search for the last such marker would not

@@ -7,7 +7,8 @@
 
 namespace tetrec {
 
-// ReadImage for JPEG, PNG and TIFF only: an EXR is a DataError, too.
-Image ReadPhoto(const std::filesystem::path& path);
+// ReadImage for JPEG, PNG and TIFF only: an EXR is a DataError, too. `orientation` becomes the
+// file's (exif.h), which is 1 for a PNG; the pixels are as stored whatever it is.
+Image ReadPhoto(const std::filesystem::path& path, int* orientation = nullptr);
 
 }  // namespace tetrec

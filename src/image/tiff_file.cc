@@ -194,4 +194,12 @@ CameraNotes CameraNotesOfTiff(std::span<const uint8_t> bytes, const std::string&
   return notes;
 }
 
+int OrientationOfTiff(std::span<const uint8_t> bytes, const std::string& name) {
+  TiffSource source{bytes, 0, ""};
+  const TiffFile file = Open(source, name);
+  uint16_t orientation = 0;
+  if (TIFFGetField(file.get(), TIFFTAG_ORIENTATION, &orientation) != 1) return 1;
+  return orientation >= 1 && orientation <= 8 ? int(orientation) : 1;
+}
+
 }  // namespace tetrec

@@ -20,4 +20,7 @@ Image DecodeTiff(std::span<const uint8_t> bytes, const std::string& name);
 // As far as the file has them.
 CameraNotes CameraNotesOfTiff(std::span<const uint8_t> bytes, const std::string& name);
 
+// The orientation (exif.h) of the first page; 1 if it gives none from 1 to 8.
+int OrientationOfTiff(std::span<const uint8_t> bytes, const std::string& name);
+
 }  // namespace tetrec

@@ -1,14 +1,18 @@
 // The exposures of the training photos, estimated together with the field.
 #include "optimize/exposure.h"
 
+#include "core/quantile.h"
+
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tetrec {
 namespace {
 
-// Before this progress the picture is a blur, whose colours say little about single photos.
-constexpr double kFirstProgress = 0.03;
+// Before this growth of the run (schedule.h) the picture is a blur, whose colours say little about
+// single photos.
+constexpr double kFirstGrowth = 0.03;
 constexpr uint64_t kFitInterval = 16;  // steps
 // The share of the older sums that each fit keeps: about the last 100 steps count.
 constexpr double kKeptSums = 0.85;
@@ -28,6 +32,12 @@ GainOffset FitChannel(const GainOffsetSums& sums) {
   GainOffset fit = FitGainOffset(sums, prior).value_or(GainOffset{});
   fit.gain = std::clamp(fit.gain, kSmallestGain, kLargestGain);
   return fit;
+}
+
+// Of an even number of values, the mean of the two in the middle.
+double Median(std::vector<double> values) {
+  const size_t count = values.size();
+  return (ValueOfRank(values, (count - 1) / 2) + ValueOfRank(values, count / 2)) / 2;
 }
 
 void Scale(std::span<ExposureSums> sums, double factor) {
@@ -52,16 +62,20 @@ std::vector<ViewExposure> FitExposures(std::span<const ExposureSums> sums) {
   return exposures;
 }
 
-void MakeMeanNeutral(std::span<ViewExposure> exposures) {
-  glm::dvec3 log_gain(0.0), offset(0.0);
-  for (const ViewExposure& exposure : exposures) {
-    log_gain += glm::log(exposure.gain);
-    offset += exposure.offset;
-  }
-  const double views = double(exposures.size());
-  for (ViewExposure& exposure : exposures) {
-    exposure.gain *= glm::exp(-log_gain / views);
-    exposure.offset -= offset / views;
+void MakeMedianNeutral(std::span<ViewExposure> exposures) {
+  if (exposures.empty()) return;
+  for (int c = 0; c < 3; ++c) {
+    std::vector<double> log_gains, offsets;
+    for (const ViewExposure& exposure : exposures) {
+      log_gains.push_back(std::log(exposure.gain[c]));
+      offsets.push_back(exposure.offset[c]);
+    }
+    const double gain = std::exp(-Median(std::move(log_gains)));
+    const double offset = Median(std::move(offsets));
+    for (ViewExposure& exposure : exposures) {
+      exposure.gain[c] *= gain;
+      exposure.offset[c] -= offset;
+    }
   }
 }
 
@@ -86,15 +100,16 @@ ExposureEstimate::ExposureEstimate(size_t views) : state_{{}, {}} {
   state_.sums.resize(views);
 }
 
-bool ExposureEstimate::Gathers(double progress) const {
-  return is_on() && progress >= kFirstProgress;
+bool ExposureEstimate::Gathers(double growth) const { return is_on() && growth >= kFirstGrowth; }
+
+bool ExposureEstimate::IsFitDue(uint64_t iteration, double growth) const {
+  return Gathers(growth) && iteration % kFitInterval == 0;
 }
 
-void ExposureEstimate::AfterStep(TrainingRenderer& renderer, uint64_t iteration, double progress) {
-  if (!Gathers(progress) || iteration % kFitInterval != 0) return;
+void ExposureEstimate::Fit(TrainingRenderer& renderer) {
   renderer.AddExposureSums(state_.sums);
   std::vector<ViewExposure> fitted = FitExposures(state_.sums);
-  MakeMeanNeutral(fitted);
+  MakeMedianNeutral(fitted);
   ShrinkToEvidence(fitted);
   for (size_t view = 0; view < fitted.size(); ++view) {
     ViewExposure& exposure = state_.exposures[view];
@@ -102,7 +117,7 @@ void ExposureEstimate::AfterStep(TrainingRenderer& renderer, uint64_t iteration,
         glm::exp(glm::mix(glm::log(exposure.gain), glm::log(fitted[view].gain), kDamping));
     exposure.offset = glm::mix(exposure.offset, fitted[view].offset, kDamping);
   }
-  MakeMeanNeutral(state_.exposures);
+  MakeMedianNeutral(state_.exposures);
   Scale(state_.sums, kKeptSums);
   renderer.SetExposures(state_.exposures);
 }

@@ -31,10 +31,11 @@ struct ExposureState {
 // views that are seen little or show one colour.
 std::vector<ViewExposure> FitExposures(std::span<const ExposureSums> sums);
 
-// Gives all views together the neutral exposure: the mean of the logarithms of the gains and the
-// mean of the offsets become 0 in each channel. Otherwise field and exposures could drift apart
-// (a brighter field, darker exposures) at no cost.
-void MakeMeanNeutral(std::span<ViewExposure> exposures);
+// Gives all views together the neutral exposure: the median of the logarithms of the gains and the
+// median of the offsets become 0 in each channel. Otherwise field and exposures could drift apart
+// (a brighter field, darker exposures) at no cost. A mean would follow one black or flash-lit
+// photo, and with it the brightness of the field in all unseen views.
+void MakeMedianNeutral(std::span<ViewExposure> exposures);
 
 // Shrinks all exposures towards neutral by what their spread is expected to be if there is nothing
 // to correct (James and Stein's rule with the positive part): a collection of even exposure ends
@@ -50,11 +51,12 @@ class ExposureEstimate {
   explicit ExposureEstimate(ExposureState state) : state_(std::move(state)) {}
 
   bool is_on() const { return !state_.exposures.empty(); }
-  // True if a step at this progress of the run should gather sums.
-  bool Gathers(double progress) const;
-  // After the step that made `iteration` steps: takes the sums and gives new exposures if it is
-  // time for it. The result depends on the steps and their number alone.
-  void AfterStep(TrainingRenderer& renderer, uint64_t iteration, double progress);
+  // True if a step at this growth of the run (schedule.h) should gather sums.
+  bool Gathers(double growth) const;
+  // True if it is time to fit after `iteration` steps.
+  bool IsFitDue(uint64_t iteration, double growth) const;
+  // Takes the sums and gives new exposures.
+  void Fit(TrainingRenderer& renderer);
   // The state after all steps so far. Waits for those in flight.
   const ExposureState& State(TrainingRenderer& renderer);
 

@@ -40,6 +40,11 @@ FittedField::FittedField(const OptimizeOptions& options, const Scene& scene,
 
 void FittedField::Put(TetMesh mesh, FieldState state) {
   row_rates_ = RatesAt(PlacesOfRows(mesh, state.layout.storage));
+  BoundDensities(state);
+  PutWithRates(std::move(mesh), state);
+}
+
+void FittedField::BoundDensities(FieldState& state) const {
   const Attribute& density = state.layout.density();
   const float empty = BoundsOf(density, 1.0f).least;
   for (size_t row = 0; row < row_rates_.size(); ++row) {
@@ -48,7 +53,6 @@ void FittedField::Put(TetMesh mesh, FieldState state) {
                     ? std::max(parameter, ParameterOf(density, row_rates_[row].least_density))
                     : empty;
   }
-  PutWithRates(std::move(mesh), state);
 }
 
 void FittedField::Resume(TetMesh mesh, const FieldState& state, std::vector<RowRates> rates) {
@@ -68,7 +72,8 @@ void FittedField::PutWithRates(TetMesh mesh, const FieldState& state) {
 
 void FittedField::PutState(FieldState state) {
   const uint64_t topology = topology_;
-  Put(renderer_.TakeMesh(), std::move(state));
+  BoundDensities(state);
+  PutWithRates(renderer_.TakeMesh(), state);
   topology_ = topology;
 }
 

@@ -32,7 +32,7 @@ class FittedField {
               double density_of_surfaces = std::numeric_limits<double>::infinity());
 
   void Put(TetMesh mesh, FieldState state);
-  void PutState(FieldState state);  // of the same mesh
+  void PutState(FieldState state);  // of the same mesh, whose rows keep their rates
   // A field that was put before, with the row_rates() that it had: those of Put would be those of
   // the places to which vertices have moved since.
   void Resume(TetMesh mesh, const FieldState& state, std::vector<RowRates> rates);
@@ -64,6 +64,8 @@ class FittedField {
  private:
   // Rows in space that is empty have a share of 0.
   std::vector<RowRates> RatesAt(std::span<const glm::vec3> places) const;
+  // Makes densities agree with row_rates_.
+  void BoundDensities(FieldState& state) const;
   void PutWithRates(TetMesh mesh, const FieldState& state);
   void CountEmptied(std::span<const glm::vec3> places);
 

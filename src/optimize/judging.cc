@@ -44,18 +44,33 @@ std::vector<RayBlock> BlocksOfRays(std::span<const RayBlock> blocks, int samples
   return rays;
 }
 
-// Every n-th block. An odd n visits all columns of a tile, which is four blocks wide.
-std::vector<RayBlock> EveryNth(std::span<const RayBlock> blocks, size_t n) {
-  std::vector<RayBlock> some;
-  for (size_t i = n / 2; i < blocks.size(); i += n) some.push_back(blocks[i]);
+// Every n-th value. Of blocks, an odd n visits all columns of a tile, which is four blocks wide.
+template <class T>
+std::vector<T> EveryNth(std::span<const T> values, size_t n) {
+  std::vector<T> some;
+  for (size_t i = n / 2; i < values.size(); i += n) some.push_back(values[i]);
   return some;
 }
 
-// The error of blocks of one view, which are rendered in batches of bounded size.
-ErrorSum ErrorOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
+// The pixels of a block that masks do not exclude.
+uint8_t CountPixels(const RayBlock& block, const TargetImage& target) {
+  const int x_end = std::min(target.width, int(block.x) + kRayBlockWidth);
+  const int y_end = std::min(target.height, int(block.y) + kRayBlockHeight);
+  uint8_t pixels = 0;
+  for (int y = int(block.y); y < y_end; ++y) {
+    for (int x = int(block.x); x < x_end; ++x) {
+      pixels += target.rgba8[size_t(y) * size_t(target.width) + size_t(x)] != kNotJudgedTarget;
+    }
+  }
+  return pixels;
+}
+
+// The sum of the squared errors of blocks of one view, which are rendered in batches of bounded
+// size.
+double SquaresOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
                  const glm::vec3& background_srgb, int samples) {
   constexpr size_t kBlocksOfBatch = 8192;
-  ErrorSum sum;
+  double sum = 0;
   for (size_t first = 0; first < blocks.size(); first += kBlocksOfBatch) {
     const std::vector<RayBlock> rays_of_part = BlocksOfRays(
         blocks.subspan(first, std::min(kBlocksOfBatch, blocks.size() - first)), samples);
@@ -63,8 +78,7 @@ ErrorSum ErrorOf(TrainingRenderer& renderer, std::span<const RayBlock> blocks,
     batch.blocks = rays_of_part;
     batch.samples = samples;
     batch.background_srgb = background_srgb;
-    const double rays = double(batch.rays());
-    sum.Add({renderer.Forward(batch).squared_error * rays, rays});
+    sum += renderer.Forward(batch).squared_error * double(batch.rays());
   }
   return sum;
 }
@@ -94,9 +108,15 @@ JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed) {
     }
   }
   for (const RayBlock& block : set.blocks.List()) {
-    if (judging.is_whole[block.view] ? IsJudgingSquare(block.x, block.y)
-                                     : IsJudgingTile(seed, block.view, block.x, block.y)) {
+    const uint8_t pixels = CountPixels(block, set.targets[block.view]);
+    if (pixels == 0) continue;
+    const bool is_of_whole = judging.is_whole[block.view] != 0;
+    if (is_of_whole ? IsJudgingSquare(block.x, block.y)
+                    : IsJudgingTile(seed, block.view, block.x, block.y)) {
       judging.blocks.push_back(block);
+      judging.pixels.push_back(pixels);
+    } else if (is_of_whole) {
+      judging.spare_blocks.push_back(block);
     }
   }
   return judging;
@@ -113,12 +133,18 @@ Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
   std::vector<ErrorSum> views;
   ErrorSum all, whole, tiles;
   const std::span<const RayBlock> blocks = judging.blocks;
+  const std::span<const uint8_t> counts = judging.pixels;
   const size_t pixels = blocks.size() * kRaysPerBlock;
   const size_t n = (pixels + kMostJudgedPixels - 1) / kMostJudgedPixels | 1;
   for (size_t begin = 0, end = 0; begin < blocks.size(); begin = end) {
     while (end < blocks.size() && blocks[end].view == blocks[begin].view) ++end;
     const std::vector<RayBlock> judged = EveryNth(blocks.subspan(begin, end - begin), n);
-    const ErrorSum sum = ErrorOf(renderer, judged, background_srgb, samples);
+    double pixels_of_view = 0;
+    for (const uint8_t count : EveryNth(counts.subspan(begin, end - begin), n)) {
+      pixels_of_view += count;
+    }
+    const ErrorSum sum{SquaresOf(renderer, judged, background_srgb, samples),
+                       pixels_of_view * samples * samples};
     views.push_back(sum);
     all.Add(sum);
     (judging.is_whole[blocks[begin].view] ? whole : tiles).Add(sum);

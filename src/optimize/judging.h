@@ -15,8 +15,10 @@
 namespace tetrec {
 
 struct JudgingSet {
-  std::vector<uint8_t> is_whole;  // per view: none of it is learned
-  std::vector<RayBlock> blocks;   // aligned blocks that judge, view by view
+  std::vector<uint8_t> is_whole;       // per view: none of it is learned
+  std::vector<RayBlock> blocks;        // aligned blocks that judge, view by view
+  std::vector<uint8_t> pixels;         // of each block: those that count, at least one
+  std::vector<RayBlock> spare_blocks;  // of whole views: those that do not judge
 };
 
 // If there are kLeastViewsToJudge training views, one in kViewsPerJudge is kept whole; every second
@@ -30,7 +32,8 @@ JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed);
 // learned from either.
 std::vector<TargetImage> TargetsToLearn(const TrainingSet& set, const JudgingSet& judging);
 
-// The squared error of some rays, of display sRGB in [0, 1], averaged over the channels.
+// The squared error of some rays, of display sRGB in [0, 1], averaged over the channels. Rays
+// through pixels that masks exclude do not count.
 struct ErrorSum {
   double squares = 0, rays = 0;
 

@@ -216,6 +216,7 @@ class Trainer {
         continue;
       }
       const double growth = Growth();
+      motion_.StartIfDue(growth);
       // What a stop takes back must be the state of a run that can be resumed.
       if (rounds_.IsDue(growth) &&
           (!rounds_.NeedsTrial() || motion_.CanResumeAfter(steps_.iteration(), done))) {
@@ -226,9 +227,8 @@ class Trainer {
         coarsening_.Advance(seconds_, {done, growth});
         continue;
       }
-      motion_.StartIfDue(growth);
       if (harmonics_.Advance(growth)) continue;
-      if (fine_rays_.Advance(growth)) {
+      if (motion_.CanResumeAfter(steps_.iteration(), done) && fine_rays_.Advance(growth)) {
         JudgeAnew();
         continue;
       }
@@ -329,8 +329,11 @@ class Trainer {
   }
 
   StepResult TakeStep(const RunMoment& moment) {
-    const StepResult result = steps_.Take(moment, exposure_.Gathers(moment.progress));
-    exposure_.AfterStep(*renderer_, steps_.iteration(), moment.progress);
+    const StepResult result = steps_.Take(moment, exposure_.Gathers(moment.growth));
+    if (exposure_.IsFitDue(steps_.iteration(), moment.growth)) {
+      pictures_.GatherExposuresOfWholeViews(steps_.iteration());
+      exposure_.Fit(*renderer_);
+    }
     return result;
   }
 

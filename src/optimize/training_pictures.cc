@@ -1,6 +1,10 @@
 // The training pictures of a run: where their cameras are, and which of their pixels are learned.
 #include "optimize/training_pictures.h"
 
+#include "core/random.h"
+
+#include <algorithm>
+
 namespace tetrec {
 
 TrainingPictures::TrainingPictures(const OptimizeOptions& options, TrainingSet set,
@@ -28,6 +32,22 @@ Judgement TrainingPictures::JudgeField(std::optional<int> samples) {
       Judge(renderer_, judging_, background_srgb_, samples.value_or(samples_));
   ChooseLearned(learns_all_);
   return judgement;
+}
+
+void TrainingPictures::GatherExposuresOfWholeViews(uint64_t iteration) {
+  if (learns_all_ || judging_.spare_blocks.empty()) return;
+  constexpr size_t kBlocksOfView = 64;
+  const auto views = size_t(std::ranges::count(judging_.is_whole, 1));
+  Random random(options_.seed ^ 0xE4B0ull, iteration);
+  std::vector<RayBlock> blocks;
+  for (size_t i = 0; i < views * kBlocksOfView; ++i) {
+    blocks.push_back(judging_.spare_blocks[random.Below(uint32_t(judging_.spare_blocks.size()))]);
+  }
+  TrainingBatch batch;
+  batch.blocks = blocks;
+  batch.background_srgb = background_srgb_;
+  batch.sums_exposures = true;
+  renderer_.Forward(batch);
 }
 
 // In the last part of a run all is learned. A few tiny pictures may have no tile that judges.

@@ -35,17 +35,43 @@ fs::path FindFfmpeg() {
   return ffmpeg;
 }
 
+// Without its colour matrix in the file, players guess one by its size, and colours shift.
+//
 // Makes video.mp4 of the frames 000000.png, 000001.png and so on in `folder`. Names are relative to
 // the folder, because ffmpeg finds patterns and protocols in paths.
 void EncodeVideo(const fs::path& ffmpeg, const fs::path& folder, double fps) {
   ChildOptions options;
   options.working_folder = folder;
-  const ChildResult result =
-      RunChild(ffmpeg,
-               {"-nostdin", "-hide_banner", "-loglevel", "error", "-framerate",
-                fmt::format("{}", fps), "-i", "%06d.png", "-c:v", "libx264", "-crf", "18",
-                "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-y", "video.mp4"},
-               options);
+  const ChildResult result = RunChild(ffmpeg,
+                                      {"-nostdin",
+                                       "-hide_banner",
+                                       "-loglevel",
+                                       "error",
+                                       "-framerate",
+                                       fmt::format("{}", fps),
+                                       "-i",
+                                       "%06d.png",
+                                       "-vf",
+                                       "scale=out_color_matrix=bt709:out_range=tv",
+                                       "-c:v",
+                                       "libx264",
+                                       "-crf",
+                                       "18",
+                                       "-pix_fmt",
+                                       "yuv420p",
+                                       "-colorspace",
+                                       "bt709",
+                                       "-color_primaries",
+                                       "bt709",
+                                       "-color_trc",
+                                       "iec61966-2-1",
+                                       "-color_range",
+                                       "tv",
+                                       "-movflags",
+                                       "+faststart",
+                                       "-y",
+                                       "video.mp4"},
+                                      options);
   if (result.exit_code != 0) {
     throw EnvironmentError(fmt::format("ffmpeg ended with exit code {}: {}", result.exit_code,
                                        fmt::join(result.last_lines, " | ")));

@@ -124,10 +124,17 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   const Scene scene = ReadScene(scene_folder);
   const RadianceField field = ReadField(field_folder / "field.tetf", Orientations::kAny);
   const Background background = ChooseBackground(scene, options.background);
-  const std::vector<int> views = ChooseViews(scene, options.views);
+  std::string choice = options.views;
+  if (choice == "heldout" && scene.HeldOutViews().empty()) {
+    LogWarning(
+        "no view is held out: the training views are rendered, and scores are of what was "
+        "learned");
+    choice = "train";
+  }
+  const std::vector<int> views = ChooseViews(scene, choice);
   if (views.empty()) {
     throw DataError(fmt::format("{}: the scene has no {} views; choose all views",
-                                scene_folder.string(), options.views));
+                                scene_folder.string(), choice));
   }
   const std::unique_ptr<TrainingRenderer> renderer =
       CreateRenderer(RendererFor(field.mesh, options.renderer, stage));
@@ -191,7 +198,7 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
   }
   const Camera& camera = scene.cameras[scene.views[views[0]].camera];
   result.background = Name(background);
-  result.split = options.views == "heldout" ? Name(scene.views[views[0]].split) : options.views;
+  result.split = choice == "heldout" ? Name(scene.views[views[0]].split) : choice;
   result.rays_per_pixel = options.samples * options.samples;
   result.width = camera.width;
   result.height = camera.height;

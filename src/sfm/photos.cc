@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/printable.h"
 #include "core/short_list.h"
+#include "image/exif.h"
 #include "image/image.h"
 #include "image/photo.h"
 #include "image/tiff_file.h"
@@ -132,7 +133,10 @@ Photo ReadAndConvert(const fs::path& folder, const std::string& name, const fs::
     }
     photo.file = photo.for_colmap;
   }
-  const Image image = ReadPhoto(photo.file);
+  int orientation = 1;
+  const Image image = ReadPhoto(photo.file, &orientation);
+  // What became of a HEIC photo is upright, whatever the EXIF that was copied with it says.
+  if (!is_heic) photo.up_in_image = UpInImage(orientation);
   if (is_tiff && !fs::exists(photo.for_colmap)) {
     WriteTiffForColmap(image, CameraNotesOfTiff(bytes, photo.file.string()), photo.for_colmap);
   }

@@ -7,6 +7,7 @@
 #include "core/progress.h"
 #include "core/timer.h"
 #include "geometry/undistorted_camera.h"
+#include "image/exif.h"
 #include "image/image.h"
 #include "image/photo.h"
 #include "image/undistort.h"
@@ -68,6 +69,26 @@ Scene SceneFromModel(const ColmapModel& model, const fs::path& photos, const Sfm
         {point.position, point.color_srgb, float(point.error_px), uint32_t(point.track.size())});
   }
   return scene;
+}
+
+// The directions in the views' images that are up.
+std::vector<glm::dvec2> UpsInImages(const Scene& scene, const std::vector<Photo>& photos) {
+  std::map<std::string, glm::dvec2> up_of;
+  for (const Photo& photo : photos) up_of[photo.name] = photo.up_in_image;
+  std::vector<glm::dvec2> ups;
+  for (const View& view : scene.views) ups.push_back(up_of.at(view.name));
+  return ups;
+}
+
+void LogTurned(const std::vector<Photo>& photos) {
+  const auto turned = std::count_if(photos.begin(), photos.end(), [](const Photo& photo) {
+    return photo.up_in_image != UpInImage(1);
+  });
+  if (turned == 0) return;
+  LogInfo(
+      "{} photos are stored on their side or upside down; the world is turned upright by their "
+      "EXIF",
+      turned);
 }
 
 Image WithoutAlpha(const Image& rgba) {
@@ -203,7 +224,8 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
             dropped, WithThousands(scene.points.size()));
     stage.Count("dropped_views", dropped);
   }
-  const Subject subject = FindSubject(scene);
+  LogTurned(photos);
+  const Subject subject = FindSubject(scene, UpsInImages(scene, photos));
   MoveToBounds(options, subject, scene, stage);
   stage.Output("images");
   WriteViews(scene, model, folder, photos, stage.folder());

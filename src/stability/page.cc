@@ -10,8 +10,10 @@ namespace tetrec {
 
 std::string HtmlPage(const std::string& title, const std::string& body) {
   constexpr const char* kOwnStyle =
+      ":root{--breaks:#c00000}"
+      "@media screen and (prefers-color-scheme:dark){:root{--breaks:#ff8a80}}"
       ".bar-of-loss{display:inline-block;height:.7em;border-radius:2px;background:var(--accent)}"
-      ".breaks{color:#c00000;font-weight:600}.faint{color:var(--soft)}"
+      ".breaks{color:var(--breaks);font-weight:600}.faint{color:var(--soft)}"
       ".plots{display:grid;grid-template-columns:repeat(3,1fr);gap:8px}";
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"

@@ -23,7 +23,7 @@ std::string LossBar(const StressResult& result) {
   const double share = std::clamp(*result.lost_db / kFull_db, 0.0, 1.0);
   const bool breaks = result.verdict == Verdict::kBreaks;
   return fmt::format("<span class=\"bar-of-loss\" style=\"width:{:.1f}em{}\"></span> {:+.2f}",
-                     0.1 + 6 * share, breaks ? ";background:#c00000" : "", -*result.lost_db);
+                     0.1 + 6 * share, breaks ? ";background:var(--breaks)" : "", -*result.lost_db);
 }
 
 std::string VerdictCell(const StressResult& result) {

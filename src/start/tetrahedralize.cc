@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace tetrec {
 namespace {
@@ -190,14 +191,16 @@ StereoResult FindAndWriteDepths(const Scene& scene, const std::vector<StereoView
   return stereo;
 }
 
-// One point per kPixelsPerDensePoint of the photos, so that what is between the points is still
-// learned: no more than a third of the vertices that the photos can tell apart (16 pixels each).
-size_t DensePointsFor(const Scene& scene) {
-  constexpr uint64_t kPixelsPerDensePoint = 100, kFewest = 2'000, kMost = 40'000;
-  uint64_t pixels = 0;
-  for (const int view : scene.ViewsOf(Split::kTrain)) {
-    const Camera& camera = scene.cameras[size_t(scene.views[size_t(view)].camera)];
-    pixels += uint64_t(camera.width) * uint64_t(camera.height);
+// One point per kPixelsPerDensePoint of the photos that masks do not exclude, so that what is
+// between the points is still learned: no more than a third of the vertices that the photos can
+// tell apart (16 pixels each).
+size_t DensePointsFor(const Scene& scene, std::span<const StereoView> views) {
+  constexpr double kPixelsPerDensePoint = 100, kFewest = 2'000, kMost = 40'000;
+  double pixels = 0;
+  for (const StereoView& view : views) {
+    const Camera& camera = scene.cameras[size_t(scene.views[view.view].camera)];
+    const auto seen = double(std::ranges::count(view.kinds, PixelKind::kSeen));
+    pixels += camera.width * double(camera.height) * seen / double(view.kinds.size());
   }
   return size_t(std::clamp(pixels / kPixelsPerDensePoint, kFewest, kMost));
 }
@@ -209,7 +212,7 @@ std::optional<RadianceField> StartDense(const Scene& scene, const Tetrahedralize
       ReadStereoViews(stage.Input("scene"), scene, options.stereo.max_size);
   StereoOptions stereo_options = options.stereo;
   if (stereo_options.fusion.max_points == 0) {
-    stereo_options.fusion.max_points = DensePointsFor(scene);
+    stereo_options.fusion.max_points = DensePointsFor(scene, views);
   }
   const StereoResult stereo = FindAndWriteDepths(scene, views, stereo_options, stage);
   constexpr size_t kLeastPoints = 200;

@@ -2,6 +2,7 @@
 #include "surface/clean.h"
 
 #include "core/disjoint_sets.h"
+#include "geometry/bounds3.h"
 #include "mesh/mesh_facts.h"
 
 #include <algorithm>
@@ -15,6 +16,7 @@ struct Piece {
   double area = 0;
   double volume = 0;  // signed; meaningful if the piece is closed
   bool closed = true;
+  Bounds3 bounds;
 };
 
 std::map<uint32_t, Piece> MeasurePieces(const TriangleMesh& mesh,
@@ -32,6 +34,7 @@ std::map<uint32_t, Piece> MeasurePieces(const TriangleMesh& mesh,
     pieces[id].volume += glm::dot(a, glm::cross(b, c)) / 6;
     for (int k = 0; k < 3; ++k) {
       const uint32_t from = t[k], to = t[(k + 1) % 3];
+      pieces[id].bounds.Add(glm::dvec3(mesh.positions[from]));
       edges.emplace_back(uint64_t{std::min(from, to)} << 32 | std::max(from, to), id);
     }
   }
@@ -71,7 +74,9 @@ CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& option
   CleanResult result;
   result.components = pieces.size();
   const auto is_cavity = [&](const Piece& p) {
-    return !options.keep_cavities && p.closed && p.volume < 0;
+    return !options.keep_cavities && p.closed && p.volume < 0 &&
+           std::ranges::none_of(options.cameras,
+                                [&](const glm::dvec3& at) { return p.bounds.Contains(at); });
   };
   const auto largest_of = [&](const std::map<uint32_t, Piece>& measured) {
     double largest = 0;

@@ -115,9 +115,11 @@ int AddColors(Buffer& buffer, const std::vector<std::array<uint8_t, 3>>& colors_
                                               {"type", "VEC4"}});
 }
 
-// Lit, for viewers that do not know the extension, the material is matt.
+// Lit, for viewers that do not know the extension, the material is matt. The surface is open where
+// no camera saw it, so that its back shows.
 json MattMaterial() {
-  return {{"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}},
+  return {{"doubleSided", true},
+          {"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}},
           {"extensions", {{"KHR_materials_unlit", json::object()}}}};
 }
 

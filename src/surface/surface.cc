@@ -181,11 +181,16 @@ TriangleMesh Aligned(const TriangleMesh& mesh, std::span<const TexturePhoto> pho
 // bounds.
 TriangleMesh Cleaned(const TriangleMesh& raw, const TriangleMesh* cropped,
                      std::span<const TexturePhoto> photos, const SurfaceOptions& options,
-                     double diagonal, Stage& stage) {
-  CleanResult kept = KeepLargePieces(SeparateFans(raw), options.clean, cropped);
+                     const CleanOptions& clean, double diagonal, Stage& stage) {
+  CleanResult kept = KeepLargePieces(SeparateFans(raw), clean, cropped);
   LogInfo("pieces: {} in all, {} dropped as small, {} as cavities ({} triangles)",
           WithThousands(kept.components), WithThousands(kept.dropped_small),
           WithThousands(kept.dropped_cavities), WithThousands(kept.dropped_triangles));
+  if (kept.mesh.triangles.empty()) {
+    throw DataError(
+        "all pieces of the surface were dropped; keep them with --keep-cavities or a lower "
+        "--min-component-share");
+  }
   stage.Count("pieces", {{"all", kept.components},
                          {"dropped_small", kept.dropped_small},
                          {"dropped_cavities", kept.dropped_cavities},
@@ -211,7 +216,7 @@ TriangleMesh Cleaned(const TriangleMesh& raw, const TriangleMesh* cropped,
 
 // What is exported of the surface, and what a crop cuts off. Only what is exported counts as faces.
 CutSurface Exported(const TriangleMesh& whole, const SurfaceOptions& options,
-                    const FieldWorld& world, Stage& stage) {
+                    const CleanOptions& clean, const FieldWorld& world, Stage& stage) {
   CutSurface cut{whole, {}};
   if (const std::optional<Bounds3> crop = options.exports.Crop()) {
     cut = Cropped(whole, *crop, options.exports, world);
@@ -220,7 +225,7 @@ CutSurface Exported(const TriangleMesh& whole, const SurfaceOptions& options,
             WithThousands(cut.outside.triangles.size()));
     stage.Count("triangles_out_of_crop", cut.outside.triangles.size());
     // Without the scraps that the box has cut from what is outside.
-    cut.inside = KeepLargePieces(cut.inside, options.clean).mesh;
+    cut.inside = KeepLargePieces(cut.inside, clean).mesh;
   }
   cut.inside = SeparateFans(cut.inside);
   if (options.max_faces == 0) return cut;
@@ -317,9 +322,11 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
   }
   std::vector<TexturePhoto> photos = ReadPhotos(options, stage);
   // Photos show the whole, so it is cropped after alignment.
-  const TriangleMesh cleaned = Cleaned(raw, cropped ? &*cropped : nullptr, photos, options,
+  CleanOptions clean = options.clean;
+  clean.cameras = world.cameras_in_world;
+  const TriangleMesh cleaned = Cleaned(raw, cropped ? &*cropped : nullptr, photos, options, clean,
                                        world.subject_bounds.Diagonal(), stage);
-  const CutSurface cut = Exported(cleaned, options, world, stage);
+  const CutSurface cut = Exported(cleaned, options, clean, world, stage);
   stage.Seconds("surface", timer.seconds());
   TexturedMesh surface = Textured(cut.inside, cut.outside, photos, options, stage);
   surface.mesh = Transformed(std::move(surface.mesh),

@@ -1,7 +1,9 @@
 // One function for each mode.
 #include "view/paint.h"
 
+#include "core/parallel.h"
 #include "core/quantile.h"
+#include "core/random.h"
 #include "image/resize.h"
 #include "mesh/locate.h"
 #include "render/create_renderer.h"
@@ -9,15 +11,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tetrec {
 namespace {
 
-// Rays between two questions whether to give up; some 20 ms on two cores.
+// Pixels between two questions whether to give up; their rays take some 20 ms on two cores.
 constexpr int kBandPixels = 30'000;
 // An error of this much of the range of a channel is the brightest that the colours distinguish.
 constexpr double kLargestError = 0.25;
 constexpr glm::dvec3 kNothing(0.5);  // where there is no surface, tet or pixel that counts
+// The share of a tet's volume by which rounding may put a point of a face beyond it. Without it, a
+// point that two tets put beyond their common face would be in neither.
+constexpr double kOnFace = 1e-9;
+// Tets of which the nearest is where a walk begins; to look at them takes about 10 us.
+constexpr size_t kFirstTets = 256;
 
 // Calls body(camera of the band, first row) for bands of rows from top to bottom. False if given
 // up.
@@ -32,6 +40,19 @@ bool ForBands(const Camera& camera, const std::function<bool()>& give_up, const 
     body(band, y);
   }
   return true;
+}
+
+// The picture whose rows are painted by row(image, y), several at a time. None if given up.
+template <class Row>
+std::optional<Image> PaintRows(const Camera& camera, const std::function<bool()>& give_up,
+                               const Row& row) {
+  Image image = MakeImage(camera.width, camera.height, 3);
+  const bool is_done = ForBands(camera, give_up, [&](const Camera& band, int top) {
+    ParallelFor(size_t(band.height), 1, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) row(image, top + int(i));
+    });
+  });
+  return is_done ? std::optional(std::move(image)) : std::nullopt;
 }
 
 void PutPixel(Image& image, int x, int y, const glm::dvec3& color) {
@@ -84,31 +105,77 @@ std::optional<DepthMap> FindDepth(ShownField& shown, const RenderView& from,
   return is_done ? std::optional(std::move(map)) : std::nullopt;
 }
 
-// Searches for the tets of points, of which each is near the one before. The domain of a fitted
-// field is convex.
+// Searches for the tets of points, of which each is near the one before. Walks as FindTet does, but
+// through a face drawn from those that the point is beyond: where tets are not Delaunay, above all
+// where some are inside out, a walk without chance may circle (Devillers, Pion, Teillaud 2002,
+// "Walking in a triangulation").
 class TetFinder {
  public:
-  explicit TetFinder(const TetMesh& mesh) : mesh_(mesh) {}
+  explicit TetFinder(const TetMesh& mesh)
+      : mesh_(mesh), most_steps_(100 + size_t(20 * std::cbrt(double(mesh.tets.size())))) {}
+
+  // kNoTet outside of the mesh. Also at the end of a very long walk, which hardly happens unless
+  // many tets are inside out: to try all tets, for many pixels, would take minutes.
   uint32_t At(const glm::dvec3& point) {
-    const uint32_t tet = FindTet(mesh_, point, last_, true);
-    if (tet != kNoTet) last_ = tet;
-    return tet;
+    uint32_t tet = last_ == kNoTet ? TetNear(point) : last_;
+    for (size_t step = 0; step < most_steps_; ++step) {
+      last_ = tet;
+      const int face = FaceBeyond(tet, point);
+      if (face < 0) return tet;
+      tet = mesh_.neighbors[tet][face];
+      if (tet == kNoTet) return kNoTet;  // the domain of a fitted field is convex
+    }
+    last_ = kNoTet;  // the next walk begins elsewhere
+    return kNoTet;
   }
 
  private:
+  // The tet whose first vertex is nearest to the point, of some all over the mesh.
+  uint32_t TetNear(const glm::dvec3& point) const {
+    const size_t stride = std::max<size_t>(1, mesh_.tets.size() / kFirstTets);
+    uint32_t nearest = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (size_t t = 0; t < mesh_.tets.size(); t += stride) {
+      const glm::dvec3 way = glm::dvec3(mesh_.positions[mesh_.tets[t][0]]) - point;
+      const double squared = glm::dot(way, way);
+      if (squared >= least) continue;
+      least = squared;
+      nearest = uint32_t(t);
+    }
+    return nearest;
+  }
+
+  // One of the faces that the point is beyond, or -1 if the tet contains the point.
+  int FaceBeyond(uint32_t tet, const glm::dvec3& point) {
+    glm::dvec3 to[4];
+    for (int i = 0; i < 4; ++i) to[i] = glm::dvec3(mesh_.positions[mesh_.tets[tet][i]]) - point;
+    // Six times the signed volumes of the four tets that the point forms with the faces.
+    const glm::dvec3 edge01 = glm::cross(to[0], to[1]), edge23 = glm::cross(to[2], to[3]);
+    const double volumes[4] = {glm::dot(to[1], edge23), -glm::dot(to[0], edge23),
+                               glm::dot(to[3], edge01), -glm::dot(to[2], edge01)};
+    const double least = -kOnFace * std::abs(volumes[0] + volumes[1] + volumes[2] + volumes[3]);
+    const int first = int(random_() >> 62);
+    for (int i = first; i < first + 4; ++i) {
+      if (volumes[i % 4] < least) return i % 4;
+    }
+    return -1;
+  }
+
   const TetMesh& mesh_;
-  uint32_t last_ = 0;
+  const size_t most_steps_;
+  SplitMix64 random_{0};    // the same for each row: pictures do not depend on the threads
+  uint32_t last_ = kNoTet;  // where the last walk ended
 };
 
 // Large tets are blue, small ones yellow; neighbours differ in brightness.
-Image PaintTets(const ShownField& shown, const RenderView& from, const DepthMap& depth) {
+std::optional<Image> PaintTets(const ShownField& shown, const RenderView& from,
+                               const DepthMap& depth, const std::function<bool()>& give_up) {
   const TetMesh& mesh = shown.field.mesh;
   const Rigid3 world_from_cam = from.cam_from_world.Inverse();
   const double range = std::log(std::max(shown.large_tet / shown.small_tet, 1.01));
-  Image image = MakeImage(depth.width, depth.height, 3);
-  TetFinder finder(mesh);
-  for (int y = 0; y < depth.height; ++y) {
-    for (int x = 0; x < depth.width; ++x) {
+  return PaintRows(from.camera, give_up, [&](Image& image, int y) {
+    TetFinder finder(mesh);
+    for (int x = 0; x < image.width; ++x) {
       const double z = depth.At(x, y);
       const uint32_t tet =
           z == kNoDepth
@@ -123,20 +190,7 @@ Image PaintTets(const ShownField& shown, const RenderView& from, const DepthMap&
                                         std::clamp(coarseness, 0.0, 1.0));
       PutPixel(image, x, y, (0.6 + 0.4 * TintOf(tet)) * color);
     }
-  }
-  return image;
-}
-
-// Weights of the tet's vertices at a point inside it.
-glm::dvec4 WeightsAt(const TetMesh& mesh, const glm::uvec4& tet, const glm::dvec3& point) {
-  const glm::dvec3 origin(mesh.positions[tet[0]]);
-  const glm::dmat3 edges(glm::dvec3(mesh.positions[tet[1]]) - origin,
-                         glm::dvec3(mesh.positions[tet[2]]) - origin,
-                         glm::dvec3(mesh.positions[tet[3]]) - origin);
-  const double volume = glm::determinant(edges);
-  if (volume == 0) return glm::dvec4(0.25);
-  const glm::dvec3 weights = glm::inverse(edges) * (point - origin);
-  return {1 - weights.x - weights.y - weights.z, weights};
+  });
 }
 
 struct Sample {
@@ -149,7 +203,7 @@ Sample SampleAt(const RadianceField& field, uint32_t tet, const glm::dvec3& poin
     return {field.density[tet], glm::dvec3(field.color_srgb[tet])};
   }
   const glm::uvec4& ids = field.mesh.tets[tet];
-  const glm::dvec4 weights = WeightsAt(field.mesh, ids, point);
+  const glm::dvec4 weights = WeightsInTet(field.mesh, tet, point);
   Sample sample;
   for (int i = 0; i < 4; ++i) {
     sample.density += weights[i] * field.density[ids[i]];
@@ -161,16 +215,17 @@ Sample SampleAt(const RadianceField& field, uint32_t tet, const glm::dvec3& poin
 
 // The field in a plane across the view: its colour, as opaque as a slab of a fiftieth of the
 // subject's size is, over the tets in shades of grey.
-Image PaintSlice(const ShownField& shown, const Scene& scene, const PictureRequest& request) {
+std::optional<Image> PaintSlice(const ShownField& shown, const Scene& scene,
+                                const PictureRequest& request,
+                                const std::function<bool()>& give_up) {
   const RadianceField& field = shown.field;
   const glm::dvec3 size = scene.subject_bounds.Size();
   const double slab = 0.02 * std::max({size.x, size.y, size.z});
   const Camera& camera = request.from.camera;
   const Rigid3 world_from_cam = request.from.cam_from_world.Inverse();
-  Image image = MakeImage(camera.width, camera.height, 3);
-  TetFinder finder(field.mesh);
-  for (int y = 0; y < camera.height; ++y) {
-    for (int x = 0; x < camera.width; ++x) {
+  return PaintRows(camera, give_up, [&](Image& image, int y) {
+    TetFinder finder(field.mesh);
+    for (int x = 0; x < image.width; ++x) {
       const glm::dvec3 point =
           world_from_cam * (request.slice_depth * camera.CamFromImage(glm::dvec2(x, y) + 0.5));
       const uint32_t tet = finder.At(point);
@@ -183,18 +238,26 @@ Image PaintSlice(const ShownField& shown, const Scene& scene, const PictureReque
       PutPixel(image, x, y,
                glm::mix(glm::dvec3(0.15 + 0.15 * TintOf(tet)), sample.color_srgb, opacity));
     }
-  }
-  return image;
+  });
 }
 
 const View& ViewOf(const Scene& scene, const PictureRequest& request) {
   return scene.views[size_t(*request.view)];
 }
 
-// The stored image of the view, with its own alpha.
-Image PhotoOf(const ShownScene& scene, const PictureRequest& request, const Camera& size) {
-  return ResizeSmoothly(ReadImage(scene.folder / ViewOf(scene.scene, request).image), size.width,
-                        size.height);
+// The stored image of the view, with its own alpha. None if given up.
+std::optional<Image> PhotoOf(const ShownScene& scene, const PictureRequest& request,
+                             const Camera& size, const std::function<bool()>& give_up) {
+  const Image stored = ReadImage(scene.folder / ViewOf(scene.scene, request).image);
+  if (give_up()) return std::nullopt;
+  return ResizeSmoothly(stored, size.width, size.height);
+}
+
+std::optional<Image> PaintPhoto(const ShownScene& scene, const PictureRequest& request,
+                                const std::function<bool()>& give_up) {
+  const std::optional<Image> photo = PhotoOf(scene, request, request.from.camera, give_up);
+  if (!photo) return std::nullopt;
+  return OverBackground(*photo, scene.scene.background);
 }
 
 // What the photo shows of the field; neutral for photos whose exposure was not estimated.
@@ -205,11 +268,11 @@ PhotoExposure ExposureOf(const ShownField& shown, const std::string& photo) {
   return found == shown.exposures.end() ? PhotoExposure{} : *found;
 }
 
-// The mean absolute difference over the channels.
-Image Difference(const Image& photo, const Image& rendered, const Scene& scene) {
+// The mean absolute difference over the channels, of images of the camera's size.
+std::optional<Image> PaintDifference(const Image& photo, const Image& rendered, const Scene& scene,
+                                     const Camera& camera, const std::function<bool()>& give_up) {
   const Image truth = OverBackground(photo, scene.background);
-  Image image = MakeImage(rendered.width, rendered.height, 3);
-  for (int y = 0; y < image.height; ++y) {
+  return PaintRows(camera, give_up, [&](Image& image, int y) {
     for (int x = 0; x < image.width; ++x) {
       if (scene.has_masks && photo.channels == 4 && photo.At(x, y)[3] < kSeenAlpha) {
         PutPixel(image, x, y, kNothing);
@@ -219,8 +282,7 @@ Image Difference(const Image& photo, const Image& rendered, const Scene& scene) 
       for (int c = 0; c < 3; ++c) sum += std::abs(truth.At(x, y)[c] - rendered.At(x, y)[c]);
       PutPixel(image, x, y, HeatColor(sum / (3 * 255) / kLargestError));
     }
-  }
-  return image;
+  });
 }
 
 // The camera of the request, or the photo's own if the request asks for more pixels than the photo
@@ -238,8 +300,12 @@ std::optional<Image> PaintError(ShownField& shown, const ShownScene& scene,
       PaintColor(shown, scene.scene.background, {camera, request.from.cam_from_world},
                  ExposureOf(shown, ViewOf(scene.scene, request).name), give_up);
   if (!rendered) return std::nullopt;
-  const Image error = Difference(PhotoOf(scene, request, camera), *rendered, scene.scene);
-  return ResizeSmoothly(error, request.from.camera.width, request.from.camera.height);
+  const std::optional<Image> photo = PhotoOf(scene, request, camera, give_up);
+  if (!photo) return std::nullopt;
+  const std::optional<Image> error =
+      PaintDifference(*photo, *rendered, scene.scene, camera, give_up);
+  if (!error || give_up()) return std::nullopt;
+  return ResizeSmoothly(*error, request.from.camera.width, request.from.camera.height);
 }
 
 }  // namespace
@@ -269,9 +335,9 @@ std::optional<Image> Paint(ShownField& shown, const ShownScene& scene,
     case PictureMode::kColor:
       return PaintColor(shown, background, from, {}, give_up);
     case PictureMode::kSlice:
-      return PaintSlice(shown, scene.scene, request);
+      return PaintSlice(shown, scene.scene, request, give_up);
     case PictureMode::kPhoto:
-      return OverBackground(PhotoOf(scene, request, from.camera), background);
+      return PaintPhoto(scene, request, give_up);
     case PictureMode::kError:
       return PaintError(shown, scene, request, give_up);
     case PictureMode::kDepth:
@@ -283,7 +349,7 @@ std::optional<Image> Paint(ShownField& shown, const ShownScene& scene,
   if (!depth) return std::nullopt;
   if (request.mode == PictureMode::kDepth) return ColoredDepth(*depth, RangeOf(*depth));
   if (request.mode == PictureMode::kNormals) return NormalPicture(*depth, from.camera);
-  return PaintTets(shown, from, *depth);
+  return PaintTets(shown, from, *depth, give_up);
 }
 
 }  // namespace tetrec

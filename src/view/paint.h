@@ -30,10 +30,11 @@ struct ShownScene {
   Scene scene;
 };
 
-// Returns RGB. The picture is rendered in bands of rows. After each band `give_up` is asked whether
-// something else is more urgent; if so, no picture is returned. A photo that is shown larger than
-// it is gets interpolated, and so does its error, which is that of its own pixels, between the
-// photo and the field as the photo's exposure shows it.
+// Returns RGB. The picture is made in bands of rows. After each band, and once a photo is read,
+// `give_up` is asked whether something else is more urgent; if so, no picture is returned. A photo
+// that is shown larger than it is gets interpolated, and so does its error, which is that of its
+// own pixels, between the photo and the field as the photo's exposure shows it. In meshes with many
+// tets that are inside out a few pixels of kTets and kSlice may stay grey.
 std::optional<Image> Paint(ShownField& shown, const ShownScene& scene,
                            const PictureRequest& request, const std::function<bool()>& give_up);
 

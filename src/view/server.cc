@@ -13,6 +13,7 @@
 #include <httplib.h>
 
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <thread>
 
@@ -71,11 +72,12 @@ std::optional<Refusal> RefusalOf(const httplib::Request& request, int port,
 void AnswerPicture(ViewSession& session, const httplib::Request& request,
                    httplib::Response& response) {
   try {
+    const std::shared_ptr<const ShownScene> asked_of = session.scene();
     const PictureRequest wanted =
-        ParsePictureRequest({request.params.begin(), request.params.end()}, session.scene());
-    const std::optional<Image> image = session.Draw(wanted);
+        ParsePictureRequest({request.params.begin(), request.params.end()}, asked_of->scene);
+    const std::optional<Image> image = session.Draw(wanted, asked_of);
     if (!image) {
-      response.status = 204;  // given up for a draft; an error would appear in the console
+      response.status = 204;  // the page asks again; an error would appear in the console
       return;
     }
     const std::vector<uint8_t> jpeg =

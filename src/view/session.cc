@@ -1,4 +1,4 @@
-// The scene, the field that is shown, and when it is replaced.
+// The scene and the field that are shown, and when they are replaced.
 #include "view/session.h"
 
 #include "core/error.h"
@@ -31,9 +31,14 @@ json DescribeView(const View& view, const Camera& camera) {
           {"height", camera.height}};
 }
 
-json StatusOf(const FieldFile& file, const ShownField& shown, int loaded) {
+std::shared_ptr<const ShownScene> ReadShownScene(const std::filesystem::path& folder) {
+  return std::make_shared<const ShownScene>(ShownScene{folder, ReadScene(folder)});
+}
+
+json StatusOf(const FieldFile& file, const ShownField& shown, int loaded, int scenes) {
   return {{"field", Describe(file)},
           {"loaded", loaded},
+          {"scene", scenes},
           {"tets", shown.field.mesh.tets.size()},
           {"vertices", shown.field.mesh.positions.size()},
           {"problem", ""}};
@@ -44,36 +49,59 @@ json StatusOf(const FieldFile& file, const ShownField& shown, int loaded) {
 ViewSession::ViewSession(const std::filesystem::path& run, const RendererOptions& options)
     : run_(FindRun(run)),
       options_(options),
-      shown_scene_{run_.scene, ReadScene(run_.scene)},
-      file_(NewestField(run_)),
-      shown_(MakeShownField(ReadFieldFile(file_, scene()), options_)),
-      status_(StatusOf(file_, shown_, 1)) {
-  if (scene().views.empty()) throw DataError(run_.scene.string() + ": the scene has no views");
-  LogInfo("shows {}: {}", file_.path.string(), Describe(file_));
+      shown_from_(NewestSources()),
+      tried_(shown_from_),
+      shown_scene_(ReadShownScene(run_.scene)),
+      shown_(MakeShownField(ReadFieldFile(tried_.field, shown_scene_->scene), options_)),
+      status_(StatusOf(tried_.field, shown_, 1, 1)) {
+  LogInfo("shows {}: {}", tried_.field.path.string(), Describe(tried_.field));
 }
 
-std::optional<Image> ViewSession::Draw(const PictureRequest& request) {
+ViewSession::Sources ViewSession::NewestSources() const {
+  std::error_code missing;  // which ReadScene reports
+  return {NewestField(run_), std::filesystem::last_write_time(run_.scene / "scene.json", missing)};
+}
+
+std::optional<Image> ViewSession::Draw(const PictureRequest& request,
+                                       const std::shared_ptr<const ShownScene>& asked_of) {
   if (request.is_draft) ++waiting_drafts_;
   const std::lock_guard lock(drawing_);
   if (request.is_draft) --waiting_drafts_;
-  return Paint(shown_, shown_scene_, request,
+  if (asked_of != shown_scene_) return std::nullopt;
+  return Paint(shown_, *shown_scene_, request,
                [&] { return StopRequested() || (!request.is_draft && waiting_drafts_ > 0); });
 }
 
 void ViewSession::Refresh() {
   try {
-    const FieldFile newest = NewestField(run_);
-    if (newest == file_) return;
-    file_ = newest;
-    ShownField shown = MakeShownField(ReadFieldFile(newest, scene()), options_);
+    const Sources newest = NewestSources();
+    if (newest.field == shown_from_.field) {
+      const std::lock_guard lock(facts_);
+      status_["problem"] = "";
+      return;
+    }
+    if (newest == tried_) return;
+    tried_ = newest;
+    const bool is_other_scene = newest.scene_written != shown_from_.scene_written;
+    const std::shared_ptr<const ShownScene> seen_in =
+        is_other_scene ? ReadShownScene(run_.scene) : shown_scene_;
+    ShownField shown = MakeShownField(ReadFieldFile(newest.field, seen_in->scene), options_);
+    shown_from_ = newest;
     const std::scoped_lock lock(drawing_, facts_);
+    shown_scene_ = seen_in;
     shown_ = std::move(shown);
-    status_ = StatusOf(newest, shown_, status_["loaded"].get<int>() + 1);
-    LogInfo("shows {}: {}", newest.path.string(), Describe(newest));
+    status_ = StatusOf(newest.field, shown_, status_["loaded"].get<int>() + 1,
+                       status_["scene"].get<int>() + (is_other_scene ? 1 : 0));
+    LogInfo("shows {}: {}", newest.field.path.string(), Describe(newest.field));
   } catch (const Error& error) {
     const std::lock_guard lock(facts_);
     status_["problem"] = OneLine(error.what());
   }
+}
+
+std::shared_ptr<const ShownScene> ViewSession::scene() const {
+  const std::lock_guard lock(facts_);
+  return shown_scene_;
 }
 
 json ViewSession::Status() const {
@@ -82,13 +110,16 @@ json ViewSession::Status() const {
 }
 
 json ViewSession::DescribeScene() const {
-  const glm::dvec3 size = scene().subject_bounds.Size();
+  const std::lock_guard lock(facts_);
+  const Scene& described = shown_scene_->scene;
+  const glm::dvec3 size = described.subject_bounds.Size();
   json views = json::array();
-  for (const View& view : scene().views) {
-    views.push_back(DescribeView(view, scene().cameras[size_t(view.camera)]));
+  for (const View& view : described.views) {
+    views.push_back(DescribeView(view, described.cameras[size_t(view.camera)]));
   }
-  return {{"subject",
-           {{"center", ArrayOf(scene().subject_bounds.Center())},
+  return {{"number", status_["scene"]},
+          {"subject",
+           {{"center", ArrayOf(described.subject_bounds.Center())},
             {"size", std::max({size.x, size.y, size.z})}}},
           {"views", std::move(views)}};
 }

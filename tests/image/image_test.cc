@@ -6,6 +6,7 @@
 #include "core/message_of.h"
 #include "expect_error.h"
 #include "file_size_limit.h"
+#include "image/exif_block.h"
 #include "image/resize.h"
 #include "scratch_folder.h"
 
@@ -56,19 +57,7 @@ std::vector<uint8_t> SomeJpeg(const std::vector<int>& parameters = {}) {
   return Encode(".jpg", mat, parameters);
 }
 
-// The JPEG with an APP1 segment after its start.
-std::vector<uint8_t> WithExif(std::vector<uint8_t> jpeg, const std::vector<uint8_t>& payload) {
-  std::vector<uint8_t> segment = {0xFF, 0xE1, uint8_t((payload.size() + 2) >> 8),
-                                  uint8_t(payload.size() + 2)};
-  segment.insert(segment.end(), payload.begin(), payload.end());
-  jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
-  return jpeg;
-}
-
-// TIFF header, one entry: orientation (0x0112) 6, a quarter turn.
-const std::vector<uint8_t> kQuarterTurn = {'E', 'x', 'i', 'f', 0, 0,    'I',  'I', 42, 0, 8,
-                                           0,   0,   0,   1,   0, 0x12, 0x01, 3,   0,  1, 0,
-                                           0,   0,   6,   0,   0, 0,    0,    0,   0,  0};
+const std::vector<uint8_t> kQuarterTurn = ExifOfOrientation(6);
 
 void ExpectTruncated(std::vector<uint8_t> bytes, size_t length, const std::string& part = "") {
   bytes.resize(length);
@@ -193,7 +182,7 @@ TEST(ImageFiles, JpegReturnsAboutTheSameColoursInTheSameOrder) {
 TEST(ImageFiles, JpegIsReadAsStoredDespiteItsExifRotation) {
   const std::vector<uint8_t> jpeg = SomeJpeg();
   const Image plain = DecodeImage(jpeg, "plain"),
-              turned = DecodeImage(WithExif(jpeg, kQuarterTurn), "turned");
+              turned = DecodeImage(WithApp1(jpeg, kQuarterTurn), "turned");
   EXPECT_EQ(turned.width, 64);
   EXPECT_EQ(turned.height, 48);
   EXPECT_EQ(turned.pixels, plain.pixels);
@@ -202,7 +191,7 @@ TEST(ImageFiles, JpegIsReadAsStoredDespiteItsExifRotation) {
 TEST(ImageFiles, JpegIsTurnedByItsExifRotationOnRequest) {
   const std::vector<uint8_t> jpeg = SomeJpeg();
   const Image stored = DecodeImage(jpeg, "plain");
-  const Image turned = DecodeImage(WithExif(jpeg, kQuarterTurn), "turned", ExifRotation::kApply);
+  const Image turned = DecodeImage(WithApp1(jpeg, kQuarterTurn), "turned", ExifRotation::kApply);
   ASSERT_EQ(turned.width, 48);
   ASSERT_EQ(turned.height, 64);
   // The first column of the stored image, read upwards, is the first row.
@@ -493,7 +482,7 @@ TEST(ImageFiles, AJpegCutAnywhereIsRefused) {
   const std::vector<uint8_t> thumbnail = {0xFF, 0xD8, 0xFF, 0xD9};
   for (const int progressive : {0, 1}) {
     const std::vector<uint8_t> jpeg =
-        WithExif(SomeJpeg({cv::IMWRITE_JPEG_PROGRESSIVE, progressive}), thumbnail);
+        WithApp1(SomeJpeg({cv::IMWRITE_JPEG_PROGRESSIVE, progressive}), thumbnail);
     EXPECT_EQ(DecodeImage(jpeg, "whole").width, 64);
     for (size_t length = 0; length < jpeg.size(); length += 1 + length / 8) {
       ExpectTruncated(jpeg, length);

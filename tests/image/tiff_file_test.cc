@@ -5,6 +5,8 @@
 #include "core/file.h"
 #include "expect_error.h"
 #include "image/image.h"
+#include "image/photo.h"
+#include "scratch_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -78,6 +80,23 @@ TEST(TiffFiles, AnOrientationTurnsNothing) {
     EXPECT_EQ(image.At(0, 0)[0], 10) << orientation;
     EXPECT_EQ(image.At(2, 1)[0], 60) << orientation;
   }
+}
+
+TEST(TiffFiles, AnOrientationIsTold) {
+  EXPECT_EQ(OrientationOfTiff(GreyTiff(), "a.tif"), 1);
+  for (uint32_t orientation = 1; orientation <= 8; ++orientation) {
+    const std::vector<uint8_t> tiff = GreyTiff({{274, {3, 1, orientation}}});
+    EXPECT_EQ(OrientationOfTiff(tiff, "a.tif"), int(orientation));
+  }
+  for (const uint32_t invalid : {0u, 9u, 65535u}) {
+    const std::vector<uint8_t> tiff = GreyTiff({{274, {3, 1, invalid}}});
+    EXPECT_EQ(OrientationOfTiff(tiff, "a.tif"), 1) << invalid;
+  }
+  const ScratchFolder folder;
+  int orientation = 0;
+  const Image image = ReadPhoto(folder.Write("a.tif", GreyTiff({{274, {3, 1, 6}}})), &orientation);
+  EXPECT_EQ(image.width, 3);
+  EXPECT_EQ(orientation, 6);
 }
 
 TEST(TiffFiles, AlphaIsStraight) {

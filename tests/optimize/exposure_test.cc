@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace tetrec {
 namespace {
@@ -32,17 +34,23 @@ std::vector<ViewExposure> RandomExposures(size_t views, double spread, Random& r
   return exposures;
 }
 
-double LargestMean(const std::vector<ViewExposure>& exposures) {
-  glm::dvec3 log_gain(0.0), offset(0.0);
-  for (const ViewExposure& exposure : exposures) {
-    log_gain += glm::log(exposure.gain);
-    offset += exposure.offset;
-  }
+// Of the logarithms of the gains and of the offsets, in any channel.
+double LargestMedian(const std::vector<ViewExposure>& exposures) {
   double largest = 0;
   for (int c = 0; c < 3; ++c) {
-    largest = std::max({largest, std::abs(log_gain[c]), std::abs(offset[c])});
+    std::vector<double> gains, offsets;
+    for (const ViewExposure& exposure : exposures) {
+      gains.push_back(std::log(exposure.gain[c]));
+      offsets.push_back(exposure.offset[c]);
+    }
+    for (std::vector<double>* values : {&gains, &offsets}) {
+      std::sort(values->begin(), values->end());
+      const size_t count = values->size();
+      const double median = ((*values)[(count - 1) / 2] + (*values)[count / 2]) / 2;
+      largest = std::max(largest, std::abs(median));
+    }
   }
-  return largest / double(exposures.size());
+  return largest;
 }
 
 TEST(Exposure, IsFoundFromTheSumsOfManyRays) {
@@ -75,22 +83,31 @@ TEST(Exposure, OfAViewOfOneColourStaysBounded) {
   EXPECT_NEAR(exposure.offset.r, 0.3, 0.05);
 }
 
-TEST(Exposure, HasANeutralMeanAfterProjectionAndKeepsItsDifferences) {
+TEST(Exposure, HasANeutralMedianAfterProjectionAndKeepsItsDifferences) {
   Random random(2);
   std::vector<ViewExposure> exposures = RandomExposures(7, 0.5, random);
   const double ratio = exposures[0].gain.g / exposures[1].gain.g;
   const double difference = exposures[0].offset.b - exposures[1].offset.b;
-  EXPECT_GT(LargestMean(exposures), 1e-3);
-  MakeMeanNeutral(exposures);
-  EXPECT_LT(LargestMean(exposures), 1e-15);
+  EXPECT_GT(LargestMedian(exposures), 1e-3);
+  MakeMedianNeutral(exposures);
+  EXPECT_LT(LargestMedian(exposures), 1e-15);
   EXPECT_NEAR(exposures[0].gain.g / exposures[1].gain.g, ratio, 1e-12);
   EXPECT_NEAR(exposures[0].offset.b - exposures[1].offset.b, difference, 1e-12);
+}
+
+TEST(Exposure, OfOneBlackPhotoLeavesTheOthersNeutral) {
+  std::vector<ViewExposure> exposures(12);
+  exposures[5].gain = glm::dvec3(0.2);
+  exposures[5].offset = glm::dvec3(-0.1);
+  const std::vector<ViewExposure> before = exposures;
+  MakeMedianNeutral(exposures);
+  EXPECT_EQ(exposures, before);
 }
 
 TEST(Exposure, OfAnEvenCollectionBecomesExactlyNeutral) {
   Random random(3);
   std::vector<ViewExposure> even = RandomExposures(20, 0.005, random);
-  MakeMeanNeutral(even);
+  MakeMedianNeutral(even);
   ShrinkToEvidence(even);
   for (const ViewExposure& exposure : even) EXPECT_EQ(exposure, ViewExposure{});
 }
@@ -98,13 +115,13 @@ TEST(Exposure, OfAnEvenCollectionBecomesExactlyNeutral) {
 TEST(Exposure, OfAnUnevenCollectionIsHardlyShrunk) {
   Random random(4);
   std::vector<ViewExposure> uneven = RandomExposures(20, 0.3, random);
-  MakeMeanNeutral(uneven);
+  MakeMedianNeutral(uneven);
   const std::vector<ViewExposure> before = uneven;
   ShrinkToEvidence(uneven);
   for (size_t view = 0; view < uneven.size(); ++view) {
     EXPECT_NEAR(uneven[view].gain.r, before[view].gain.r, 0.01);
   }
-  EXPECT_LT(LargestMean(uneven), 1e-15);
+  EXPECT_LT(LargestMedian(uneven), 1e-15);
 }
 
 TEST(Exposure, OfASingleViewIsNotEstimated) {

@@ -131,6 +131,23 @@ TEST(Judge, GivesThePsnrOfTheJudgingPixelsAndItsStandardError) {
   EXPECT_GT(mixed.standard_error, 0.001);
 }
 
+TEST(Judge, CountsOnlyPixelsThatMasksLeave) {
+  TrainingSet set = GreySet(24, 64, 48);
+  for (TargetImage& target : set.targets) {
+    for (size_t i = 0; i < target.rgba8.size(); ++i) {
+      if (i % 64 < 45) target.rgba8[i] = kNotJudgedTarget;
+    }
+  }
+  const JudgingSet judging = ChooseJudgingSet(set, 1);
+  for (const RayBlock& block : judging.blocks) EXPECT_GE(block.x, 44u);
+  const auto renderer = RendererOfNothing();
+  renderer->SetTargets(set.views, set.targets);
+  for (const int samples : {1, 2}) {
+    const Judgement judgement = Judge(*renderer, judging, glm::vec3(0.25f), samples);
+    EXPECT_NEAR(judgement.psnr, -20 * std::log10(128.0 / 255.0 - 0.25), 1e-4) << samples;
+  }
+}
+
 TEST(Judge, LooksAtSomeBlocksOfEveryViewIfManyPixelsJudge) {
   const TrainingSet set = GreySet(24, 640, 480);
   const JudgingSet judging = ChooseJudgingSet(set, 1);

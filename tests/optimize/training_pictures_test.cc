@@ -1,6 +1,8 @@
 #include "optimize/training_pictures.h"
 
 #include "geometry/small_motion.h"
+#include "optimize/exposure.h"
+#include "optimize/judging.h"
 #include "optimize/small_run.h"
 
 #include <gtest/gtest.h>
@@ -68,6 +70,29 @@ TEST(TrainingPictures, JudgeTheFieldAndAreLearnedAsBefore) {
   run.PutField(0.0);
   EXPECT_LT(run.pictures.JudgeField().psnr, right - 10);
   EXPECT_FALSE(run.pictures.learns_all());
+}
+
+TEST(TrainingPictures, GatherExposuresOfWholeViewsUntilAllAreLearned) {
+  SmallRun run(SmallRunOptions(), kLeastViewsToJudge);
+  const std::vector<uint8_t> is_whole =
+      ChooseJudgingSet(run.pictures.set(), run.options.seed).is_whole;
+  ASSERT_GT(std::count(is_whole.begin(), is_whole.end(), uint8_t{1}), 0);
+  const auto gathered = [&run] {
+    std::vector<ExposureSums> sums(kLeastViewsToJudge);
+    run.pictures.GatherExposuresOfWholeViews(16);
+    run.renderer->AddExposureSums(sums);
+    return sums;
+  };
+  std::vector<ExposureSums> sums = gathered();
+  for (size_t view = 0; view < sums.size(); ++view) {
+    EXPECT_EQ(sums[view][0].ww > 0, is_whole[view] != 0) << view;
+  }
+  // The field is right, and so is a neutral exposure.
+  const std::vector<ViewExposure> exposures = FitExposures(sums);
+  for (const ViewExposure& exposure : exposures) EXPECT_NEAR(exposure.gain.g, 1.0, 0.05);
+  run.pictures.EndJudgingIfDue(1.0);
+  sums = gathered();
+  for (const ExposureSums& of_view : sums) EXPECT_EQ(of_view[0].ww, 0.0);
 }
 
 TEST(TrainingPictures, TakeCamerasAndGiveThemBack) {

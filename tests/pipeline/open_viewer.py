@@ -75,7 +75,9 @@ def look(page, width, scheme, screenshots):
         take_picture()
         canvas.send_keys(Keys.ARROW_LEFT * 3)
         take_picture()
-        canvas.send_keys("n")
+        canvas.send_keys(Keys.SHIFT + Keys.ARROW_LEFT)
+        take_picture()
+        canvas.send_keys("N")  # as with Caps Lock
         take_picture()
         if screenshots:
             browser.save_screenshot(str(screenshots / f"viewer_{width}_{scheme}.png"))

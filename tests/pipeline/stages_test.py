@@ -145,6 +145,25 @@ class StagesTest(StageCase):
         self.assert_done(result)
         self.assertNotIn("up to date", result.stdout)
 
+    def test_without_held_out_views_training_views_are_rendered_and_a_new_scene_refuses_their_scores(self):
+        write_tiny_dataset(self.folder / "ball")
+        run = self.folder / "run"
+        scene, tetrahedra, field, views = (run / name for name in ("1_scene", "2_tetrahedra", "3_field", "4_views"))
+        self.assert_done(self.run_stage("import", self.folder / "ball", "-o", scene, "--holdout", 0))
+        self.assert_done(self.run_stage("tetrahedralize", scene, "-o", tetrahedra, "--resolution", 8,
+                                        "--outer-points", 20))
+        self.assert_done(self.run_stage("optimize", tetrahedra, "-o", field, "--time-limit", 0, "--iterations", 2,
+                                        "--renderer", "reference"))
+        result = self.run_stage("render", field, "-o", views, "--renderer", "reference", "--samples", 1)
+        self.assert_done(result)
+        self.assertIn("warning: no view is held out", result.stderr)
+        self.assertEqual(json.loads((views / "views.json").read_text())["split"], "train")
+        self.assert_done(self.run_stage("evaluate", views, "-o", run / "6_report"))
+        self.assert_done(self.run_stage("import", self.folder / "ball", "-o", scene, "--holdout", 0,
+                                        "--background", "black"))
+        result = self.run_stage("evaluate", views, "-o", run / "other_report")
+        self.assert_fails(result, 3, "1_scene: was recreated since", "run tetrec-tetrahedralize")
+
     def test_a_stage_folder_may_be_a_link(self):
         elsewhere = self.folder / "disk" / "a" / "tetrahedra"
         elsewhere.mkdir(parents=True)

@@ -146,6 +146,25 @@ class ViewTest(StageCase):
         shown = status()["loaded"]
         self.assertEqual((self.ask(address, PICTURE)[0], status()["loaded"]), (200, shown))
 
+    def test_a_repeated_run_is_shown_with_its_new_scene(self):
+        self.tiny_tetrahedra()
+        process, address = self.open_viewer(self.folder / "run")
+
+        def answer(path):
+            return json.loads(self.ask(address, path)[2])
+
+        before = answer("scene")
+        self.assertEqual(before["number"], answer("status")["scene"])
+        shutil.rmtree(self.folder / "ball")
+        self.tiny_tetrahedra(train=36)
+        self.wait_for(lambda: answer("status")["scene"] > before["number"], process, "the scene was shown")
+        after = answer("scene")
+        self.assertEqual(after["number"], answer("status")["scene"])
+        self.assertEqual(answer("status")["problem"], "")
+        self.assertLess(len(after["views"]), len(before["views"]))
+        for index, status in ((len(after["views"]) - 1, 200), (len(before["views"]) - 1, 400)):
+            self.assertEqual(self.ask(address, PICTURE.replace("view=0", f"view={index}"))[0], status)
+
     def test_wrong_input_is_refused_in_one_line(self):
         empty = self.folder / "empty"
         empty.mkdir()

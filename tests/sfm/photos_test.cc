@@ -7,6 +7,7 @@
 #include "core/log.h"
 #include "expect_error.h"
 #include "image/depth_map.h"
+#include "image/exif_block.h"
 #include "image/photo.h"
 #include "scratch_folder.h"
 #include "sfm/write_photo.h"
@@ -169,6 +170,17 @@ TEST_F(PhotosTest, ADamagedHeicIsLeftOutLikeOtherDamagedPhotos) {
   EXPECT_EQ(Find(0.25).photos.size(), 3u);
   EXPECT_THAT(TakeWarnings(), ::testing::ElementsAre(::testing::HasSubstr(
                                   "a.heic: cannot be read as HEIC (Could not read HEIF")));
+}
+
+TEST_F(PhotosTest, AnOrientationTellsWhatIsUpAndTurnsNothing) {
+  WritePhotos(2);
+  WritePhoto(fs::path(photos_) / "a.jpg", 90, 80);
+  const std::vector<uint8_t> jpeg = ReadBytes(fs::path(photos_) / "a.jpg");
+  folder_.Write("photos/a.jpg", WithApp1(jpeg, ExifOfOrientation(6)));
+  const std::vector<Photo> photos = Find(0).photos;
+  EXPECT_EQ(photos[0].width, 80);
+  EXPECT_EQ(photos[0].up_in_image, glm::dvec2(-1, 0));
+  EXPECT_EQ(photos[1].up_in_image, glm::dvec2(0, -1));
 }
 
 TEST_F(PhotosTest, ColmapGetsAJpegInsteadOfATiff) {

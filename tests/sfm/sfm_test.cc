@@ -8,6 +8,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/stage.h"
+#include "image/exif_block.h"
 #include "image/image.h"
 #include "paths.h"
 #include "scene/scene.h"
@@ -135,6 +136,24 @@ TEST_F(SfmTest, AGoodModelBecomesAScene) {
     const glm::dvec3 center = view.cam_from_world.Inverse().translation;
     EXPECT_NEAR(glm::length(scene.input_from_world * center), 4, 1e-9);
   }
+}
+
+TEST_F(SfmTest, TheOrientationOfPhotosTurnsTheWorldButNotTheirImages) {
+  for (int i = 0; i < 12; ++i) {
+    const std::string name = fmt::format("photos/photo {:02}.jpg", i);
+    WritePhoto(folder_ / name, 10 * i + 40);
+    const std::vector<uint8_t> jpeg = ReadBytes(folder_ / name);
+    folder_.Write(name, WithApp1(jpeg, ExifOfOrientation(3)));  // upside down
+  }
+  const Outcome outcome = Run("good");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("12 photos are stored on their side or upside down"));
+  const Scene scene = ReadScene(scene_);
+  // In the model's coordinates, the top of the stored images is where z is.
+  EXPECT_NEAR(scene.input_from_world.rotation[2].z, -1, 1e-9);
+  const glm::dvec3 down = glm::transpose(scene.views[3].cam_from_world.rotation)[1];
+  EXPECT_NEAR(down.z, 1, 1e-9);
+  EXPECT_EQ(ReadImage(fs::path(scene_) / scene.views[3].image).width, 64);
 }
 
 TEST_F(SfmTest, OtherSizesAndSplitsReuseFeaturesMatchesAndModel) {

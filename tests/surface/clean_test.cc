@@ -36,6 +36,15 @@ TEST(KeepLargePieces, DropsSmallPiecesAndCavities) {
   EXPECT_EQ(KeepLargePieces(all, keep).mesh.triangles, all.triangles);
 }
 
+TEST(KeepLargePieces, KeepsARoomAroundACamera) {
+  const TriangleMesh room = Sphere(1, {0, 0, 0}, true);
+  CleanOptions options;
+  options.cameras = {{0, 0, 3}};
+  EXPECT_EQ(KeepLargePieces(room, options).dropped_cavities, 1u);
+  options.cameras.emplace_back(0.2, 0, 0.1);
+  EXPECT_EQ(KeepLargePieces(room, options).mesh.triangles, room.triangles);
+}
+
 TEST(SeparateFans, MakesAManifoldOfTrianglesThatMeetInAPoint) {
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};

@@ -1,6 +1,7 @@
 // Pictures of a field beside a photo.
 #include "view/paint.h"
 
+#include "core/random.h"
 #include "mesh/delaunay.h"
 #include "scratch_folder.h"
 
@@ -15,16 +16,37 @@ namespace {
 constexpr int kWidth = 16, kHeight = 12;
 constexpr glm::dvec3 kColor{0.5, 0.25, 0.75};
 
-// An opaque box of one colour that fills the only camera's picture.
-FieldContent OpaqueBox() {
-  std::vector<glm::vec3> corners;
+// An opaque box of one colour that fills the only camera's picture; its mesh has these vertices
+// inside.
+FieldContent OpaqueBox(const std::vector<glm::vec3>& inner = {}) {
+  std::vector<glm::vec3> points;
   for (int i = 0; i < 8; ++i) {
-    corners.emplace_back((i & 1) ? 2 : -2, (i & 2) ? 2 : -2, (i & 4) ? 2 : 1);
+    points.emplace_back((i & 1) ? 2 : -2, (i & 2) ? 2 : -2, (i & 4) ? 2 : 1);
   }
+  points.insert(points.end(), inner.begin(), inner.end());
   FieldContent content;
-  content.field.mesh = BuildDelaunay(corners).mesh;
-  content.field.density.assign(8, 100.0f);
-  content.field.color_srgb.assign(8, glm::vec3(kColor));
+  content.field.mesh = BuildDelaunay(points).mesh;
+  content.field.density.assign(points.size(), 100.0f);
+  content.field.color_srgb.assign(points.size(), glm::vec3(kColor));
+  return content;
+}
+
+// The same with inner vertices that were moved without regard for tets.
+FieldContent BrokenBox() {
+  MersenneRandom random(1);
+  const auto place = [&] {
+    glm::vec3 at;
+    for (int c = 0; c < 3; ++c) at[c] = float(random.Uniform());
+    return at;
+  };
+  const glm::vec3 low(-1.9f, -1.9f, 1.05f), high(1.9f, 1.9f, 1.95f);
+  std::vector<glm::vec3> inner;
+  for (int i = 0; i < 100; ++i) inner.push_back(glm::mix(low, high, place()));
+  FieldContent content = OpaqueBox(inner);
+  for (glm::vec3& position : content.field.mesh.positions) {
+    if (std::abs(position.x) == 2) continue;
+    position = glm::clamp(position + 1.2f * (place() - 0.5f), low, high);
+  }
   return content;
 }
 
@@ -36,6 +58,7 @@ ShownScene SceneWithPhoto(const ScratchFolder& folder, const glm::dvec3& color) 
   view.name = "a.jpg";
   view.image = "a.png";
   shown.scene.views = {view};
+  shown.scene.subject_bounds = {glm::dvec3(-1), glm::dvec3(1)};
   Image photo = MakeImage(kWidth, kHeight, 3);
   for (size_t i = 0; i < photo.pixels.size(); ++i) {
     photo.pixels[i] = uint8_t(std::lround(255 * color[int(i % 3)]));
@@ -63,6 +86,19 @@ RendererOptions Reference() {
   RendererOptions options;
   options.kind = RendererKind::kReference;
   return options;
+}
+
+// The share of pixels whose channels are all nearer to the colour than this.
+double ShareNear(const Image& image, const glm::dvec3& color, double most) {
+  int near = 0;
+  for (size_t i = 0; i < image.pixels.size(); i += 3) {
+    bool is_near = true;
+    for (int c = 0; c < 3; ++c) {
+      is_near = is_near && std::abs(image.pixels[i + size_t(c)] - 255 * color[c]) < most;
+    }
+    near += is_near;
+  }
+  return 3.0 * near / double(image.pixels.size());
 }
 
 int Brightest(const Image& image) {
@@ -106,6 +142,47 @@ TEST(Paint, AnEnlargedPhotoHasNoHardPixels) {
     EXPECT_GT(largest_step, 5);
     EXPECT_LE(largest_step, 13);  // about a tenth of the step between two pixels
   }
+}
+
+TEST(Paint, ASliceShowsTheFieldInsideTheMeshAndGreyOutside) {
+  const ScratchFolder folder;
+  const ShownScene scene = SceneWithPhoto(folder, kColor);
+  PictureRequest request = RequestOf(PictureMode::kSlice, scene.scene, 16);
+  ShownField field = MakeShownField(OpaqueBox(), Reference());
+  request.slice_depth = 1.5;
+  EXPECT_EQ(ShareNear(PaintNow(field, scene, request), kColor, 4), 1.0);
+  request.slice_depth = 3;
+  EXPECT_EQ(ShareNear(PaintNow(field, scene, request), glm::dvec3(0.5), 1), 1.0);
+}
+
+TEST(Paint, ASliceThroughTetsThatAreInsideOutHasHardlyAnyHole) {
+  const ScratchFolder folder;
+  const ShownScene scene = SceneWithPhoto(folder, kColor);
+  const FieldContent broken = BrokenBox();
+  EXPECT_GT(CountDegenerateTets(broken.field.mesh), broken.field.mesh.tets.size() / 10);
+  ShownField field = MakeShownField(broken, Reference());
+  PictureRequest request = RequestOf(PictureMode::kSlice, scene.scene, 8);
+  request.slice_depth = 1.5;
+  request.from.camera.fx = request.from.camera.fy = 50;  // shows almost all of the plane
+  const Image image = PaintNow(field, scene, request);
+  EXPECT_GT(ShareNear(image, kColor, 4), 0.9);
+  EXPECT_EQ(image.pixels, PaintNow(field, scene, request).pixels) << "depends on the threads";
+}
+
+TEST(Paint, EveryModeIsGivenUpForSomethingMoreUrgent) {
+  const ScratchFolder folder;
+  const ShownScene scene = SceneWithPhoto(folder, kColor);
+  ShownField field = MakeShownField(OpaqueBox(), Reference());
+  for (const Word<PictureMode>& mode : kWords<PictureMode>) {
+    const PictureRequest request = RequestOf(mode.value, scene.scene, 16);
+    EXPECT_FALSE(Paint(field, scene, request, [] { return true; })) << mode.word;
+  }
+  // The first question comes while depths are rendered, the second one while tets are painted.
+  int questions = 0;
+  const PictureRequest tets = RequestOf(PictureMode::kTets, scene.scene, 16);
+  EXPECT_FALSE(Paint(field, scene, tets, [&] { return ++questions == 2; }));
+  EXPECT_EQ(questions, 2);
+  EXPECT_GT(Brightest(PaintNow(field, scene, tets)), 128) << "it is painted otherwise";
 }
 
 }  // namespace

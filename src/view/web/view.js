@@ -228,18 +228,21 @@ canvas.addEventListener('wheel', event => {
   if (scene) zoom(Math.exp(0.03 * Math.max(-20, Math.min(20, lines))));
 }, {passive: false});
 
+// Shift moves sideways, as it does while dragging.
+const turnOrShift = (dx, dy) => event => (event.shiftKey ? shift : turn)(dx, dy);
 const keys = {
-  ArrowLeft: () => turn(-0.1, 0), ArrowRight: () => turn(0.1, 0),
-  ArrowUp: () => turn(0, 0.1), ArrowDown: () => turn(0, -0.1),
+  ArrowLeft: turnOrShift(-0.1, 0), ArrowRight: turnOrShift(0.1, 0),
+  ArrowUp: turnOrShift(0, 0.1), ArrowDown: turnOrShift(0, -0.1),
   '+': () => zoom(0.9), '=': () => zoom(0.9), '-': () => zoom(1 / 0.9),
   n: () => flyToNeighbor(1), p: () => flyToNeighbor(-1), h: () => fly(home)
 };
 addEventListener('keydown', event => {
   const isField = event.target.closest('select, input, button');
-  const action = keys[event.key];
+  // Letters are upper case with Shift or Caps Lock.
+  const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
   if (!scene || !action || isField || event.ctrlKey || event.altKey || event.metaKey) return;
   event.preventDefault();
-  action();
+  action(event);
 });
 form.addEventListener('submit', event => event.preventDefault());
 form.mode.addEventListener('change', () => { offerModes(); move(); });
@@ -252,13 +255,35 @@ form.previous.addEventListener('click', () => flyToNeighbor(-1));
 form.home.addEventListener('click', () => fly(home));
 new ResizeObserver(() => { if (scene) move(); }).observe(canvas.parentElement);
 
+// The scene, or another one once the stages of the run were repeated: then the camera stays at its
+// photo, or where it is if there is no such photo any more.
+function takeScene(next) {
+  const name = form.view.value && scene.views[form.view.value].name;
+  scene = next;
+  form.view.length = 1;
+  scene.views.forEach((view, i) => form.view.add(new Option(view.name, i)));
+  home = {...cameraOf(0), target: scene.subject.center, up: [0, 0, 1], view: null};
+  const index = scene.views.findIndex(view => view.name === name);
+  if (index < 0) return leaveView();
+  flight++;
+  isFlying = false;
+  camera = cameraOf(index);
+  form.view.value = index;
+  offerModes();
+}
+
 let loaded = 0;
 async function refresh() {
   try {
     const status = await (await fetch('status')).json();
     document.querySelector('.facts').textContent =
         `${status.field}, ${status.tets.toLocaleString('en')} tets`;
-    if (status.loaded !== loaded && loaded) ask(false);
+    if (status.scene !== scene.number) {
+      takeScene(await (await fetch('scene')).json());
+      move();
+    } else if (status.loaded !== loaded && loaded) {
+      ask(false);
+    }
     loaded = status.loaded;
     document.body.dataset.loaded = loaded;
     if (status.problem) say('Still the last field: ' + status.problem);
@@ -270,12 +295,8 @@ async function refresh() {
 
 async function start() {
   say('Loading');
-  scene = await (await fetch('scene')).json();
-  scene.views.forEach((view, i) => form.view.add(new Option(view.name, i)));
-  const first = cameraOf(0);
-  home = {...first, target: scene.subject.center, up: [0, 0, 1], view: null};
+  takeScene(await (await fetch('scene')).json());
   camera = {...home};
-  offerModes();
   move();
   refresh();
 }

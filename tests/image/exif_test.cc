@@ -1,0 +1,105 @@
+// Orientations that EXIF gives.
+#include "image/exif.h"
+
+#include "image/exif_block.h"
+#include "image/image.h"
+#include "image/photo.h"
+#include "scratch_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+namespace tetrec {
+namespace {
+
+TEST(Exif, TheOrientationIsReadInBothByteOrders) {
+  for (const bool is_big_endian : {false, true}) {
+    for (int orientation = 1; orientation <= 8; ++orientation) {
+      const std::vector<uint8_t> exif = ExifOfOrientation(uint32_t(orientation), is_big_endian);
+      EXPECT_EQ(OrientationOfExif(exif), orientation) << is_big_endian;
+    }
+  }
+}
+
+TEST(Exif, AnOrientationThatIsNoneOrIsDamagedIsOne) {
+  for (const bool is_big_endian : {false, true}) {
+    for (const uint32_t invalid : {0u, 9u, 6u << 8, 65535u}) {
+      EXPECT_EQ(OrientationOfExif(ExifOfOrientation(invalid, is_big_endian)), 1) << invalid;
+    }
+    const std::vector<uint8_t> whole = ExifOfOrientation(6, is_big_endian);
+    constexpr size_t kBehindOrientation = 26;
+    for (size_t length = 0; length <= whole.size(); ++length) {
+      std::vector<uint8_t> cut = whole;
+      cut.resize(length);
+      EXPECT_EQ(OrientationOfExif(cut), length < kBehindOrientation ? 1 : 6) << length;
+    }
+  }
+  const auto with = [](size_t place, std::vector<uint8_t> bytes) {
+    std::vector<uint8_t> exif = ExifOfOrientation(6);
+    std::copy(bytes.begin(), bytes.end(), exif.begin() + std::ptrdiff_t(place));
+    return OrientationOfExif(exif);
+  };
+  EXPECT_EQ(with(0, {'e'}), 1) << "mark";
+  EXPECT_EQ(with(6, {'M'}), 1) << "byte order";
+  EXPECT_EQ(with(8, {43}), 1) << "version";
+  EXPECT_EQ(with(10, {0xFF, 0xFF, 0xFF, 0xFF}), 1) << "directory beyond the end";
+  EXPECT_EQ(with(14, {0, 0}), 1) << "no entries";
+  EXPECT_EQ(with(14, {0xFF, 0xFF}), 6) << "more entries than there are, behind the orientation";
+  EXPECT_EQ(with(14, {0xFF, 0xFF, 0x13}), 1) << "more entries than there are, none of them right";
+  EXPECT_EQ(with(18, {4}), 1) << "another type";
+  EXPECT_EQ(with(20, {2}), 1) << "two orientations";
+}
+
+// OpenCV, which turns images upright on request, is the second method.
+TEST(Exif, UpInAnImageIsTheSideThatBecomesItsTop) {
+  for (int orientation = 1; orientation <= 8; ++orientation) {
+    const glm::dvec2 up = UpInImage(orientation);
+    Image stored = MakeImage(64, 48, 3);
+    for (int y = 0; y < stored.height; ++y) {
+      for (int x = 0; x < stored.width; ++x) {
+        const bool is_white = glm::dot(glm::dvec2(x - 31.5, y - 23.5), up) > 0;
+        std::fill_n(stored.At(x, y), 3, uint8_t(is_white ? 255 : 0));
+      }
+    }
+    const Image upright =
+        DecodeImage(WithApp1(EncodeJpeg(stored, 95), ExifOfOrientation(uint32_t(orientation))),
+                    "a.jpg", ExifRotation::kApply);
+    EXPECT_EQ(upright.width, orientation < 5 ? 64 : 48) << orientation;
+    for (const int x : {3, upright.width - 4}) {
+      EXPECT_GT(upright.At(x, 3)[0], 200) << orientation;
+      EXPECT_LT(upright.At(x, upright.height - 4)[0], 55) << orientation;
+    }
+  }
+}
+
+TEST(Exif, APhotoIsReadAsStoredWithItsOrientationWhateverItsExifIs) {
+  const ScratchFolder folder;
+  const std::vector<uint8_t> jpeg = EncodeJpeg(MakeImage(24, 16, 3), 90);
+  const auto orientation_of = [&](const std::vector<uint8_t>& bytes) {
+    int orientation = 0;
+    const Image image = ReadPhoto(folder.Write("a.jpg", bytes), &orientation);
+    EXPECT_EQ(image.width, 24);
+    return orientation;
+  };
+  EXPECT_EQ(orientation_of(jpeg), 1);
+  EXPECT_EQ(orientation_of(WithApp1(jpeg, ExifOfOrientation(6))), 6);
+  const std::vector<uint8_t> turned = WithApp1(jpeg, ExifOfOrientation(8, true));
+  EXPECT_EQ(orientation_of(turned), 8);
+  EXPECT_EQ(orientation_of(WithApp1(jpeg, {})), 1);
+  std::vector<uint8_t> cut = ExifOfOrientation(6);
+  cut.resize(20);
+  EXPECT_EQ(orientation_of(WithApp1(jpeg, cut)), 1);
+  // Other programs use the same segment.
+  const std::string xmp("http://ns.adobe.com/xap/1.0/\0<x/>", 33);
+  EXPECT_EQ(orientation_of(WithApp1(turned, {xmp.begin(), xmp.end()})), 8);
+
+  int of_png = 0;
+  WriteImage(folder / "a.png", MakeImage(4, 4, 3));
+  ReadPhoto(folder / "a.png", &of_png);
+  EXPECT_EQ(of_png, 1);
+}
+
+}  // namespace
+}  // namespace tetrec
