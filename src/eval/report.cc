@@ -358,7 +358,7 @@ std::string Exposures(const ReportContent& content) {
          fmt::format(
              "<p class=\"note\">A photo shows gain × field + offset in each channel (display "
              "sRGB), "
-             "estimated with the field; the mean of all photos is neutral (gain 1, offset 0). "
+             "estimated with the field; the median of all photos is neutral (gain 1, offset 0). "
              "Uneven: more than {:.0f} % in gain or {:.2f} in offset. {} of {}, those that differ "
              "most first; exposure.json of the optimiser has all.</p>",
              100 * kUnevenGain, kUnevenOffset, shown, Plural(order.size(), "photo")) +

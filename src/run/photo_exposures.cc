@@ -65,7 +65,7 @@ bool IsUneven(const PhotoExposure& exposure) {
 
 std::string UnevenWarning(size_t uneven, size_t photos) {
   return fmt::format(
-      "{} of {} photos differ in exposure or white balance from the mean of all by more than "
+      "{} of {} photos differ in exposure or white balance from the median of all by more than "
       "{:.0f} % in brightness or {:.2f} in offset; the field is fitted with this undone, but fixed "
       "exposure and white balance give better photos",
       uneven, photos, 100 * kUnevenGain, kUnevenOffset);
