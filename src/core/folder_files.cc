@@ -27,8 +27,9 @@ void CheckListed(const fs::path& folder, const std::error_code& error) {
 std::vector<fs::path> FilesBelow(const fs::path& folder,
                                  const std::function<bool(const fs::path&)>& enters) {
   std::vector<fs::path> files, waiting = {folder};
-  std::set<fs::path> entered;
-  while (!waiting.empty()) {
+  std::set<fs::path> links, entered;
+  while (!waiting.empty() || !links.empty()) {
+    if (waiting.empty()) waiting.push_back(links.extract(links.begin()).value());
     const fs::path current = waiting.back();
     waiting.pop_back();
     std::error_code error;
@@ -41,7 +42,11 @@ std::vector<fs::path> FilesBelow(const fs::path& folder,
       if (!entry->is_directory(broken)) {
         files.push_back(entry->path());
       } else if (!enters || enters(entry->path())) {
-        waiting.push_back(entry->path());
+        if (entry->is_symlink(broken)) {
+          links.insert(entry->path());
+        } else {
+          waiting.push_back(entry->path());
+        }
       }
     }
     CheckListed(current, error);

@@ -57,10 +57,13 @@ bool IsMadeFrom(const json& manifest, const json& previous) {
   const auto inputs = manifest.find("inputs");
   if (previous.is_null() || inputs == manifest.end() || !inputs->is_array()) return true;
   const std::string hash = HashOfResult(previous);
+  // Manifests of earlier versions, which have no such field, record the hash of outputs alone.
+  const std::string earlier_hash =
+      manifest.contains("degraded") ? hash : HashOfJson(previous.value("outputs", json::array()));
   return std::ranges::all_of(*inputs, [&](const json& input) {
     const std::string recorded = TextOrEmpty(input, "sha256");
     return TextOrEmpty(input, "stage") != TextOrEmpty(previous, "stage") || recorded.empty() ||
-           recorded == hash;
+           recorded == hash || recorded == earlier_hash;
   });
 }
 

@@ -64,7 +64,7 @@ void CheckIsMadeFrom(const std::filesystem::path& folder, const nlohmann::json& 
                      const std::filesystem::path& previous);
 
 // The nearest folder before `folder` in the chain that one of `stages` wrote. Throws DataError if
-// the chain ends before it, if its folder was moved away, or if a folder on the way was made anew
+// the chain ends before it, if its folder was moved away, or if a folder on the way was recreated
 // since the next one was made from it: a field seen through another scene's cameras is wrong.
 std::filesystem::path PreviousStage(const std::filesystem::path& folder,
                                     const std::set<std::string>& stages);

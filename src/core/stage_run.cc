@@ -39,7 +39,8 @@ std::string DifferenceOf(const json& before, const json& now) {
 // A run that was killed before its first output has left its own status beside the manifest of the
 // result that stays.
 bool IsOfKilledRun(const json& status, const json& manifest) {
-  return status.is_object() && status["key"] != manifest["key"];
+  return status.is_object() &&
+         (status["key"] != manifest["key"] || TextOrEmpty(status, "status") != "done");
 }
 
 json StatusOfResult(const json& manifest, json status) {
@@ -54,16 +55,23 @@ json StatusOfResult(const json& manifest, json status) {
   return status;
 }
 
-// Removes what a killed run has left beside a result that is up to date.
+// Removes what a killed run has left beside a result that is up to date, if the folder may be
+// written.
 void TidyUp(const fs::path& folder, const json& manifest) {
   if (!IsOfKilledRun(ReadManifestOrStatus(folder / kStatusFile), manifest) || IsLocked(folder)) {
     return;
   }
-  const FolderLock lock(folder);
-  const json status = ReadManifestOrStatus(folder / kStatusFile);
-  RefuseLinks(folder, status);
-  RemoveDeclared(folder, status, "scratch");
-  WriteJson(folder / kStatusFile, StatusOfResult(manifest, status));
+  try {
+    const FolderLock lock(folder);
+    const json status = ReadManifestOrStatus(folder / kStatusFile);
+    // Another run may have ended meanwhile.
+    if (ReadManifestOrStatus(folder / kManifestFile) != manifest) return;
+    RefuseLinks(folder, status);
+    RemoveDeclared(folder, status, "scratch");
+    WriteJson(folder / kStatusFile, StatusOfResult(manifest, status));
+  } catch (const Error&) {
+    // The result is up to date all the same.
+  }
 }
 
 void LogWarningsAgain(const std::vector<std::string>& warnings) {
@@ -272,8 +280,9 @@ void RunStage(const StageRequest& request, const std::function<void(Stage&)>& bo
   CheckFolderIsOurs(request.folder, request.stage);
   const json manifest = ReadManifestOrStatus(request.folder / kManifestFile);
   const bool is_same = manifest.is_object() && manifest["key"] == request.Key();
-  if (is_same && !request.force && manifest.value("degraded", json::array()).empty() &&
-      FirstSpoiledOutput(request.folder, manifest).empty()) {
+  const bool is_whole =
+      is_same && (request.resume || manifest.value("degraded", json::array()).empty());
+  if (is_whole && !request.force && FirstSpoiledOutput(request.folder, manifest).empty()) {
     TidyUp(request.folder, manifest);
     fmt::print("up to date: {}\n", request.folder.string());
     return;

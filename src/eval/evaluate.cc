@@ -283,12 +283,6 @@ json CountIf(const std::vector<T>& items, Is is) {
   return items.empty() ? json() : json(std::count_if(items.begin(), items.end(), is));
 }
 
-// Warns of what may be there when the same command runs again.
-void Degrade(const std::string& warning, Stage& stage, ReportContent& content) {
-  stage.Degrade(warning);
-  content.warnings.push_back(warning);
-}
-
 // The curves are optional: without gnuplot or metrics.csv the report is still written and states
 // why they are missing.
 void DrawConvergence(const RunFacts& run, Stage& stage, ReportContent& content) {
@@ -310,7 +304,14 @@ void DrawConvergence(const RunFacts& run, Stage& stage, ReportContent& content) 
     throw;
   } catch (const Error& error) {
     content.no_curves_reason = error.what();
-    Degrade(fmt::format("no convergence curves: {}", error.what()), stage, content);
+    const std::string warning = fmt::format("no convergence curves: {}", error.what());
+    content.warnings.push_back(warning);
+    // A program that is missing may be there when the same command runs again.
+    if (dynamic_cast<const EnvironmentError*>(&error) != nullptr) {
+      stage.Degrade(warning);
+    } else {
+      LogWarning("{}", warning);
+    }
   }
 }
 
@@ -373,7 +374,7 @@ void Evaluate(const EvaluateOptions& options, Stage& stage) {
   ReportContent content;
   content.rendered = ReadRenderedViews(stage.Input("VIEWS") / kRenderedViewsFile);
   content.run = ReadRunFacts(stage.Input("VIEWS"));
-  for (const std::string& warning : content.run.warnings) Degrade(warning, stage, content);
+  for (const std::string& warning : content.run.warnings) Warn(content.warnings, warning);
   content.dataset = DatasetOf(content.run);
   content.scene = SceneOf(content.run);
   const std::optional<Scene>& scene = content.scene;

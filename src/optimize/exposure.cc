@@ -10,8 +10,8 @@
 namespace tetrec {
 namespace {
 
-// Before this growth of the run (schedule.h) the picture is a blur, whose colours say little about
-// single photos.
+// Before this growth of the run (schedule.h) the picture is a blur, whose colours reveal little
+// about single photos.
 constexpr double kFirstGrowth = 0.03;
 constexpr uint64_t kFitInterval = 16;  // steps
 // The share of the older sums that each fit keeps: about the last 100 steps count.

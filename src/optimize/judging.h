@@ -18,7 +18,7 @@ struct JudgingSet {
   std::vector<uint8_t> is_whole;       // per view: none of it is learned
   std::vector<RayBlock> blocks;        // aligned blocks that judge, view by view
   std::vector<uint8_t> pixels;         // of each block: those that count, at least one
-  std::vector<RayBlock> spare_blocks;  // of whole views: those that do not judge
+  std::vector<RayBlock> spare_blocks;  // of whole views, view by view: those that do not judge
 };
 
 // If there are kLeastViewsToJudge training views, one in kViewsPerJudge is kept whole; every second

@@ -36,12 +36,17 @@ Judgement TrainingPictures::JudgeField(std::optional<int> samples) {
 
 void TrainingPictures::GatherExposuresOfWholeViews(uint64_t iteration) {
   if (learns_all_ || judging_.spare_blocks.empty()) return;
-  constexpr size_t kBlocksOfView = 64;
+  constexpr size_t kMostBlocks = 512, kMostOfView = 64;
   const auto views = size_t(std::ranges::count(judging_.is_whole, 1));
+  const size_t of_view = std::clamp<size_t>(kMostBlocks / views, 1, kMostOfView);
   Random random(options_.seed ^ 0xE4B0ull, iteration);
   std::vector<RayBlock> blocks;
-  for (size_t i = 0; i < views * kBlocksOfView; ++i) {
-    blocks.push_back(judging_.spare_blocks[random.Below(uint32_t(judging_.spare_blocks.size()))]);
+  const std::span<const RayBlock> spare = judging_.spare_blocks;
+  for (size_t begin = 0, end = 0; begin < spare.size(); begin = end) {
+    while (end < spare.size() && spare[end].view == spare[begin].view) ++end;
+    for (size_t i = 0; i < of_view; ++i) {
+      blocks.push_back(spare[begin + random.Below(uint32_t(end - begin))]);
+    }
   }
   TrainingBatch batch;
   batch.blocks = blocks;

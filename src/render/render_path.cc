@@ -35,10 +35,9 @@ fs::path FindFfmpeg() {
   return ffmpeg;
 }
 
-// Without its colour matrix in the file, players guess one by its size, and colours shift.
-//
 // Makes video.mp4 of the frames 000000.png, 000001.png and so on in `folder`. Names are relative to
-// the folder, because ffmpeg finds patterns and protocols in paths.
+// the folder, because ffmpeg finds patterns and protocols in paths. The file names its colour
+// matrix: players guess another one otherwise, by the size of the pictures.
 void EncodeVideo(const fs::path& ffmpeg, const fs::path& folder, double fps) {
   ChildOptions options;
   options.working_folder = folder;

@@ -86,9 +86,9 @@ void LogTurned(const std::vector<Photo>& photos) {
   });
   if (turned == 0) return;
   LogInfo(
-      "{} photos are stored on their side or upside down; the world is turned upright by their "
-      "EXIF",
-      turned);
+      "photos that are stored on their side or upside down: {} of {}; the world is turned upright "
+      "by their EXIF",
+      turned, photos.size());
 }
 
 Image WithoutAlpha(const Image& rgba) {

@@ -199,8 +199,9 @@ size_t DensePointsFor(const Scene& scene, std::span<const StereoView> views) {
   double pixels = 0;
   for (const StereoView& view : views) {
     const Camera& camera = scene.cameras[size_t(scene.views[view.view].camera)];
-    const auto seen = double(std::ranges::count(view.kinds, PixelKind::kSeen));
-    pixels += camera.width * double(camera.height) * seen / double(view.kinds.size());
+    const auto left_out = double(std::ranges::count(view.kinds, PixelKind::kOther));
+    const double share = 1 - left_out / double(view.kinds.size());
+    pixels += camera.width * double(camera.height) * share;
   }
   return size_t(std::clamp(pixels / kPixelsPerDensePoint, kFewest, kMost));
 }

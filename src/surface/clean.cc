@@ -6,6 +6,7 @@
 #include "mesh/mesh_facts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <vector>
 
@@ -16,8 +17,37 @@ struct Piece {
   double area = 0;
   double volume = 0;  // signed; meaningful if the piece is closed
   bool closed = true;
+  bool contains_camera = false;
   Bounds3 bounds;
 };
+
+// The solid angle of a triangle as seen from a point, negative if it shows its back. (Van Oosterom
+// and Strackee 1983)
+double SolidAngle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+  const double cosine =
+      la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
+  return 2 * std::atan2(glm::dot(a, glm::cross(b, c)), cosine);
+}
+
+// Marks the closed pieces that face inward and contain the camera.
+void MarkPiecesAround(const glm::dvec3& camera, const TriangleMesh& mesh,
+                      const std::vector<uint32_t>& piece_of_vertex,
+                      std::map<uint32_t, Piece>& pieces) {
+  std::map<uint32_t, double> angles;
+  for (const auto& [id, piece] : pieces) {
+    if (piece.closed && piece.volume < 0 && piece.bounds.Contains(camera)) angles[id] = 0;
+  }
+  if (angles.empty()) return;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const auto found = angles.find(piece_of_vertex[t.x]);
+    if (found == angles.end()) continue;
+    found->second += SolidAngle(glm::dvec3(mesh.positions[t.x]) - camera,
+                                glm::dvec3(mesh.positions[t.y]) - camera,
+                                glm::dvec3(mesh.positions[t.z]) - camera);
+  }
+  for (const auto& [id, angle] : angles) pieces[id].contains_camera |= std::abs(angle) > 2 * M_PI;
+}
 
 std::map<uint32_t, Piece> MeasurePieces(const TriangleMesh& mesh,
                                         const std::vector<uint32_t>& piece_of_vertex) {
@@ -70,13 +100,14 @@ TriangleMesh KeepVertices(const TriangleMesh& mesh, const std::vector<uint8_t>& 
 CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& options,
                             const TriangleMesh* main_part) {
   const std::vector<uint32_t> piece_of_vertex = PieceOfVertex(mesh);
-  const std::map<uint32_t, Piece> pieces = MeasurePieces(mesh, piece_of_vertex);
+  std::map<uint32_t, Piece> pieces = MeasurePieces(mesh, piece_of_vertex);
+  for (const glm::dvec3& camera : options.cameras) {
+    MarkPiecesAround(camera, mesh, piece_of_vertex, pieces);
+  }
   CleanResult result;
   result.components = pieces.size();
   const auto is_cavity = [&](const Piece& p) {
-    return !options.keep_cavities && p.closed && p.volume < 0 &&
-           std::ranges::none_of(options.cameras,
-                                [&](const glm::dvec3& at) { return p.bounds.Contains(at); });
+    return !options.keep_cavities && p.closed && p.volume < 0 && !p.contains_camera;
   };
   const auto largest_of = [&](const std::map<uint32_t, Piece>& measured) {
     double largest = 0;

@@ -13,7 +13,7 @@ namespace tetrec {
 struct CleanOptions {
   double min_component_share = 0.002;  // share of the largest piece's area below which pieces go
   bool keep_cavities = false;          // closed pieces that face inward, unseen from outside
-  // Centres of cameras: a closed piece around one of them is a room, not a cavity.
+  // Centres of cameras: a closed piece that contains one of them is a room, not a cavity.
   std::vector<glm::dvec3> cameras;
 };
 

@@ -8,6 +8,7 @@
 #include "core/log.h"
 #include "core/manifest.h"
 #include "core/stage.h"
+#include "core/stage_input.h"
 #include "core/stop_request.h"
 #include "core/timer.h"
 #include "expect_error.h"
@@ -285,7 +286,9 @@ TEST_F(StageTest, AResultGetsItsStatusBackAfterARunThatWasKilled) {
   for (const bool is_refused : {false, true}) {
     const pid_t pid = fork();
     if (pid == 0) {
-      First({input_, "-o", output_, "--rate", "3"}, [](Stage& stage) {
+      // With other options, or forced.
+      const std::string option = is_refused ? "--rate=3" : "--force";
+      First({input_, "-o", output_, option}, [](Stage& stage) {
         WriteText(stage.Scratch("half.txt"), "half");
         raise(SIGKILL);
       });
@@ -455,6 +458,24 @@ TEST_F(StageTest, ALaterStageRunsAgainAlthoughOnlyWhatTheEarlierOneReadHasChange
   EXPECT_EQ(PreviousStage(third, {"first"}), fs::canonical(output_));
 }
 
+TEST_F(StageTest, AResultOfAVersionThatHashedOutputsAloneIsStillFollowed) {
+  const std::string second = folder_ / "run/2_second", third = folder_ / "run/3_third";
+  First({input_, "-o", output_});
+  Second(output_, second);
+  StageCommand command("third", 1, "Reads.");
+  command.InputStage("SECOND", "Folder of second", {"second"});
+  RunCommand(command, {second, "-o", third},
+             [](Stage& stage) { WriteText(stage.Output("n.txt"), "n"); });
+  nlohmann::json manifest = ReadJson(fs::path(third) / "manifest.json");
+  manifest["inputs"][0]["sha256"] =
+      HashOfJson(ReadJson(fs::path(second) / "manifest.json")["outputs"]);
+  WriteJson(fs::path(third) / "manifest.json", manifest);
+  EXPECT_THROW(PreviousStage(third, {"first"}), DataError);
+  manifest.erase("degraded");
+  WriteJson(fs::path(third) / "manifest.json", manifest);
+  EXPECT_EQ(PreviousStage(third, {"first"}), fs::canonical(output_));
+}
+
 TEST_F(StageTest, ADegradedResultIsNotUpToDate) {
   const auto degraded = [](Stage& stage) {
     CopyInput(stage);
@@ -462,6 +483,7 @@ TEST_F(StageTest, ADegradedResultIsNotUpToDate) {
   };
   EXPECT_THAT(First({input_, "-o", output_}, degraded).err, HasSubstr("warning: no curves"));
   EXPECT_EQ(Manifest()["degraded"][0], "no curves: gnuplot is not in PATH");
+  EXPECT_THAT(First({input_, "-o", output_, "--resume"}).out, HasSubstr("up to date"));
   EXPECT_TRUE(First({input_, "-o", output_}).ran);
   EXPECT_TRUE(Manifest()["degraded"].empty());
   EXPECT_FALSE(First({input_, "-o", output_}).ran);

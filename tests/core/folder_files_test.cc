@@ -36,9 +36,11 @@ TEST(FolderFiles, FollowsLinksToFoldersOnceAndListsBrokenOnes) {
   fs::create_directory_symlink("../elsewhere", photos / "day2");
   fs::create_directory_symlink("..", scratch / "elsewhere/circle");
   fs::create_symlink("missing.jpg", photos / "broken.jpg");
-  EXPECT_THAT(Names(photos), UnorderedElementsAre("a.jpg", "broken.jpg", "day2/b.jpg"));
+  scratch.Write("photos/z/c.jpg", "c");
+  fs::create_directory_symlink("z", photos / "also_z");
+  EXPECT_THAT(Names(photos), UnorderedElementsAre("a.jpg", "broken.jpg", "day2/b.jpg", "z/c.jpg"));
   EXPECT_THAT(Names(photos, [](const fs::path& path) { return path.filename() != "day2"; }),
-              UnorderedElementsAre("a.jpg", "broken.jpg"));
+              UnorderedElementsAre("a.jpg", "broken.jpg", "z/c.jpg"));
   ExpectError<DataError>([&] { FilesBelow(scratch / "none"); },
                          {scratch / "none", "cannot be listed"});
 }

@@ -82,7 +82,7 @@ TEST(TiffFiles, AnOrientationTurnsNothing) {
   }
 }
 
-TEST(TiffFiles, AnOrientationIsTold) {
+TEST(TiffFiles, AnOrientationIsRead) {
   EXPECT_EQ(OrientationOfTiff(GreyTiff(), "a.tif"), 1);
   for (uint32_t orientation = 1; orientation <= 8; ++orientation) {
     const std::vector<uint8_t> tiff = GreyTiff({{274, {3, 1, orientation}}});

@@ -172,7 +172,7 @@ TEST_F(PhotosTest, ADamagedHeicIsLeftOutLikeOtherDamagedPhotos) {
                                   "a.heic: cannot be read as HEIC (Could not read HEIF")));
 }
 
-TEST_F(PhotosTest, AnOrientationTellsWhatIsUpAndTurnsNothing) {
+TEST_F(PhotosTest, AnOrientationSpecifiesWhatIsUpAndTurnsNothing) {
   WritePhotos(2);
   WritePhoto(fs::path(photos_) / "a.jpg", 90, 80);
   const std::vector<uint8_t> jpeg = ReadBytes(fs::path(photos_) / "a.jpg");

@@ -147,7 +147,7 @@ TEST_F(SfmTest, TheOrientationOfPhotosTurnsTheWorldButNotTheirImages) {
   }
   const Outcome outcome = Run("good");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("12 photos are stored on their side or upside down"));
+  EXPECT_THAT(outcome.err, HasSubstr("stored on their side or upside down: 12 of 12;"));
   const Scene scene = ReadScene(scene_);
   // In the model's coordinates, the top of the stored images is where z is.
   EXPECT_NEAR(scene.input_from_world.rotation[2].z, -1, 1e-9);

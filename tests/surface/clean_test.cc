@@ -41,6 +41,8 @@ TEST(KeepLargePieces, KeepsARoomAroundACamera) {
   CleanOptions options;
   options.cameras = {{0, 0, 3}};
   EXPECT_EQ(KeepLargePieces(room, options).dropped_cavities, 1u);
+  options.cameras = {{0.9, 0.9, 0.9}};  // beside the ball, in its box
+  EXPECT_EQ(KeepLargePieces(room, options).dropped_cavities, 1u);
   options.cameras.emplace_back(0.2, 0, 0.1);
   EXPECT_EQ(KeepLargePieces(room, options).mesh.triangles, room.triangles);
 }
