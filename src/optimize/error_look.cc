@@ -16,10 +16,11 @@ namespace {
 
 constexpr size_t kBatch = 4096;  // blocks
 
-// As many of all blocks as `tets` tets need to be judged, drawn at random, view by view.
+// As many of all blocks that teach something as `tets` tets need to be judged, drawn at random,
+// view by view.
 std::vector<RayBlock> DrawJudgingBlocks(const TrainingSet& set, const OptimizeOptions& options,
                                         uint64_t tets, uint64_t iteration) {
-  std::vector<RayBlock> blocks = set.blocks.List();
+  std::vector<RayBlock> blocks = LearnedBlocks(set);
   Random random(options.seed ^ 0x5C0ull, iteration);
   size_t wanted =
       std::min(blocks.size(), size_t(options.score_rays_per_tet * double(tets)) / kRaysPerBlock);

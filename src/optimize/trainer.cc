@@ -266,7 +266,7 @@ class Trainer {
   // little by little, so that progress does not jump. 0: there is no limit.
   double SecondsOfSteps() const {
     if (!ColorsMayHaveDrifted()) return options_.time_limit_s;
-    const double passes = double(steps_.rays()) / double(pictures_.set().pixels);
+    const double passes = double(steps_.rays()) / double(LearnedPixels(pictures_.set()));
     const double aside = std::min((passes / double(kRaysPerPixelOfDrift) - 1) * 3, 1.0);
     return options_.time_limit_s * (1 - aside / passes);
   }
@@ -274,7 +274,8 @@ class Trainer {
   // Measured on photos only: alpha shows what is empty.
   bool ColorsMayHaveDrifted() const {
     return !scene_.has_alpha && options_.storage == FieldStorage::kVertex &&
-           !batches_.DrawsTiles() && steps_.rays() >= kRaysPerPixelOfDrift * pictures_.set().pixels;
+           !batches_.DrawsTiles() &&
+           steps_.rays() >= kRaysPerPixelOfDrift * LearnedPixels(pictures_.set());
   }
 
   void SettleWeakColors() {

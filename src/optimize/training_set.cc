@@ -48,7 +48,7 @@ BlockPool BlocksOfView(const TrainingSet& set, uint32_t view) {
 
 RayBlock DrawBlock(const TrainingSet& set, const BlockPool& pool, double subject_share,
                    Random& random) {
-  const bool subject = !pool.subject.empty() && random.Uniform() < subject_share;
+  const bool subject = !pool.subject.empty() && (set.has_masks || random.Uniform() < subject_share);
   RayBlock block =
       set.blocks[subject ? pool.subject[random.Below(uint32_t(pool.subject.size()))]
                          : pool.all.begin + random.Below(uint32_t(pool.all.end - pool.all.begin))];
@@ -95,6 +95,7 @@ TrainingSet LoadTrainingSet(const std::filesystem::path& scene_folder, const Sce
     }
   });
   for (const TargetImage& target : set.targets) set.pixels += target.rgba8.size();
+  set.has_masks = scene.has_masks;
   ListBlocks(set, {});
   if (scene.has_masks && set.subject_blocks.empty()) {
     throw DataError(fmt::format("{}: the masks leave no pixel of any training view to train on",
@@ -151,6 +152,17 @@ uint64_t SubjectPixels(const TrainingSet& set) {
   if (set.subject_blocks.empty()) return set.pixels;
   // Blocks may reach beyond their images.
   return std::min<uint64_t>(set.subject_blocks.size() * kRaysPerBlock, set.pixels);
+}
+
+std::vector<RayBlock> LearnedBlocks(const TrainingSet& set) {
+  if (!set.has_masks) return set.blocks.List();
+  std::vector<RayBlock> blocks;
+  for (const uint32_t i : set.subject_blocks) blocks.push_back(set.blocks[i]);
+  return blocks;
+}
+
+uint64_t LearnedPixels(const TrainingSet& set) {
+  return set.has_masks ? SubjectPixels(set) : set.pixels;
 }
 
 std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double subject_share,

@@ -39,10 +39,15 @@ struct TrainingSet {
   AlignedBlocks blocks;                  // of the listed views
   std::vector<uint32_t> subject_blocks;  // those that show something, or are next to one
   uint64_t pixels = 0;
+  bool has_masks = false;  // which exclude pixels, so that only subject_blocks teach something
 };
 
 // The pixels of subject_blocks, so of the listed views; all pixels if there are no such blocks.
 uint64_t SubjectPixels(const TrainingSet& set);
+
+// The listed blocks that teach something, and their pixels: all, or with masks subject_blocks.
+std::vector<RayBlock> LearnedBlocks(const TrainingSet& set);
+uint64_t LearnedPixels(const TrainingSet& set);
 
 // Reads and premultiplies the images of a split on all cores; pixels that masks exclude are
 // kNotJudgedTarget. Throws DataError (no views, an image whose size differs from its camera's or is
@@ -55,8 +60,9 @@ void ListBlocks(TrainingSet& set, std::span<const uint8_t> left_out);
 
 RenderView MakeRenderView(const Scene& scene, int view);
 
-// Draws the blocks of one step, `subject_share` of them from subject_blocks. The result depends
-// only on seed and iteration, so a resumed run draws what the first one would have drawn.
+// Draws the blocks of one step, `subject_share` of them, or with masks all, from subject_blocks.
+// The result depends only on seed and iteration, so a resumed run draws what the first one would
+// have drawn.
 std::vector<RayBlock> DrawBlocks(const TrainingSet& set, size_t count, double subject_share,
                                  uint64_t seed, uint64_t iteration);
 

@@ -93,7 +93,7 @@ std::vector<int> SmoothedComponents(const FieldLayout& layout) {
 
 std::vector<float> LookAtColorEvidence(TrainingRenderer& renderer, const TrainingSet& set,
                                        const BatchDrawer& batches, uint64_t seed) {
-  std::vector<RayBlock> blocks = set.blocks.List();
+  std::vector<RayBlock> blocks = LearnedBlocks(set);
   Random random(seed, 0xE71Dull);
   DrawInFront(std::span(blocks), blocks.size(), random);
   std::vector<float> evidence(renderer.mesh().positions.size(), 0.0f);

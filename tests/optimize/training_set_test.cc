@@ -195,6 +195,14 @@ TEST_F(TrainingSetTest, LeavesOutWhatMasksHide) {
   ASSERT_FALSE(set.subject_blocks.empty());
   for (const uint32_t block : set.subject_blocks) EXPECT_EQ(set.blocks[block].view, 0u);
   EXPECT_LT(set.subject_blocks.size(), 16u * 8 / 8);
+  // Nothing else is drawn, nor counts.
+  EXPECT_EQ(LearnedBlocks(set).size(), set.subject_blocks.size());
+  EXPECT_EQ(LearnedPixels(set), 8 * set.subject_blocks.size());
+  for (const RayBlock& block : DrawBlocks(set, 200, 0.5, 1, 1)) EXPECT_EQ(block.view, 0u);
+  TrainingSet without_masks = set;
+  without_masks.has_masks = false;
+  EXPECT_EQ(LearnedBlocks(without_masks).size(), set.blocks.size());
+  EXPECT_EQ(LearnedPixels(without_masks), set.pixels);
 }
 
 TEST_F(TrainingSetTest, RefusesAPictureOfAnotherSizeThanItsCamera) {
