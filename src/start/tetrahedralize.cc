@@ -191,19 +191,22 @@ StereoResult FindAndWriteDepths(const Scene& scene, const std::vector<StereoView
   return stereo;
 }
 
-// One point per kPixelsPerDensePoint of the photos that masks do not exclude, so that what is
-// between the points is still learned: no more than a third of the vertices that the photos can
-// tell apart (16 pixels each).
+// One point per kPixelsPerDensePoint of the photos, so that what is between the points is still
+// learned. Where masks leave little, no more than one per kSeenPixelsPerDensePoint of what they
+// leave: a point becomes two to three vertices, and photos can tell apart one in 16 pixels.
 size_t DensePointsFor(const Scene& scene, std::span<const StereoView> views) {
-  constexpr double kPixelsPerDensePoint = 100, kFewest = 2'000, kMost = 40'000;
-  double pixels = 0;
+  constexpr double kPixelsPerDensePoint = 100, kSeenPixelsPerDensePoint = 40;
+  constexpr double kFewest = 2'000, kMost = 40'000;
+  double pixels = 0, seen = 0;
   for (const StereoView& view : views) {
     const Camera& camera = scene.cameras[size_t(scene.views[view.view].camera)];
+    const double of_view = camera.width * double(camera.height);
     const auto left_out = double(std::ranges::count(view.kinds, PixelKind::kOther));
-    const double share = 1 - left_out / double(view.kinds.size());
-    pixels += camera.width * double(camera.height) * share;
+    pixels += of_view;
+    seen += of_view * (1 - left_out / double(view.kinds.size()));
   }
-  return size_t(std::clamp(pixels / kPixelsPerDensePoint, kFewest, kMost));
+  const double points = std::min(pixels / kPixelsPerDensePoint, seen / kSeenPixelsPerDensePoint);
+  return size_t(std::clamp(points, kFewest, kMost));
 }
 
 // None if the photos agree on too few depths and another start may take its place.

@@ -126,12 +126,27 @@ class HostileCase(StageCase):
         }
 
     def forge(self, folder, relative, content):
-        """Replaces or adds an output of a stage, and its record in the manifest."""
+        """Replaces or adds an output of a stage, its record in the manifest, and that of its result in the
+        manifests of the stages after it."""
         record = {"path": relative, "bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
         manifest = json.loads((folder / "manifest.json").read_text())
         manifest["outputs"] = [output for output in manifest["outputs"] if output["path"] != relative] + [record]
         self.replace(folder / relative, content)
         self.replace(folder / "manifest.json", json.dumps(manifest).encode())
+        for later in folder.parent.glob("*/manifest.json"):
+            made = json.loads(later.read_text())
+            for made_from in made["inputs"]:
+                if made_from.get("stage") == manifest["stage"]:
+                    made_from["sha256"] = self.hash_of_result(manifest)
+                    self.replace(later, json.dumps(made).encode())
+
+    @staticmethod
+    def hash_of_result(manifest):
+        """HashOfResult of src/core/stage_input.h."""
+        sources = [item["sha256"] for item in manifest["inputs"] if item["kind"] == "stage"]
+        hashed = [manifest["outputs"], sources] if sources else manifest["outputs"]
+        text = json.dumps(hashed, separators=(",", ":"), sort_keys=True, ensure_ascii=False)
+        return hashlib.sha256(text.encode()).hexdigest()
 
     @staticmethod
     def replace(path, content):
