@@ -5,6 +5,7 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "core/quantile.h"
 #include "core/stop_request.h"
 #include "eval/plot.h"
 

@@ -1,13 +1,9 @@
-// Wall time and CPU time of a piece of work, and medians of such times.
+// Wall time and CPU time of a piece of work.
 #pragma once
 
-#include "core/quantile.h"
 #include "core/timer.h"
 
 #include <sys/resource.h>
-
-#include <utility>
-#include <vector>
 
 namespace tetrec {
 
@@ -29,13 +25,6 @@ Seconds Measure(const Body& body) {
   const Timer wall;
   body();
   return {wall.seconds(), ProcessCpuSeconds() - cpu};
-}
-
-// The upper of the two middle values if their number is even; 0 without any.
-inline double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const size_t middle = values.size() / 2;
-  return ValueOfRank(std::move(values), middle);
 }
 
 }  // namespace tetrec

@@ -25,6 +25,13 @@ inline double Quantile(std::vector<double> values, double share) {
   return ValueOfRank(std::move(values), rank);
 }
 
+// The mean of the two middle values if their number is even; 0 without any.
+inline double Median(const std::vector<double>& values) {
+  const size_t count = values.size();
+  if (count == 0) return 0;
+  return (ValueOfRank(values, (count - 1) / 2) + ValueOfRank(values, count / 2)) / 2;
+}
+
 // The value at which the weights of all smaller values reach `share` of the total. Pairs of value
 // and weight, at least one.
 inline double WeightedQuantile(std::vector<std::pair<double, double>> weighted, double share) {

@@ -302,16 +302,14 @@ void DrawConvergence(const RunFacts& run, Stage& stage, ReportContent& content) 
     }
   } catch (const Interrupted&) {
     throw;
+  } catch (const EnvironmentError& error) {
+    // A missing program may be there when the same command runs again.
+    content.no_curves_reason = error.what();
+    content.warnings.push_back(fmt::format("no convergence curves: {}", error.what()));
+    stage.Degrade(content.warnings.back());
   } catch (const Error& error) {
     content.no_curves_reason = error.what();
-    const std::string warning = fmt::format("no convergence curves: {}", error.what());
-    content.warnings.push_back(warning);
-    // A program that is missing may be there when the same command runs again.
-    if (dynamic_cast<const EnvironmentError*>(&error) != nullptr) {
-      stage.Degrade(warning);
-    } else {
-      LogWarning("{}", warning);
-    }
+    Warn(content.warnings, fmt::format("no convergence curves: {}", error.what()));
   }
 }
 

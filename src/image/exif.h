@@ -22,7 +22,7 @@ std::vector<uint8_t> WithExif(std::span<const uint8_t> jpeg, const CameraNotes& 
 
 // The orientation specifies how a stored image must be turned or mirrored to be upright, from 1
 // (not at all) to 8. This is that of the content of a JPEG's APP1 segment; 1 if the segment is not
-// EXIF, is damaged, or gives no such number.
+// EXIF, is damaged, or contains no such number.
 int OrientationOfExif(std::span<const uint8_t> app1);
 
 // The direction in the stored image, x right and y down, that is up in the upright one.

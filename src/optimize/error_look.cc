@@ -16,8 +16,8 @@ namespace {
 
 constexpr size_t kBatch = 4096;  // blocks
 
-// As many of all blocks that teach something as `tets` tets need to be judged, drawn at random,
-// view by view.
+// Draws as many of the blocks to learn from as it takes to judge `tets` tets, and returns them view
+// by view.
 std::vector<RayBlock> DrawJudgingBlocks(const TrainingSet& set, const OptimizeOptions& options,
                                         uint64_t tets, uint64_t iteration) {
   std::vector<RayBlock> blocks = LearnedBlocks(set);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace tetrec {
 namespace {
@@ -32,12 +31,6 @@ GainOffset FitChannel(const GainOffsetSums& sums) {
   GainOffset fit = FitGainOffset(sums, prior).value_or(GainOffset{});
   fit.gain = std::clamp(fit.gain, kSmallestGain, kLargestGain);
   return fit;
-}
-
-// Of an even number of values, the mean of the two in the middle.
-double Median(std::vector<double> values) {
-  const size_t count = values.size();
-  return (ValueOfRank(values, (count - 1) / 2) + ValueOfRank(values, count / 2)) / 2;
 }
 
 void Scale(std::span<ExposureSums> sums, double factor) {
@@ -70,8 +63,8 @@ void MakeMedianNeutral(std::span<ViewExposure> exposures) {
       log_gains.push_back(std::log(exposure.gain[c]));
       offsets.push_back(exposure.offset[c]);
     }
-    const double gain = std::exp(-Median(std::move(log_gains)));
-    const double offset = Median(std::move(offsets));
+    const double gain = std::exp(-Median(log_gains));
+    const double offset = Median(offsets);
     for (ViewExposure& exposure : exposures) {
       exposure.gain[c] *= gain;
       exposure.offset[c] -= offset;

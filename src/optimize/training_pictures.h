@@ -43,9 +43,9 @@ class TrainingPictures {
   // What the judging pictures say of the renderer's field. They are kept from learning, or learned,
   // as before, however late it is. `samples`: TrainingBatch::samples, by default those of JudgeBy.
   Judgement JudgeField(std::optional<int> samples = {});
-  // Adds what the exposures of whole judging views are fitted from, which no step draws, to the
-  // renderer's sums: by some of their pixels that do not judge, chosen by the number of steps so
-  // far. They would be judged at a neutral exposure otherwise.
+  // Adds samples of the whole judging views to the sums from which exposures are fitted. No step
+  // draws these views, so that they would be judged at a neutral exposure otherwise. The samples
+  // are pixels that do not judge; `iteration` determines which.
   void GatherExposuresOfWholeViews(uint64_t iteration);
   // From now on fields are judged by so many samples. Judgements by different ones cannot be
   // compared.

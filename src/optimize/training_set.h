@@ -39,13 +39,14 @@ struct TrainingSet {
   AlignedBlocks blocks;                  // of the listed views
   std::vector<uint32_t> subject_blocks;  // those that show something, or are next to one
   uint64_t pixels = 0;
-  bool has_masks = false;  // which exclude pixels, so that only subject_blocks teach something
+  bool has_masks = false;  // if so, only subject_blocks contain pixels to learn from
 };
 
 // The pixels of subject_blocks, so of the listed views; all pixels if there are no such blocks.
 uint64_t SubjectPixels(const TrainingSet& set);
 
-// The listed blocks that teach something, and their pixels: all, or with masks subject_blocks.
+// The listed blocks to learn from, and the number of their pixels: all blocks, or, with masks,
+// subject_blocks.
 std::vector<RayBlock> LearnedBlocks(const TrainingSet& set);
 uint64_t LearnedPixels(const TrainingSet& set);
 

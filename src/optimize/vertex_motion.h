@@ -40,8 +40,8 @@ class VertexMotion {
                size_t views)
       : options_(options), field_(field), renderer_(renderer), views_(views) {}
 
-  // Lets vertices move from now on (until the progress kLastMotion, if safely) if they are to move
-  // and the run has grown enough (schedule.h).
+  // Starts the motion if the options ask for it and the run has grown enough (schedule.h). Safe
+  // motion ends at the progress kLastMotion.
   void StartIfDue(double growth);
   bool has_started() const { return has_started_; }
 

@@ -31,7 +31,7 @@ glm::dvec3 AxisInWorld(const View& view, int axis) {
   return glm::transpose(view.cam_from_world.rotation)[axis];
 }
 
-// The directions that were up and level, to the right, when an image was taken.
+// The directions that were up, and level to the right, when an image was taken.
 struct UprightAxes {
   glm::dvec3 up, level;  // in the world
 };
@@ -132,8 +132,8 @@ double LongestSide(const Bounds3& box) {
   return std::max({size.x, size.y, size.z});
 }
 
-// Its columns are the world's x, y and z in the input's frame; x is what the first camera held
-// level, made exactly so.
+// Its columns are the world's x, y and z in the input's frame; x is the axis that the first camera
+// kept level, made exactly level.
 glm::dmat3 UprightFrame(const View& first, const glm::dvec3& first_level, const glm::dvec3& up) {
   glm::dvec3 x = first_level;
   if (glm::length(glm::cross(x, up)) < 1e-3) x = AxisInWorld(first, 2);

@@ -135,7 +135,7 @@ Photo ReadAndConvert(const fs::path& folder, const std::string& name, const fs::
   }
   int orientation = 1;
   const Image image = ReadPhoto(photo.file, &orientation);
-  // What became of a HEIC photo is upright, whatever the EXIF that was copied with it specifies.
+  // A converted HEIC photo is upright, whatever orientation its copied EXIF specifies.
   if (!is_heic) photo.up_in_image = UpInImage(orientation);
   if (is_tiff && !fs::exists(photo.for_colmap)) {
     WriteTiffForColmap(image, CameraNotesOfTiff(bytes, photo.file.string()), photo.for_colmap);

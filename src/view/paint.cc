@@ -16,7 +16,7 @@
 namespace tetrec {
 namespace {
 
-// Pixels between two questions whether to give up; their rays take some 20 ms on two cores.
+// Pixels between two checks whether to give up; their rays take some 20 ms on two cores.
 constexpr int kBandPixels = 30'000;
 // An error of this much of the range of a channel is the brightest that the colours distinguish.
 constexpr double kLargestError = 0.25;

@@ -1,5 +1,6 @@
 // Compares the Vulkan march with one written by hand for AVX2, in turns on the same mesh and views.
 #include "benchmark/stopwatch.h"
+#include "core/quantile.h"
 #include "hand_march.h"
 #include "march_scene.h"
 #include "render/create_renderer.h"

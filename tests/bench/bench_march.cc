@@ -2,6 +2,7 @@
 // for each segment integral (compare these with --benchmark_enable_random_interleaving=true), and a
 // long march that counts lost rays (--lost_rays=N rays, a million by default).
 #include "benchmark/stopwatch.h"
+#include "core/quantile.h"
 #include "core/timer.h"
 #include "field/change_storage.h"
 #include "march_scene.h"

@@ -4,6 +4,7 @@
 #include "benchmark/bench_scene.h"
 #include "benchmark/stopwatch.h"
 #include "command/word_option.h"
+#include "core/quantile.h"
 #include "core/random.h"
 #include "mesh/delaunay.h"
 #include "refine/refine.h"
