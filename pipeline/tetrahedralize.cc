@@ -36,7 +36,7 @@ void RefuseOptionsOfOtherStarts(const CLI::App& app, std::optional<tetrec::Start
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "tetrahedralize", 7,
+      "tetrahedralize", 8,
       "Fills a scene with tetrahedra: writes the mesh (mesh.tet), and the first density and colour "
       "of its vertices (field.tetf).\n"
       "Example: tetrec-tetrahedralize RUN/1_scene -o RUN/2_tetrahedra");

@@ -7,6 +7,7 @@
 #include "eval/growth_plot.h"
 #include "eval/plot.h"
 #include "eval/run_facts.h"
+#include "eval/sizes_in_words.h"
 #include "scene/scene.h"
 
 #include <fmt/format.h>
@@ -57,17 +58,16 @@ std::string ProtocolOf(const fs::path& field_folder) {
   std::vector<std::string> parts;
   if (const StageFacts* stage = facts.Scene()) {
     const Scene scene = ReadScene(stage->folder);
-    int width = 0, height = 0;
-    for (const Camera& camera : scene.cameras) {
-      width = std::max(width, camera.width);
-      height = std::max(height, camera.height);
+    std::vector<glm::ivec2> sizes;
+    for (const View& view : scene.views) {
+      const Camera& camera = scene.cameras[size_t(view.camera)];
+      sizes.push_back({camera.width, camera.height});
     }
     // A run watches some of the held-out views only, and its curve is the mean of these.
     const nlohmann::json watched = facts.stages.back().Count("watched_views");
     parts = {watched.is_number_unsigned() ? fmt::format("{} held-out views", watched.get<size_t>())
                                           : std::string("some held-out views"),
-             fmt::format("{}x{} px", width, height),
-             fmt::format("background {}", Name(scene.background))};
+             SizesInWords(sizes), fmt::format("background {}", Name(scene.background))};
   }
   if (const std::string device = facts.stages.back().Device(); !device.empty()) {
     parts.push_back(device);

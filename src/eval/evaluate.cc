@@ -74,6 +74,8 @@ ViewScore ScoreView(const RenderedView& view) {
   const Image truth = ReadRgb(view.truth), render = ReadRenderOf(view.render, view, truth);
   ViewScore score;
   score.name = view.name;
+  score.width = truth.width;
+  score.height = truth.height;
   const Image seen = view.seen ? ReadImage(*view.seen) : Image{};
   if (view.seen) {
     const auto mse = MaskedMeanSquaredError(render, truth, seen);

@@ -7,6 +7,7 @@
 #include "eval/image_metrics.h"
 #include "eval/report_scene.h"
 #include "eval/report_style.h"
+#include "eval/sizes_in_words.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -83,11 +84,17 @@ double TotalSeconds(const RunFacts& run) {
   return seconds;
 }
 
+std::string Resolution(const std::vector<ViewScore>& views) {
+  std::vector<glm::ivec2> sizes;
+  for (const ViewScore& view : views) sizes.push_back({view.width, view.height});
+  return SizesInWords(sizes);
+}
+
 std::string Verdict(const ReportContent& content) {
-  std::string text = fmt::format("PSNR {} and SSIM {} over {} of the {} split at {}×{} px",
+  std::string text = fmt::format("PSNR {} and SSIM {} over {} of the {} split at {}",
                                  MeanPsnr(content), NumberOr(content.metrics["ssim"], "{:.3f}"),
                                  Plural(content.scores.size(), "view"), E(content.rendered.split),
-                                 content.rendered.width, content.rendered.height);
+                                 Resolution(content.scores));
   const double seconds = OptimizeSeconds(content.run);
   if (seconds > 0) text += fmt::format(", after {} of optimisation", Duration(seconds));
   if (content.surface) {
@@ -111,7 +118,7 @@ std::string Header(const ReportContent& content) {
   const StageFacts& last = content.run.stages.back();
   const json git = last.manifest.value("git", json());
   std::string facts =
-      Fact("Resolution", fmt::format("{}×{} px", content.rendered.width, content.rendered.height)) +
+      Fact("Resolution", Resolution(content.scores)) +
       Fact("Split",
            fmt::format("{} ({})", content.rendered.split, Plural(content.scores.size(), "view"))) +
       Fact("Background", content.rendered.background) +

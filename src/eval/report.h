@@ -21,6 +21,7 @@ namespace tetrec {
 
 struct ViewScore {
   std::string name;
+  int width = 0, height = 0;              // [px]
   double mse = 0, psnr = 0, ssim = 0;     // psnr may be infinite
   std::optional<double> foreground_psnr;  // if there is a mask
   // Standard deviations of the brightness over all pixels [8-bit levels].

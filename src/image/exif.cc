@@ -115,19 +115,19 @@ int OrientationOfExif(std::span<const uint8_t> app1) {
   return 1;
 }
 
-glm::dvec2 UpInImage(int orientation) {
+int QuarterTurnsOf(int orientation) {
   switch (orientation) {
     case 3:
     case 4:
-      return glm::dvec2(0, 1);  // the last row is the upright image's top
+      return 2;  // the upright image's top is the last row
     case 5:
     case 6:
-      return glm::dvec2(-1, 0);  // the first column is
+      return 1;  // the first column
     case 7:
     case 8:
-      return glm::dvec2(1, 0);  // the last column is
+      return 3;  // the last column
     default:
-      return glm::dvec2(0, -1);  // the first row is
+      return 0;  // the first row
   }
 }
 

@@ -1,8 +1,6 @@
 // EXIF: what a camera notes beside its pixels.
 #pragma once
 
-#include <glm/glm.hpp>
-
 #include <cstdint>
 #include <span>
 #include <string>
@@ -25,7 +23,8 @@ std::vector<uint8_t> WithExif(std::span<const uint8_t> jpeg, const CameraNotes& 
 // EXIF, is damaged, or contains no such number.
 int OrientationOfExif(std::span<const uint8_t> app1);
 
-// The direction in the stored image, x right and y down, that is up in the upright one.
-glm::dvec2 UpInImage(int orientation);
+// The quarter turns clockwise, 0 to 3, that bring the top of the upright image to the top of the
+// stored one. What is stored as a mirror image remains one.
+int QuarterTurnsOf(int orientation);
 
 }  // namespace tetrec

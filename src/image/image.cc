@@ -96,6 +96,23 @@ Image ResizeSmoothly(const Image& image, int width, int height) {
   return Filtered(image, axis(image.width, width), axis(image.height, height));
 }
 
+Image TurnedClockwise(const Image& image, int quarters) {
+  if (quarters % 4 == 0) return image;
+  const int right = image.width - 1, bottom = image.height - 1;
+  const bool swaps_sides = quarters % 2 == 1;
+  Image turned = swaps_sides ? MakeImage(image.height, image.width, image.channels)
+                             : MakeImage(image.width, image.height, image.channels);
+  for (int y = 0; y < turned.height; ++y) {
+    for (int x = 0; x < turned.width; ++x) {
+      const uint8_t* source = quarters % 4 == 1   ? image.At(y, bottom - x)
+                              : quarters % 4 == 2 ? image.At(right - x, bottom - y)
+                                                  : image.At(right - y, x);
+      std::copy_n(source, image.channels, turned.At(x, y));
+    }
+  }
+  return turned;
+}
+
 Image CompositeOver(const Image& rgba, uint8_t r, uint8_t g, uint8_t b) {
   TETREC_CHECK(rgba.channels == 4, "compositing needs alpha");
   Image rgb = MakeImage(rgba.width, rgba.height, 3);

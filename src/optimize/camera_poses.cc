@@ -7,13 +7,17 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include <array>
+#include <algorithm>
+#include <cmath>
 
 namespace tetrec {
 namespace {
 
-// The picture is partly converged by then, and the judging pictures are still kept from learning.
-constexpr std::array kSweepProgress = {0.2, 0.28, 0.36, 0.44, 0.52, 0.6, 0.68};
+// The growth of a run at its first sweep, by which the picture has partly converged, and from one
+// sweep to the next: the sharper the field, the longer it takes to become clearly sharper still.
+constexpr double kFirstSweep = 0.2, kGrowthBetweenSweeps = 1.22;
+// Until this progress, while the judging pictures are kept from learning.
+constexpr double kLastSweep = 0.7;
 
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
@@ -58,22 +62,46 @@ Eigen::Matrix<double, 6, 7> MotionDerivatives(const Rigid3& cam_from_world,
   return derivatives;
 }
 
-// The world's motion that is nearest to the corrections of all cameras.
-WorldMotion CommonMotion(std::span<const RenderView> given, std::span<const CorrectedPose> poses) {
-  Matrix7 normal = Matrix7::Zero();
-  Vector7 right = Vector7::Zero();
+// How far a camera was corrected, and how far a world's motion would move it [px].
+struct CameraMotion {
+  Vector6 correction;
+  Eigen::Matrix<double, 6, 7> derivatives;
+};
+
+std::vector<CameraMotion> MotionsOf(std::span<const RenderView> given,
+                                    std::span<const CorrectedPose> poses) {
+  std::vector<CameraMotion> motions;
   for (size_t i = 0; i < poses.size(); ++i) {
     if (poses[i].depth <= 0) continue;
     const MotionUnits units = MotionUnitsOf(given[i].camera, poses[i].depth);
-    const auto derivatives = MotionDerivatives(given[i].cam_from_world, units);
-    normal += derivatives.transpose() * derivatives;
-    right += derivatives.transpose() *
-             CorrectionPx(given[i].cam_from_world, poses[i].cam_from_world, units);
+    motions.push_back({CorrectionPx(given[i].cam_from_world, poses[i].cam_from_world, units),
+                       MotionDerivatives(given[i].cam_from_world, units)});
   }
-  // A little on the diagonal, for cameras that leave one of the numbers open.
-  normal.diagonal() += 1e-9 * normal.trace() * Vector7::Ones();
-  const Vector7 solution = normal.ldlt().solve(right);
-  return solution.allFinite() ? WorldMotionOf(solution) : WorldMotion{};
+  return motions;
+}
+
+// The world's motion from which the corrections of all cameras are least far away in sum, so that
+// a few that were wrong do not move it (by iteratively reweighted least squares).
+WorldMotion CommonMotion(std::span<const RenderView> given, std::span<const CorrectedPose> poses) {
+  constexpr int kRounds = 20;
+  constexpr double kAlike_px = 0.02;  // smaller differences count by their squares
+  const std::vector<CameraMotion> cameras = MotionsOf(given, poses);
+  Vector7 solution = Vector7::Zero();
+  for (int round = 0; round < kRounds; ++round) {
+    Matrix7 normal = Matrix7::Zero();
+    Vector7 right = Vector7::Zero();
+    for (const CameraMotion& camera : cameras) {
+      const double away_px = (camera.correction - camera.derivatives * solution).norm();
+      const double weight = round == 0 ? 1 : 1 / std::max(away_px, kAlike_px);
+      normal += weight * camera.derivatives.transpose() * camera.derivatives;
+      right += weight * camera.derivatives.transpose() * camera.correction;
+    }
+    // A little on the diagonal, for cameras that leave one of the numbers open.
+    normal.diagonal() += 1e-9 * normal.trace() * Vector7::Ones();
+    solution = normal.ldlt().solve(right);
+    if (!solution.allFinite()) return {};
+  }
+  return WorldMotionOf(solution);
 }
 
 }  // namespace
@@ -95,9 +123,9 @@ PoseEstimate::PoseEstimate(std::span<const RenderView> given) {
   for (const RenderView& view : given) state_.poses.push_back({view.cam_from_world});
 }
 
-bool PoseEstimate::IsDue(double progress) const {
-  return is_on() && state_.sweeps < kSweepProgress.size() &&
-         progress >= kSweepProgress[state_.sweeps];
+bool PoseEstimate::IsDue(const RunMoment& moment) const {
+  return is_on() && moment.progress < kLastSweep &&
+         moment.growth >= kFirstSweep * std::pow(kGrowthBetweenSweeps, state_.sweeps);
 }
 
 size_t PoseEstimate::Sweep(Renderer& renderer, const PoseTargets& targets, uint64_t seed,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/words.h"
+#include "optimize/schedule.h"
 #include "render/exposure.h"
 #include "render/training_renderer.h"
 
@@ -36,7 +37,7 @@ struct PoseState {
 };
 
 // Takes from the corrections of all cameras what they have in common: the similarity of the world
-// that explains most of them, by least squares over how far [px] they move the pictures. The
+// that explains most of them, by the sum of how far [px] the pictures are moved otherwise. The
 // pictures cannot know it (the field could move with the cameras), but the held-out cameras would
 // no longer fit. Cameras of depth 0 follow the others.
 void RemoveCommonMotion(std::span<const RenderView> given, std::span<CorrectedPose> poses);
@@ -62,8 +63,8 @@ class PoseEstimate {
 
   bool is_on() const { return !state_.poses.empty(); }
   const PoseState& state() const { return state_; }
-  // True if a sweep is due at this progress of the run.
-  bool IsDue(double progress) const;
+  // True if a sweep is due at this moment of the run.
+  bool IsDue(const RunMoment& moment) const;
   // Fits each camera in turn to its picture with the field as it is (render/view_pose.h), and
   // removes the common motion. Returns the number of cameras that another pose fits better.
   size_t Sweep(Renderer& renderer, const PoseTargets& targets, uint64_t seed,

@@ -53,6 +53,7 @@ class FittedField {
 
   const TetMesh& mesh() const { return renderer_.mesh(); }
   const std::vector<RowRates>& row_rates() const { return row_rates_; }
+  const PhotoSight& sight() const { return sight_; }
   double subject_size() const { return subject_size_; }  // its longest side [world units]
   int harmonics_degree() const { return harmonics_degree_; }
   // In the space of the cameras, and elsewhere in what photos see to be empty.

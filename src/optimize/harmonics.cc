@@ -1,6 +1,7 @@
 // View-dependent colour in training.
 #include "optimize/harmonics.h"
 
+#include "core/parallel.h"
 #include "render/seen_colors.h"
 
 #include <algorithm>
@@ -19,7 +20,7 @@ constexpr std::array<double, 2> kJudge = {0.3, 0.47};
 // and its trial took up to 15 % of a run: it is for those who ask for it.
 constexpr uint32_t kMostJudgedDegree = kJudge.size();
 
-// The mean of each function over the directions from which the views see a place.
+// The mean of each function over the directions from which the cameras look at a place.
 std::array<double, 15> MeanHarmonics(const glm::dvec3& place, std::span<const glm::dvec3> centers) {
   std::array<double, 15> mean{};
   for (const glm::dvec3& center : centers) {
@@ -49,18 +50,17 @@ bool IsWorthHarmonics(double with, double without) {
 }
 
 FieldState WithoutHighestDegree(const TetMesh& mesh, const FieldState& state,
-                                std::span<const RenderView> views) {
+                                const PhotoSight& sight) {
   const int degree = state.layout.HarmonicsDegree();
-  std::vector<glm::dvec3> centers;
-  for (const RenderView& view : views) {
-    centers.push_back(view.cam_from_world.Inverse().translation);
-  }
+  const std::vector<glm::dvec3> all_centers = sight.Centers();
   const std::vector<glm::vec3> places = PlacesOfRows(mesh, state.layout.storage);
   const size_t components = size_t(state.layout.Components());
   const size_t first = size_t(state.layout.OffsetOf(kHarmonicsName));
   FieldState means = state;
-  for (size_t row = 0; row < places.size(); ++row) {
-    const std::array<double, 15> mean = MeanHarmonics(glm::dvec3(places[row]), centers);
+  const auto add_mean = [&](size_t row) {
+    const glm::dvec3 place(places[row]);
+    const std::vector<glm::dvec3> seeing = sight.CentersThatSee(place);
+    const std::array<double, 15> mean = MeanHarmonics(place, seeing.empty() ? all_centers : seeing);
     float* values = &means.parameters[row * components];
     for (size_t k = size_t(HarmonicsCount(degree - 1)); k < size_t(HarmonicsCount(degree)); ++k) {
       for (size_t c = 0; c < 3; ++c) {
@@ -70,7 +70,10 @@ FieldState WithoutHighestDegree(const TetMesh& mesh, const FieldState& state,
     for (size_t c = 0; c < 3; ++c) {
       values[kColorOffset + c] = std::clamp(values[kColorOffset + c], 0.0f, 1.0f);
     }
-  }
+  };
+  ParallelFor(places.size(), 256, [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end; ++row) add_mean(row);
+  });
   return WithHarmonics(means, degree - 1);
 }
 

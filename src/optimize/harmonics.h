@@ -4,10 +4,9 @@
 
 #include "core/words.h"
 #include "field/field_state.h"
-#include "render/renderer.h"
+#include "optimize/photo_sight.h"
 
 #include <cstdint>
-#include <span>
 
 namespace tetrec {
 
@@ -45,8 +44,9 @@ bool IsWorthHarmonics(double with, double without);
 // To judge a degree, the field is trained on with it and without it for TrialSteps: without it,
 // colours must first become the means of what they were from all sides.
 
-// The state without its highest degree, whose mean over the views goes to the colours.
+// The state without its highest degree, whose mean over the photos that see a place, or over all if
+// none does, goes to the colour there.
 FieldState WithoutHighestDegree(const TetMesh& mesh, const FieldState& state,
-                                std::span<const RenderView> views);
+                                const PhotoSight& sight);
 
 }  // namespace tetrec

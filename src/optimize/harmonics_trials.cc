@@ -38,7 +38,7 @@ void HarmonicsTrials::Judge() {
   const FieldState before = field_.ReadState();
   const double with = TrialPsnr(steps);
   FieldState trained = field_.ReadState();
-  field_.PutState(WithoutHighestDegree(field_.mesh(), before, pictures_.set().views));
+  field_.PutState(WithoutHighestDegree(field_.mesh(), before, field_.sight()));
   const double without = TrialPsnr(steps);
   const bool stays = IsWorthHarmonics(with, without);
   LogInfo(

@@ -104,6 +104,12 @@ float PhotoSight::Blocks::DepthAt(const glm::dvec3& in_cam) const {
   return depth[size_t(block.y) * size_t(camera.width) + size_t(block.x)];
 }
 
+bool PhotoSight::Photo::Sees(const glm::dvec3& in_cam) const {
+  if (!camera.Shows(in_cam)) return false;
+  const double depth = largest.DepthAt(in_cam);
+  return depth == 0 || in_cam.z <= (1 + kHiddenBehind) * depth;
+}
+
 PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
   int photos = 0, maps_behind = 0, maps_at = 0, maps_through = 0;
   bool is_near = false;
@@ -111,8 +117,7 @@ PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
     const glm::dvec3 in_cam = photo.cam_from_world * place;
     if (!photo.camera.Shows(in_cam)) continue;
     const double largest = photo.largest.DepthAt(in_cam), least = photo.least.DepthAt(in_cam);
-    const bool is_hidden = largest > 0 && in_cam.z > (1 + kHiddenBehind) * largest;
-    if (!is_hidden && ++photos > kFewPhotos && !has_maps_) return {.is_of_many = true};
+    if (photo.Sees(in_cam) && ++photos > kFewPhotos && !has_maps_) return {.is_of_many = true};
     if (largest > 0 && in_cam.z <= (1 + kSurfaceBehind) * largest) {
       ++(in_cam.z < (1 - kSurfaceBefore) * largest ? maps_through : maps_at);
     }
@@ -131,6 +136,24 @@ PlaceSight PhotoSight::Of(const glm::dvec3& place) const {
 }
 
 bool PhotoSight::IsOfSmallCollection() const { return photos_.size() <= kSmallCollection; }
+
+std::vector<glm::dvec3> PhotoSight::CentersThatSee(const glm::dvec3& place) const {
+  std::vector<glm::dvec3> centers;
+  for (const Photo& photo : photos_) {
+    if (photo.Sees(photo.cam_from_world * place)) {
+      centers.push_back(photo.cam_from_world.Inverse().translation);
+    }
+  }
+  return centers;
+}
+
+std::vector<glm::dvec3> PhotoSight::Centers() const {
+  std::vector<glm::dvec3> centers;
+  for (const Photo& photo : photos_) {
+    centers.push_back(photo.cam_from_world.Inverse().translation);
+  }
+  return centers;
+}
 
 std::vector<PlaceSight> PhotoSight::Of(std::span<const glm::vec3> places) const {
   std::vector<PlaceSight> sights(places.size());

@@ -37,6 +37,11 @@ class PhotoSight {
 
   std::vector<PlaceSight> Of(std::span<const glm::vec3> places) const;  // [world units]
 
+  // The centres of the cameras whose photos see the place.
+  std::vector<glm::dvec3> CentersThatSee(const glm::dvec3& place) const;
+  // Of all cameras.
+  std::vector<glm::dvec3> Centers() const;
+
   // At most 20 photos, which haze explains as well as walls.
   bool IsOfSmallCollection() const;
 
@@ -60,6 +65,7 @@ class PhotoSight {
     Blocks least, largest;  // of its depth map; without one, empty
 
     void Summarize(const StereoDepth& map);
+    bool Sees(const glm::dvec3& in_cam) const;
   };
   PlaceSight Of(const glm::dvec3& place) const;
 

@@ -24,7 +24,7 @@ class PoseSweeps {
   // Throws DataError that names `checkpoint` if the state is of another number of cameras.
   void Resume(PoseState state, const std::string& checkpoint, double progress);
 
-  bool IsDue(double progress) const { return poses_.IsDue(progress); }
+  bool IsDue(const RunMoment& moment) const { return poses_.IsDue(moment); }
   // Corrects the cameras by the field as it is. What the first sweep gains on the judging pictures
   // decides whether corrections are kept at all. Returns that gain if they are [dB]; 0 if not, and
   // for later sweeps.

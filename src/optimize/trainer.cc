@@ -232,7 +232,7 @@ class Trainer {
         JudgeAnew();
         continue;
       }
-      if (poses_.IsDue(done)) CorrectPoses(done);
+      if (poses_.IsDue({done, growth})) CorrectPoses(done);
       // After all trials that are due, which may be late because others took long.
       pictures_.EndJudgingIfDue(done);
       history.Add(TakeStep({done, growth}));

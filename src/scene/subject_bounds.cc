@@ -31,24 +31,6 @@ glm::dvec3 AxisInWorld(const View& view, int axis) {
   return glm::transpose(view.cam_from_world.rotation)[axis];
 }
 
-// The directions that were up, and level to the right, when an image was taken.
-struct UprightAxes {
-  glm::dvec3 up, level;  // in the world
-};
-
-std::vector<UprightAxes> UprightAxesOf(std::span<const View> views,
-                                       std::span<const glm::dvec2> ups_in_images) {
-  TETREC_CHECK(ups_in_images.empty() || ups_in_images.size() == views.size(),
-               "one direction that is up per view");
-  std::vector<UprightAxes> axes;
-  for (size_t i = 0; i < views.size(); ++i) {
-    const glm::dvec2 up = ups_in_images.empty() ? glm::dvec2(0, -1) : ups_in_images[i];
-    const glm::dvec3 x = AxisInWorld(views[i], 0), y = AxisInWorld(views[i], 1);
-    axes.push_back({up.x * x + up.y * y, -up.y * x + up.x * y});
-  }
-  return axes;
-}
-
 double ShareOfViews(const Scene& scene, const glm::dvec3& point) {
   size_t seen = 0;
   for (const View& view : scene.views) {
@@ -132,11 +114,11 @@ double LongestSide(const Bounds3& box) {
   return std::max({size.x, size.y, size.z});
 }
 
-// Its columns are the world's x, y and z in the input's frame; x is the axis that the first camera
-// kept level, made exactly level.
-glm::dmat3 UprightFrame(const View& first, const glm::dvec3& first_level, const glm::dvec3& up) {
-  glm::dvec3 x = first_level;
-  if (glm::length(glm::cross(x, up)) < 1e-3) x = AxisInWorld(first, 2);
+// Its columns are the world's x, y and z in the input's frame; x is the first camera's x axis, made
+// level.
+glm::dmat3 UprightFrame(const Scene& scene, const glm::dvec3& up) {
+  glm::dvec3 x = AxisInWorld(scene.views.front(), 0);
+  if (glm::length(glm::cross(x, up)) < 1e-3) x = AxisInWorld(scene.views.front(), 2);
   x = glm::normalize(x - glm::dot(x, up) * up);
   return NearestRotation(glm::dmat3(x, glm::cross(up, x), up));
 }
@@ -181,18 +163,17 @@ glm::dvec3 FindFocus(const Scene& scene) {
   return focus;
 }
 
-glm::dvec3 FindUp(std::span<const View> views, std::span<const glm::dvec2> ups_in_images) {
-  const std::vector<UprightAxes> axes = UprightAxesOf(views, ups_in_images);
+glm::dvec3 FindUp(std::span<const View> views) {
   glm::dvec3 mean_up(0.0);
-  for (const UprightAxes& view : axes) mean_up += view.up;
-  if (glm::length(mean_up) < 1e-6 * double(views.size())) mean_up = axes.front().up;
+  for (const View& view : views) mean_up -= AxisInWorld(view, 1);
+  if (glm::length(mean_up) < 1e-6 * double(views.size())) mean_up = -AxisInWorld(views.front(), 1);
   mean_up = glm::normalize(mean_up);
   // Two level axes are perpendicular to the upright direction; the length of their cross product,
   // the sine of the angle between them, weights it.
   glm::dvec3 up(0.0);
   for (size_t i = 0; i < views.size(); ++i) {
     for (size_t k = i + 1; k < views.size(); ++k) {
-      const glm::dvec3 normal = glm::cross(axes[i].level, axes[k].level);
+      const glm::dvec3 normal = glm::cross(AxisInWorld(views[i], 0), AxisInWorld(views[k], 0));
       up += glm::dot(normal, mean_up) < 0 ? -normal : normal;
     }
   }
@@ -201,15 +182,13 @@ glm::dvec3 FindUp(std::span<const View> views, std::span<const glm::dvec2> ups_i
   return glm::normalize(up + kTrustInMean * std::max(pairs, 1.0) * mean_up);
 }
 
-Subject FindSubject(const Scene& scene, std::span<const glm::dvec2> ups_in_images) {
+Subject FindSubject(const Scene& scene) {
   if (scene.points.empty() || scene.views.empty())
     throw DataError("there are no points from which to find the subject");
   Subject subject;
   subject.focus_in_input = FindFocus(scene);
-  subject.up_in_input = FindUp(scene.views, ups_in_images);
-  const glm::dvec3 first_level = UprightAxesOf(scene.views, ups_in_images).front().level;
-  const glm::dmat3 input_from_upright =
-      UprightFrame(scene.views.front(), first_level, subject.up_in_input);
+  subject.up_in_input = FindUp(scene.views);
+  const glm::dmat3 input_from_upright = UprightFrame(scene, subject.up_in_input);
   const glm::dmat3 upright_from_input = glm::transpose(input_from_upright);
 
   const std::vector<SubjectPoint> points = SubjectPoints(scene, subject.focus_in_input);

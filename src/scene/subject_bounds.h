@@ -26,16 +26,13 @@ struct Subject {
 // If the axes are nearly parallel, the depth of the points that the cameras see decides.
 glm::dvec3 FindFocus(const Scene& scene);
 
-// The upright direction for hand-held cameras: perpendicular to the axes of their images that
-// people keep level; if these do not determine it, the mean of the cameras' own up directions.
-//   ups_in_images   for each view, the unit direction in its image, x right and y down, that was up
-//                   when it was taken (cameras store upright photos on their side); empty: (0, -1)
-//                   for all
-glm::dvec3 FindUp(std::span<const View> views, std::span<const glm::dvec2> ups_in_images = {});
+// The upright direction for hand-held cameras with upright images: perpendicular to their x axes,
+// which people keep level; if these do not determine it, the mean of the cameras' own up
+// directions.
+glm::dvec3 FindUp(std::span<const View> views);
 
-// `scene` is in the input's frame, with cameras, views and points; `ups_in_images` as for FindUp.
-// Throws DataError without points.
-Subject FindSubject(const Scene& scene, std::span<const glm::dvec2> ups_in_images = {});
+// `scene` is in the input's frame, with cameras, views and points. Throws DataError without points.
+Subject FindSubject(const Scene& scene);
 
 // Moves views and points into the subject's world and sets the scene's bounds.
 void MoveToSubject(Scene& scene, const Subject& subject);

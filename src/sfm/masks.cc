@@ -42,6 +42,12 @@ size_t CountSeen(const std::vector<uint8_t>& levels) {
                               [](uint8_t level) { return level >= kSeenAlpha; }));
 }
 
+// True for an image of the stored photo's shape, at its size or another.
+bool HasShapeOf(const Photo& photo, const Image& image) {
+  const glm::ivec2 size(image.width, image.height), wanted(photo.width, photo.height);
+  return size == wanted || IsScaledCopy(size, wanted);
+}
+
 // What reading a mask has found out.
 struct MaskFacts {
   std::string error, sha256;
@@ -53,7 +59,7 @@ std::vector<MaskFacts> ReadAll(const std::vector<fs::path>& masks,
   std::vector<MaskFacts> facts(masks.size());
   ParallelForEach(masks.size(), "checking: mask", "nothing was done yet", [&](size_t i) {
     try {
-      const std::vector<uint8_t> levels = ReadMask(masks[i], photos[i].width, photos[i].height);
+      const std::vector<uint8_t> levels = ReadMask(masks[i], photos[i]);
       facts[i] = {"", Sha256OfFile(masks[i]), CountSeen(levels), levels.size()};
     } catch (const DataError& error) {
       facts[i].error = error.what();
@@ -118,16 +124,17 @@ std::vector<fs::path> FindMasks(const fs::path& folder, const std::vector<Photo>
   return masks;
 }
 
-std::vector<uint8_t> ReadMask(const fs::path& path, int width, int height) {
+std::vector<uint8_t> ReadMask(const fs::path& path, const Photo& photo) {
   const Image mask = ReadImage(path);
-  const glm::ivec2 size(mask.width, mask.height), wanted(width, height);
-  if (size != wanted && !IsScaledCopy(size, wanted)) {
+  const Image as_stored = photo.quarter_turns % 2 == 1 && !HasShapeOf(photo, mask)
+                              ? TurnedClockwise(mask, 4 - photo.quarter_turns)
+                              : mask;
+  if (!HasShapeOf(photo, as_stored)) {
     throw DataError(fmt::format(
-        "{}: mask of {} x {} pixels for a photo of {} x {}; expected the same aspect ratio{}",
-        path.string(), size.x, size.y, width, height,
-        size == glm::ivec2(height, width) ? ", not turned by EXIF" : ""));
+        "{}: mask of {} x {} pixels for a photo of {} x {}; expected the same aspect ratio",
+        path.string(), mask.width, mask.height, photo.width, photo.height));
   }
-  return AlphaOf(MaskedBy(MakeImage(width, height, 3), mask));
+  return AlphaOf(MaskedBy(MakeImage(photo.width, photo.height, 3), as_stored));
 }
 
 std::vector<std::string> AddMasks(const fs::path& folder, std::vector<Photo>& photos) {
@@ -170,7 +177,7 @@ std::vector<std::string> AddMasks(const fs::path& folder, std::vector<Photo>& ph
 
 Image MaskedPhoto(const Image& rgb, const Photo& photo) {
   Image rgba = MakeImage(rgb.width, rgb.height, 4);
-  const std::vector<uint8_t> levels = ReadMask(photo.mask, rgb.width, rgb.height);
+  const std::vector<uint8_t> levels = ReadMask(photo.mask, photo);
   for (size_t i = 0; i < levels.size(); ++i) {
     std::copy_n(&rgb.pixels[3 * i], 3, &rgba.pixels[4 * i]);
     rgba.pixels[4 * i + 3] = levels[i];
@@ -179,7 +186,7 @@ Image MaskedPhoto(const Image& rgb, const Photo& photo) {
 }
 
 void WriteColmapMask(const fs::path& path, const Photo& photo) {
-  const std::vector<uint8_t> levels = ReadMask(photo.mask, photo.width, photo.height);
+  const std::vector<uint8_t> levels = ReadMask(photo.mask, photo);
   Image mask = MakeImage(photo.width, photo.height, 3);
   for (size_t i = 0; i < levels.size(); ++i) {
     std::fill_n(&mask.pixels[3 * i], 3, uint8_t(levels[i] >= kSeenAlpha ? 255 : 0));

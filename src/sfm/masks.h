@@ -17,9 +17,10 @@ namespace tetrec {
 std::vector<std::filesystem::path> FindMasks(const std::filesystem::path& folder,
                                              const std::vector<Photo>& photos);
 
-// The mask's levels at the photo's size, row by row: those of at least kSeenAlpha are used. A copy
-// of another size is resampled. Throws DataError if it has another shape.
-std::vector<uint8_t> ReadMask(const std::filesystem::path& mask, int width, int height);
+// The mask's levels for the photo's pixels as they are stored, row by row: those of at least
+// kSeenAlpha are used. A mask has the shape of the stored photo, or of the upright one where that
+// differs; one of another size is resampled. Throws DataError if it has another shape.
+std::vector<uint8_t> ReadMask(const std::filesystem::path& mask, const Photo& photo);
 
 // Gives the photos their masks. All are read once, and one error names all that cannot be used.
 // Photos whose masks leave no pixel are removed, with a warning; their names are returned. If no

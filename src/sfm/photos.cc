@@ -136,7 +136,7 @@ Photo ReadAndConvert(const fs::path& folder, const std::string& name, const fs::
   int orientation = 1;
   const Image image = ReadPhoto(photo.file, &orientation);
   // A converted HEIC photo is upright, whatever orientation its copied EXIF specifies.
-  if (!is_heic) photo.up_in_image = UpInImage(orientation);
+  if (!is_heic) photo.quarter_turns = QuarterTurnsOf(orientation);
   if (is_tiff && !fs::exists(photo.for_colmap)) {
     WriteTiffForColmap(image, CameraNotesOfTiff(bytes, photo.file.string()), photo.for_colmap);
   }

@@ -1,8 +1,6 @@
 // The photos of a folder.
 #pragma once
 
-#include <glm/glm.hpp>
-
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,9 +12,9 @@ struct Photo {
   std::filesystem::path file;        // its pixels: itself, or a JPEG file made of it
   std::filesystem::path for_colmap;  // the same, as JPEG or PNG
   int width = 0, height = 0;
-  glm::dvec2 up_in_image{0, -1};  // direction that its orientation gives; x right, y down, unit
-  std::string sha256;             // of what COLMAP reads
-  std::filesystem::path mask;     // empty: all of it is used
+  int quarter_turns = 0;       // clockwise, that make it upright, by its EXIF
+  std::string sha256;          // of what COLMAP reads
+  std::filesystem::path mask;  // empty: all of it is used
   std::string mask_sha256;
 };
 

@@ -6,8 +6,8 @@
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/timer.h"
+#include "geometry/quarter_turns.h"
 #include "geometry/undistorted_camera.h"
-#include "image/exif.h"
 #include "image/image.h"
 #include "image/photo.h"
 #include "image/undistort.h"
@@ -34,33 +34,38 @@ namespace {
 
 constexpr const char* kLensAdvice = "try camera model SIMPLE_RADIAL or SIMPLE_PINHOLE, or auto";
 
-// A photo that the camera took; the folder of the photos if it took none.
-fs::path PhotoOfCamera(const ColmapModel& model, uint32_t camera, const fs::path& photos) {
-  for (const auto& [id, image] : model.images) {
-    if (image.camera == camera) return photos / image.name;
-  }
-  return photos;
+std::map<std::string, const Photo*> ByName(const std::vector<Photo>& photos) {
+  std::map<std::string, const Photo*> photo_of;
+  for (const Photo& photo : photos) photo_of[photo.name] = &photo;
+  return photo_of;
 }
 
-Scene SceneFromModel(const ColmapModel& model, const fs::path& photos, const SfmOptions& options) {
+// The model's cameras belong to the photos as they are stored, the scene's to upright images: those
+// of one camera that were stored on different sides have different cameras.
+Scene SceneFromModel(const ColmapModel& model, const fs::path& folder,
+                     const std::vector<Photo>& photos, const SfmOptions& options) {
   Scene scene;
-  std::map<uint32_t, int> camera_index;
-  for (const auto& [id, camera] : model.cameras) {
-    camera_index[id] = int(scene.cameras.size());
-    const Lens& lens = camera;
-    NamingLens(
-        PhotoOfCamera(model, id, photos), lens,
-        [&] { scene.cameras.push_back(UndistortedCamera(lens, options.max_size)); }, kLensAdvice);
-  }
+  const std::map<std::string, const Photo*> photo_of = ByName(photos);
+  std::map<std::pair<uint32_t, int>, int> camera_index;
   std::vector<std::string> names;
   for (const auto& [id, image] : model.images) names.push_back(image.name);
   const std::vector<std::string> files = ImageFiles(names);
   for (const auto& [id, image] : model.images) {
+    const int turns = photo_of.at(image.name)->quarter_turns;
+    const auto [camera, is_new] =
+        camera_index.try_emplace({image.camera, turns}, int(scene.cameras.size()));
+    if (is_new) {
+      const Lens& lens = model.cameras.at(image.camera);
+      const auto add = [&] {
+        scene.cameras.push_back(TurnedClockwise(UndistortedCamera(lens, options.max_size), turns));
+      };
+      NamingLens(folder / image.name, lens, add, kLensAdvice);
+    }
     View view;
     view.name = image.name;
     view.image = files[scene.views.size()];
-    view.camera = camera_index.at(image.camera);
-    view.cam_from_world = image.cam_from_world;
+    view.camera = camera->second;
+    view.cam_from_world = ClockwiseTurn(turns) * image.cam_from_world;
     scene.views.push_back(std::move(view));
   }
   HoldOut(scene.views, options.holdout);
@@ -71,23 +76,13 @@ Scene SceneFromModel(const ColmapModel& model, const fs::path& photos, const Sfm
   return scene;
 }
 
-// The directions in the views' images that are up.
-std::vector<glm::dvec2> UpsInImages(const Scene& scene, const std::vector<Photo>& photos) {
-  std::map<std::string, glm::dvec2> up_of;
-  for (const Photo& photo : photos) up_of[photo.name] = photo.up_in_image;
-  std::vector<glm::dvec2> ups;
-  for (const View& view : scene.views) ups.push_back(up_of.at(view.name));
-  return ups;
-}
-
 void LogTurned(const std::vector<Photo>& photos) {
-  const auto turned = std::count_if(photos.begin(), photos.end(), [](const Photo& photo) {
-    return photo.up_in_image != UpInImage(1);
-  });
+  const auto turned = std::count_if(photos.begin(), photos.end(),
+                                    [](const Photo& photo) { return photo.quarter_turns != 0; });
   if (turned == 0) return;
   LogInfo(
-      "photos that are stored on their side or upside down: {} of {}; the world is turned upright "
-      "by their EXIF",
+      "photos that are stored on their side or upside down: {} of {}; they are turned upright by "
+      "their EXIF",
       turned, photos.size());
 }
 
@@ -102,8 +97,7 @@ Image WithoutAlpha(const Image& rgba) {
 
 void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& photos_folder,
                 const std::vector<Photo>& photos, const fs::path& folder) {
-  std::map<std::string, const Photo*> photo_of;
-  for (const Photo& photo : photos) photo_of[photo.name] = &photo;
+  const std::map<std::string, const Photo*> photo_of = ByName(photos);
   std::map<std::string, const Lens*> camera_of;
   for (const auto& [id, image] : model.images)
     camera_of[image.name] = &model.cameras.at(image.camera);
@@ -119,10 +113,12 @@ void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& ph
     }
     if (scene.has_masks) image = MaskedPhoto(image, photo);
     const Lens& lens = *camera_of.at(view.name);
+    const Camera as_stored =
+        TurnedClockwise(scene.cameras[size_t(view.camera)], 4 - photo.quarter_turns);
     NamingLens(
-        photos_folder / view.name, lens,
-        [&] { image = Undistort(image, lens, scene.cameras[size_t(view.camera)]); }, kLensAdvice);
-    WriteImage(folder / view.image, image);
+        photos_folder / view.name, lens, [&] { image = Undistort(image, lens, as_stored); },
+        kLensAdvice);
+    WriteImage(folder / view.image, TurnedClockwise(image, photo.quarter_turns));
   };
   ParallelForEach(scene.views.size(), "undistorting: photo", "COLMAP's results are kept", write);
   if (with_alpha > 0) {
@@ -216,7 +212,7 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
   const ModelQuality quality = JudgeModel(model, names);
 
   timer = {};
-  Scene scene = SceneFromModel(model, folder, options);
+  Scene scene = SceneFromModel(model, folder, photos, options);
   scene.has_masks = !photos.front().mask.empty();
   if (options.train_every > 1) {
     const size_t dropped = ThinTrainingViews(model, options.train_every, scene);
@@ -225,7 +221,7 @@ void RunSfm(const SfmOptions& options, Stage& stage) {
     stage.Count("dropped_views", dropped);
   }
   LogTurned(photos);
-  const Subject subject = FindSubject(scene, UpsInImages(scene, photos));
+  const Subject subject = FindSubject(scene);
   MoveToBounds(options, subject, scene, stage);
   stage.Output("images");
   WriteViews(scene, model, folder, photos, stage.folder());

@@ -4,6 +4,8 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/ply.h"
+#include "core/random.h"
+#include "stereo/consistency.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,14 +13,6 @@
 
 namespace tetrec {
 namespace {
-
-// A depth as a point, before thinning.
-struct Sample {
-  glm::dvec3 position{0.0}, normal{0.0};
-  double footprint = 0;  // side of the pixel at the point's depth [world units]
-  std::array<uint8_t, 3> color_srgb{0, 0, 0};
-  uint32_t view = 0;
-};
 
 // The point of a pixel, if it has a depth.
 bool PointOf(const StereoDepth& map, int x, int y, glm::dvec3& in_cam) {
@@ -47,24 +41,10 @@ glm::dvec3 NormalInCam(const StereoDepth& map, int x, int y, const glm::dvec3& i
   return glm::dot(normal, towards_camera) < 0 ? -normal / length : normal / length;
 }
 
-std::vector<Sample> SamplesOf(const StereoDepth& map, const StereoView& view, uint32_t index) {
-  std::vector<Sample> samples;
-  const Rigid3 world_from_cam = view.cam_from_world.Inverse();
-  for (int y = 0; y < map.camera.height; ++y) {
-    for (int x = 0; x < map.camera.width; ++x) {
-      glm::dvec3 in_cam;
-      if (!PointOf(map, x, y, in_cam)) continue;
-      Sample sample;
-      sample.position = world_from_cam * in_cam;
-      sample.normal = world_from_cam.rotation * NormalInCam(map, x, y, in_cam);
-      sample.footprint = in_cam.z / map.camera.fx;
-      const uint8_t* pixel = view.image.At(x, y);
-      sample.color_srgb = {pixel[0], pixel[1], pixel[2]};
-      sample.view = index;
-      samples.push_back(sample);
-    }
-  }
-  return samples;
+uint8_t MedianByte(std::vector<uint8_t>& values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 // Cells have sides of powers of the square root of 2, the next one above `spacing_px` footprints.
@@ -80,70 +60,152 @@ struct Cell {
 
 double SideOf(int level) { return std::exp2(0.5 * level); }
 
-Cell CellOf(const Sample& sample, double spacing_px) {
+Cell CellOf(const glm::dvec3& position, double footprint, double spacing_px) {
   Cell cell;
-  cell.level = int(std::ceil(2 * std::log2(spacing_px * sample.footprint)));
-  cell.at = glm::i64vec3(glm::floor(sample.position / SideOf(cell.level)));
+  cell.level = int(std::ceil(2 * std::log2(spacing_px * footprint)));
+  cell.at = glm::i64vec3(glm::floor(position / SideOf(cell.level)));
   return cell;
 }
 
-struct CellSample {
+uint64_t HashOf(const Cell& cell) {
+  auto hash = uint64_t(cell.level);
+  for (int axis = 0; axis < 3; ++axis) hash = Random(hash, uint64_t(cell.at[axis])).Next();
+  return hash;
+}
+
+// A pixel with a depth, in the cell of its point.
+struct CellPixel {
   Cell cell;
-  uint32_t sample;
-  bool operator<(const CellSample& other) const {
-    return cell == other.cell ? sample < other.sample : cell < other.cell;
+  uint32_t view;   // position in the views
+  uint32_t index;  // in the view's map
+  bool operator<(const CellPixel& other) const {
+    return std::tie(cell, view, index) < std::tie(other.cell, other.view, other.index);
   }
 };
 
-std::vector<CellSample> SortIntoCells(std::span<const Sample> samples, double spacing_px) {
-  std::vector<CellSample> sorted(samples.size());
-  ParallelFor(samples.size(), 1 << 14, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) sorted[i] = {CellOf(samples[i], spacing_px), uint32_t(i)};
-  });
-  std::sort(sorted.begin(), sorted.end());
-  return sorted;
-}
+// A share of all cells, by their hash: the pixels of all maps together may not fit into memory.
+struct Part {
+  uint64_t index, count;
+  bool Contains(const Cell& cell) const { return count == 1 || HashOf(cell) % count == index; }
+};
 
-size_t CountCells(std::span<const CellSample> sorted) {
-  size_t count = sorted.empty() ? 0 : 1;
-  for (size_t i = 1; i < sorted.size(); ++i) count += sorted[i].cell == sorted[i - 1].cell ? 0 : 1;
-  return count;
+// The depth maps with what places them in the world.
+class Depths {
+ public:
+  Depths(std::span<const StereoDepth> maps, std::span<const StereoView> views)
+      : maps_(maps), views_(views) {
+    for (const StereoView& view : views) world_from_cam_.push_back(view.cam_from_world.Inverse());
+  }
+
+  // The number of pixels with a depth.
+  uint64_t Count() const {
+    uint64_t count = 0;
+    for (const StereoDepth& map : maps_) count += CountDepths(map);
+    return count;
+  }
+
+  // The pixels with a depth whose cells are in the part, by cells.
+  std::vector<CellPixel> PixelsOf(const Part& part, double spacing_px) const {
+    std::vector<std::vector<CellPixel>> of_views(maps_.size());
+    ParallelFor(maps_.size(), 1, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) of_views[i] = PixelsOf(part, spacing_px, uint32_t(i));
+    });
+    std::vector<CellPixel> pixels;
+    size_t count = 0;
+    for (const std::vector<CellPixel>& of_view : of_views) count += of_view.size();
+    pixels.reserve(count);
+    for (std::vector<CellPixel>& of_view : of_views) {
+      pixels.insert(pixels.end(), of_view.begin(), of_view.end());
+      of_view = {};
+    }
+    std::sort(pixels.begin(), pixels.end());
+    return pixels;
+  }
+
+  // The mean of a cell's pixels.
+  DensePoint MeanOf(std::span<const CellPixel> cell) const {
+    DensePoint point;
+    point.spacing = SideOf(cell[0].cell.level);
+    std::array<std::vector<uint8_t>, 3> colors;
+    for (const CellPixel& pixel : cell) {
+      point.position += PositionOf(pixel) / double(cell.size());
+      point.normal += NormalOf(pixel);
+      const uint8_t* color =
+          &views_[pixel.view].image.pixels[size_t(pixel.index) * views_[pixel.view].image.channels];
+      for (size_t c = 0; c < 3; ++c) colors[c].push_back(color[c]);
+    }
+    const double length = glm::length(point.normal);
+    point.normal = length > 0 ? point.normal / length : NormalOf(cell[0]);
+    for (size_t c = 0; c < 3; ++c) point.color_srgb[c] = MedianByte(colors[c]);
+    return point;
+  }
+
+ private:
+  std::vector<CellPixel> PixelsOf(const Part& part, double spacing_px, uint32_t view) const {
+    std::vector<CellPixel> pixels;
+    const StereoDepth& map = maps_[view];
+    for (int y = 0; y < map.camera.height; ++y) {
+      for (int x = 0; x < map.camera.width; ++x) {
+        glm::dvec3 in_cam;
+        if (!PointOf(map, x, y, in_cam)) continue;
+        // At the point's depth, a pixel has a side of z / fx.
+        const Cell cell =
+            CellOf(world_from_cam_[view] * in_cam, in_cam.z / map.camera.fx, spacing_px);
+        if (part.Contains(cell)) pixels.push_back({cell, view, uint32_t(map.Index(x, y))});
+      }
+    }
+    return pixels;
+  }
+
+  glm::dvec3 InCam(const CellPixel& pixel, int& x, int& y) const {
+    const StereoDepth& map = maps_[pixel.view];
+    x = int(pixel.index) % map.camera.width;
+    y = int(pixel.index) / map.camera.width;
+    glm::dvec3 in_cam;
+    PointOf(map, x, y, in_cam);
+    return in_cam;
+  }
+
+  glm::dvec3 PositionOf(const CellPixel& pixel) const {
+    int x, y;
+    return world_from_cam_[pixel.view] * InCam(pixel, x, y);
+  }
+
+  glm::dvec3 NormalOf(const CellPixel& pixel) const {
+    int x, y;
+    const glm::dvec3 in_cam = InCam(pixel, x, y);
+    return world_from_cam_[pixel.view].rotation * NormalInCam(maps_[pixel.view], x, y, in_cam);
+  }
+
+  std::span<const StereoDepth> maps_;
+  std::span<const StereoView> views_;
+  std::vector<Rigid3> world_from_cam_;
+};
+
+// Calls `use` with the pixels of each cell.
+template <class Use>
+void ForEachCell(std::span<const CellPixel> sorted, const Use& use) {
+  for (size_t begin = 0; begin < sorted.size();) {
+    size_t end = begin + 1;
+    while (end < sorted.size() && sorted[end].cell == sorted[begin].cell) ++end;
+    use(sorted.subspan(begin, end - begin));
+    begin = end;
+  }
 }
 
 // The number of cells that a surface fills falls with the square of their side. It does not fall
-// below a few cells of each level.
-double FindSpacing(std::span<const Sample> samples, size_t max_points) {
+// below a few cells of each level. One of so many parts stands for all cells.
+double FindSpacing(const Depths& depths, uint64_t parts, size_t max_points) {
   constexpr double kWidest_px = 1e6;
   double spacing_px = 1;
   for (int i = 0; spacing_px < kWidest_px; ++i) {
-    const size_t count = CountCells(SortIntoCells(samples, spacing_px));
+    uint64_t count = 0;
+    ForEachCell(depths.PixelsOf({0, parts}, spacing_px), [&](auto) { count += parts; });
     if (count <= max_points) break;
     const double least_growth = i < 6 ? 1.03 : 2;
     spacing_px *= std::max(least_growth, std::sqrt(double(count) / double(max_points)));
   }
   return spacing_px;
-}
-
-uint8_t MedianByte(std::vector<uint8_t>& values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-DensePoint MeanOf(std::span<const Sample> samples, std::span<const CellSample> cell) {
-  DensePoint point;
-  point.spacing = SideOf(cell[0].cell.level);
-  std::array<std::vector<uint8_t>, 3> colors;
-  for (const CellSample& entry : cell) {
-    const Sample& sample = samples[entry.sample];
-    point.position += sample.position / double(cell.size());
-    point.normal += sample.normal;
-    for (size_t c = 0; c < 3; ++c) colors[c].push_back(sample.color_srgb[c]);
-  }
-  const double length = glm::length(point.normal);
-  point.normal = length > 0 ? point.normal / length : samples[cell[0].sample].normal;
-  for (size_t c = 0; c < 3; ++c) point.color_srgb[c] = MedianByte(colors[c]);
-  return point;
 }
 
 enum class Verdict { kNone, kSees, kSeesThrough };
@@ -184,30 +246,22 @@ Fusion FuseDepths(std::span<const StereoDepth> maps, std::span<const StereoView>
                   const FusionOptions& options) {
   TETREC_CHECK(maps.size() == views.size(), "a map for each view");
   TETREC_CHECK(options.max_points > 0, "points to fuse");
-  std::vector<std::vector<Sample>> by_view(maps.size());
-  ParallelFor(maps.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) by_view[i] = SamplesOf(maps[i], views[i], uint32_t(i));
-  });
-  std::vector<Sample> samples;
-  for (std::vector<Sample>& of_view : by_view) {
-    samples.insert(samples.end(), of_view.begin(), of_view.end());
-    of_view = {};
-  }
+  const Depths depths(maps, views);
   Fusion fusion;
-  fusion.pixels = samples.size();
-  if (samples.empty()) return fusion;
-  fusion.spacing_px = FindSpacing(samples, options.max_points);
-  const std::vector<CellSample> sorted = SortIntoCells(samples, fusion.spacing_px);
-  for (size_t begin = 0; begin < sorted.size();) {
-    size_t end = begin + 1;
-    while (end < sorted.size() && sorted[end].cell == sorted[begin].cell) ++end;
-    DensePoint point = MeanOf(samples, std::span(sorted).subspan(begin, end - begin));
-    if (FindViews(point, maps, views, options.see_through)) {
-      fusion.points.push_back(std::move(point));
-    } else {
-      ++fusion.contradicted;
-    }
-    begin = end;
+  fusion.pixels = depths.Count();
+  if (fusion.pixels == 0) return fusion;
+  const uint64_t parts = 1 + fusion.pixels / options.pixels_at_once;
+  fusion.spacing_px = FindSpacing(depths, parts, options.max_points);
+  for (uint64_t part = 0; part < parts; ++part) {
+    ForEachCell(depths.PixelsOf({part, parts}, fusion.spacing_px),
+                [&](std::span<const CellPixel> cell) {
+                  DensePoint point = depths.MeanOf(cell);
+                  if (FindViews(point, maps, views, options.see_through)) {
+                    fusion.points.push_back(std::move(point));
+                  } else {
+                    ++fusion.contradicted;
+                  }
+                });
   }
   return fusion;
 }

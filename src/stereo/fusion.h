@@ -23,6 +23,8 @@ struct DensePoint {
 struct FusionOptions {
   size_t max_points = 12'000;  // above 0; the spacing follows from it
   double see_through = 0.03;   // a depth this much (relative) behind a point contradicts it
+  // About as many are in memory at once, with some 80 bytes each; above 0.
+  size_t pixels_at_once = 4'000'000;
 };
 
 struct Fusion {
@@ -33,7 +35,7 @@ struct Fusion {
 };
 
 // Averages the depths' points in cells whose side is proportional to the footprint of a pixel
-// there. `maps` and `views` correspond.
+// there. The points are in no order. `maps` and `views` correspond.
 Fusion FuseDepths(std::span<const StereoDepth> maps, std::span<const StereoView> views,
                   const FusionOptions& options);
 

@@ -135,6 +135,20 @@ TEST(Report, AWholeRunBecomesOneSafePage) {
   }
 }
 
+TEST(Report, NamesTheSizesOfViewsOfSeveral) {
+  const auto html_of = [](const std::vector<Image>& truths) {
+    const ScratchFolder folder;
+    WriteFakeRun(folder.path(), {}, truths);
+    EXPECT_EQ(RunEvaluate({folder / "4_views", "-o", folder / "6_report"}).exit_code, 0);
+    return ReadText(folder / "6_report/report.html");
+  };
+  const Image portrait = TestPicture(48, 64, 1), landscape = TestPicture(64, 48, 2);
+  EXPECT_THAT(html_of({portrait}), HasSubstr("<li>Resolution <b>48×64 px</b>"));
+  EXPECT_THAT(html_of({portrait, landscape, landscape}), HasSubstr("<b>64×48 and 48×64 px</b>"));
+  EXPECT_THAT(html_of({portrait, landscape, TestPicture(64, 64, 3)}),
+              HasSubstr(" px and 2 other sizes</b>"));
+}
+
 TEST(Report, MetricsJsonHasTheNumbersOfTheRunAndItsProtocol) {
   const ScratchFolder folder;
   WriteFakeRun(folder.path(), {});
@@ -426,7 +440,7 @@ TEST(Chart, TwoRunsAreDrawnAndTabulated) {
   WriteChart(curves, {}, folder / "chart");
   const std::string svg = ReadText(folder / "chart/chart.svg");
   EXPECT_THAT(svg, HasSubstr("it's &lt;a"));
-  EXPECT_THAT(svg, HasSubstr("64x48 px, background white"));
+  EXPECT_THAT(svg, HasSubstr("64×48 px, background white"));
   EXPECT_EQ(ReadImage(folder / "chart/chart.png").width, 900);
   const nlohmann::json record = ReadJson(folder / "chart/chart.json");
   EXPECT_EQ(record["runs"].size(), 2u);

@@ -94,9 +94,8 @@ TEST_F(CameraPoses, ASweepBringsBackTheWrongCameraAndLeavesTheOthers) {
     estimate.Sweep(*renderer_, {given, photos, {}, glm::vec3(0.0f)}, 1, 150);
   }
   ASSERT_GT(Shift(truth[2], given[2].cam_from_world), 0.8);
-  // What the five have in common, a fifth of the correction and less, goes to all.
   for (size_t i = 0; i < truth.size(); ++i) {
-    EXPECT_LT(Shift(truth[i], estimate.state().poses[i].cam_from_world), i == 2 ? 0.4 : 0.25) << i;
+    EXPECT_LT(Shift(truth[i], estimate.state().poses[i].cam_from_world), i == 2 ? 0.3 : 0.1) << i;
   }
 }
 
@@ -126,8 +125,11 @@ TEST(CommonMotion, LeavesTheDifferencesOfCameras) {
       MotionOf(glm::dvec3(0.03, 0, 0), glm::dvec3(0.0)) * poses[3].cam_from_world;
   const double before = Shift(given[3], poses[3].cam_from_world);
   RemoveCommonMotion(given, poses);
-  // Seven of 72 numbers are common: on average so much of a single camera's motion is lost.
-  EXPECT_GT(Shift(given[3], poses[3].cam_from_world), 0.7 * before);
+  EXPECT_GT(Shift(given[3], poses[3].cam_from_world), 0.98 * before);
+  for (size_t i = 0; i < given.size(); ++i) {
+    if (i == 3) continue;
+    EXPECT_LT(Shift(given[i], poses[i].cam_from_world), 0.02 * before) << i;
+  }
 }
 
 TEST(CommonMotion, OfCamerasThatSeeNothingIsNone) {
@@ -141,12 +143,23 @@ TEST(CommonMotion, OfCamerasThatSeeNothingIsNone) {
 }
 
 TEST(PoseEstimate, IsOffForFewerThanThreeCamerasAndAfterItGaveUp) {
-  EXPECT_FALSE(PoseEstimate(Ring(2)).IsDue(0.9));
+  EXPECT_FALSE(PoseEstimate(Ring(2)).IsDue(AtProgress(0.6)));
   PoseEstimate estimate(Ring(3));
-  EXPECT_FALSE(estimate.IsDue(0.0));
-  EXPECT_TRUE(estimate.IsDue(0.9));
+  EXPECT_FALSE(estimate.IsDue(AtProgress(0.1)));
+  EXPECT_TRUE(estimate.IsDue(AtProgress(0.6)));
   estimate.GiveUp();
-  EXPECT_FALSE(estimate.IsDue(0.9));
+  EXPECT_FALSE(estimate.IsDue(AtProgress(0.6)));
+}
+
+TEST(PoseEstimate, SweepsBeginAsEarlyInALongRunAsInAShortOneAndEndLate) {
+  const PoseEstimate first(Ring(3));
+  EXPECT_TRUE(first.IsDue({.progress = 0.01, .growth = 0.2}));
+  PoseState later = first.state();
+  later.sweeps = 12;
+  const PoseEstimate estimate(later);
+  EXPECT_FALSE(estimate.IsDue({.progress = 0.01, .growth = 0.2}));
+  EXPECT_TRUE(estimate.IsDue({.progress = 0.3, .growth = 3}));
+  EXPECT_FALSE(estimate.IsDue({.progress = 0.7, .growth = 7}));
 }
 
 }  // namespace

@@ -30,8 +30,16 @@ RadianceField OneTet(int degree) {
   return field;
 }
 
-RenderView ViewFrom(const glm::dvec3& eye) {
-  return {{8, 8, 8.0, 8.0, 4.0, 4.0}, CamLookingAt(eye, glm::dvec3(0.2), glm::dvec3(0, 0, 1))};
+// Cameras of training photos that all look at one place.
+Scene ViewsFrom(const std::vector<glm::dvec3>& eyes, const glm::dvec3& target) {
+  Scene scene;
+  scene.cameras = {{8, 8, 8.0, 8.0, 4.0, 4.0}};
+  for (const glm::dvec3& eye : eyes) {
+    View view;
+    view.cam_from_world = CamLookingAt(eye, target, glm::dvec3(0, 0, 1));
+    scene.views.push_back(view);
+  }
+  return scene;
 }
 
 // The steps of a run, in order, in which every judged degree stays.
@@ -67,11 +75,14 @@ TEST(Harmonics, AreUnlockedUpToTheChosenDegree) {
 
 TEST(Harmonics, LeaveTheColoursThatASingleViewSaw) {
   const RadianceField field = OneTet(3);
-  const RenderView view = ViewFrom({3.0, -2.0, 1.0});
-  const glm::dvec3 eye = view.cam_from_world.Inverse().translation;
+  const glm::dvec3 eye(3.0, -2.0, 1.0);
+  // The other camera looks away.
+  Scene scene = ViewsFrom({eye, {-2.0, 3.0, 0.5}}, glm::dvec3(0.2));
+  scene.views[1].cam_from_world =
+      CamLookingAt({-2.0, 3.0, 0.5}, glm::dvec3(-4.0, 6.0, 1.0), glm::dvec3(0, 0, 1));
   FieldState state = StateOf(field);
   for (int degree = 2; degree >= 0; --degree) {
-    state = WithoutHighestDegree(field.mesh, state, std::span(&view, 1));
+    state = WithoutHighestDegree(field.mesh, state, PhotoSight(scene));
     EXPECT_EQ(state.layout.HarmonicsDegree(), degree);
     const RadianceField seen = FieldSeenFrom(FieldOf(field.mesh, state), eye);
     const RadianceField expected = FieldSeenFrom(field, eye);

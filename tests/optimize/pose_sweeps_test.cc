@@ -40,10 +40,10 @@ TEST(PoseSweeps, GiveUpWhereTheCamerasAreRight) {
   SmallRun run;
   PoseSweeps sweeps(run.options, run.pictures, *run.renderer);
   sweeps.Start(true, 0.25);
-  ASSERT_TRUE(sweeps.IsDue(0.25));
+  ASSERT_TRUE(sweeps.IsDue(AtProgress(0.25)));
   EXPECT_EQ(sweeps.Sweep({}, 0.25), 0.0);
   EXPECT_TRUE(sweeps.state().poses.empty());
-  EXPECT_FALSE(sweeps.IsDue(1.0));
+  EXPECT_FALSE(sweeps.IsDue(AtProgress(0.6)));
   for (size_t i = 0; i < 5; ++i) {
     EXPECT_EQ(run.pictures.set().views[i].cam_from_world.translation,
               run.pictures.given_views()[i].cam_from_world.translation);
@@ -67,8 +67,8 @@ TEST(PoseSweeps, GoOnFromAResumedState) {
   sweeps.Resume(state, "checkpoint.bin", 0.25);
   EXPECT_EQ(run.pictures.set().views[2].cam_from_world.rotation,
             state.poses[2].cam_from_world.rotation);
-  EXPECT_FALSE(sweeps.IsDue(0.25));
-  ASSERT_TRUE(sweeps.IsDue(0.28));
+  EXPECT_FALSE(sweeps.IsDue(AtProgress(0.22)));
+  ASSERT_TRUE(sweeps.IsDue(AtProgress(0.28)));
   const double turned = run.pictures.JudgeField().psnr;
   EXPECT_EQ(sweeps.Sweep({}, 0.28), 0.0);  // the first sweep has decided
   EXPECT_GT(run.pictures.JudgeField().psnr, turned);

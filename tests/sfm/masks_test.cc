@@ -82,15 +82,29 @@ TEST_F(MasksTest, EachPhotoNeedsOneMaskOfItsOwn) {
 
 TEST_F(MasksTest, AScaledCopyIsResampledAndAnotherShapeRefused) {
   WriteMask("half.png", 16, 32, 24);
-  const std::vector<uint8_t> levels = ReadMask(fs::path(masks_) / "half.png", 64, 48);
+  const Photo photo = Photos({"a.jpg"})[0];
+  const std::vector<uint8_t> levels = ReadMask(fs::path(masks_) / "half.png", photo);
   ASSERT_EQ(levels.size(), 64u * 48u);
   EXPECT_EQ(levels[30], 0);
   EXPECT_EQ(levels[33], 255);
   WriteMask("turned.png", 0, 48, 64);
-  ExpectError<DataError>([&] { ReadMask(fs::path(masks_) / "turned.png", 64, 48); },
-                         {"turned.png: mask of 48 x 64 pixels for a photo of 64 x 48", "EXIF"});
+  ExpectError<DataError>([&] { ReadMask(fs::path(masks_) / "turned.png", photo); },
+                         {"turned.png: mask of 48 x 64 pixels for a photo of 64 x 48"});
   WriteMask("bits.png", 10, 64, 48, 1);  // of 0 and 1
-  EXPECT_EQ(ReadMask(fs::path(masks_) / "bits.png", 64, 48)[10], 255);
+  EXPECT_EQ(ReadMask(fs::path(masks_) / "bits.png", photo)[10], 255);
+}
+
+TEST_F(MasksTest, AMaskIsAsThePhotoIsStoredOrUpright) {
+  Photo photo = Photos({"a.jpg"})[0];
+  photo.quarter_turns = 1;  // the stored photo's left is up
+  WriteMask("stored.png", 16);
+  const std::vector<uint8_t> as_stored = ReadMask(fs::path(masks_) / "stored.png", photo);
+  WriteImage(fs::path(masks_) / "upright.png",
+             TurnedClockwise(ReadImage(fs::path(masks_) / "stored.png"), 1));
+  EXPECT_EQ(ReadMask(fs::path(masks_) / "upright.png", photo), as_stored);
+  WriteMask("other.png", 0, 48, 63);
+  ExpectError<DataError>([&] { ReadMask(fs::path(masks_) / "other.png", photo); },
+                         {"other.png: mask of 48 x 63 pixels for a photo of 64 x 48"});
 }
 
 TEST_F(MasksTest, AllMasksThatCannotBeUsedAreNamedAtOnce) {

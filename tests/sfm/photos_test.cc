@@ -172,15 +172,15 @@ TEST_F(PhotosTest, ADamagedHeicIsLeftOutLikeOtherDamagedPhotos) {
                                   "a.heic: cannot be read as HEIC (Could not read HEIF")));
 }
 
-TEST_F(PhotosTest, AnOrientationSpecifiesWhatIsUpAndTurnsNothing) {
+TEST_F(PhotosTest, AnOrientationSpecifiesHowAPhotoMustBeTurned) {
   WritePhotos(2);
   WritePhoto(fs::path(photos_) / "a.jpg", 90, 80);
   const std::vector<uint8_t> jpeg = ReadBytes(fs::path(photos_) / "a.jpg");
   folder_.Write("photos/a.jpg", WithApp1(jpeg, ExifOfOrientation(6)));
   const std::vector<Photo> photos = Find(0).photos;
-  EXPECT_EQ(photos[0].width, 80);
-  EXPECT_EQ(photos[0].up_in_image, glm::dvec2(-1, 0));
-  EXPECT_EQ(photos[1].up_in_image, glm::dvec2(0, -1));
+  EXPECT_EQ(photos[0].width, 80) << "as it is stored";
+  EXPECT_EQ(photos[0].quarter_turns, 1);
+  EXPECT_EQ(photos[1].quarter_turns, 0);
 }
 
 TEST_F(PhotosTest, ColmapGetsAJpegInsteadOfATiff) {

@@ -138,22 +138,32 @@ TEST_F(SfmTest, AGoodModelBecomesAScene) {
   }
 }
 
-TEST_F(SfmTest, TheOrientationOfPhotosTurnsTheWorldButNotTheirImages) {
+TEST_F(SfmTest, PhotosAreTurnedUprightByTheirOrientation) {
   for (int i = 0; i < 12; ++i) {
-    const std::string name = fmt::format("photos/photo {:02}.jpg", i);
-    WritePhoto(folder_ / name, 10 * i + 40);
-    const std::vector<uint8_t> jpeg = ReadBytes(folder_ / name);
-    folder_.Write(name, WithApp1(jpeg, ExifOfOrientation(3)));  // upside down
+    Image image = MakeImage(64, 48, 3);  // bright at its top
+    std::fill_n(image.pixels.begin(), image.pixels.size() / 2, uint8_t(200 + i));
+    const uint32_t orientation = i == 5 ? 1 : 3;  // upside down
+    folder_.Write(fmt::format("photos/photo {:02}.jpg", i),
+                  WithApp1(EncodeJpeg(image, 95), ExifOfOrientation(orientation)));
   }
   const Outcome outcome = Run("good");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("stored on their side or upside down: 12 of 12;"));
+  EXPECT_THAT(outcome.err, HasSubstr("stored on their side or upside down: 11 of 12;"));
   const Scene scene = ReadScene(scene_);
-  // In the model's coordinates, the top of the stored images is where z is.
+  // In the model's coordinates, the bottom of the stored images is where z is.
   EXPECT_NEAR(scene.input_from_world.rotation[2].z, -1, 1e-9);
-  const glm::dvec3 down = glm::transpose(scene.views[3].cam_from_world.rotation)[1];
-  EXPECT_NEAR(down.z, 1, 1e-9);
-  EXPECT_EQ(ReadImage(fs::path(scene_) / scene.views[3].image).width, 64);
+  ASSERT_EQ(scene.cameras.size(), 2u);
+  const auto down_of = [&](size_t view) {
+    return glm::transpose(scene.views[view].cam_from_world.rotation)[1];
+  };
+  EXPECT_NEAR(down_of(3).z, -1, 1e-9);
+  EXPECT_NEAR(down_of(5).z, 1, 1e-9);
+  const auto bright_at_top = [&](size_t view) {
+    const Image image = ReadImage(fs::path(scene_) / scene.views[view].image);
+    return image.At(8, 8)[0] > image.At(8, 39)[0];
+  };
+  EXPECT_FALSE(bright_at_top(3));
+  EXPECT_TRUE(bright_at_top(5));
 }
 
 TEST_F(SfmTest, OtherSizesAndSplitsReuseFeaturesMatchesAndModel) {

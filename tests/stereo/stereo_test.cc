@@ -6,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace tetrec {
 namespace {
@@ -90,6 +92,35 @@ TEST(FindDepths, FindsARoomAndWhatIsInIt) {
     right += is_on_wall || IsOnSubject(SyntheticKind::kRoom, point, 0.3) ? 1 : 0;
   }
   EXPECT_GT(double(right), 0.8 * double(result.fusion.points.size()));
+}
+
+TEST(FuseDepths, FindsTheSamePointsInParts) {
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kTwoBalls, 0, 12);
+  const std::vector<StereoView> views = ViewsOf(synthetic);
+  const StereoResult result = FindDepths(synthetic.scene, views, {});
+  const auto fused = [&](size_t max_points, size_t pixels_at_once) {
+    FusionOptions options;
+    options.max_points = max_points;
+    options.pixels_at_once = pixels_at_once;
+    Fusion fusion = FuseDepths(result.maps, views, options);
+    std::ranges::sort(fusion.points, [](const DensePoint& a, const DensePoint& b) {
+      return std::tie(a.position.x, a.position.y, a.position.z) <
+             std::tie(b.position.x, b.position.y, b.position.z);
+    });
+    return fusion;
+  };
+  const size_t pixels = result.fusion.pixels;
+  const Fusion whole = fused(pixels, pixels + 1), parts = fused(pixels, pixels / 6);
+  EXPECT_EQ(parts.pixels, pixels);
+  EXPECT_EQ(parts.contradicted, whole.contradicted);
+  ASSERT_EQ(parts.points.size(), whole.points.size());
+  for (size_t i = 0; i < whole.points.size(); ++i) {
+    EXPECT_EQ(parts.points[i].position, whole.points[i].position);
+    EXPECT_EQ(parts.points[i].views, whole.points[i].views);
+  }
+  // One part stands for all when the spacing is sought.
+  const double spacing_px = fused(pixels / 20, pixels + 1).spacing_px;
+  EXPECT_NEAR(fused(pixels / 20, pixels / 6).spacing_px, spacing_px, 0.1 * spacing_px);
 }
 
 TEST(FindDepths, KeepsNothingWithoutEnoughEvidence) {
