@@ -103,6 +103,9 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   tetrec::AddWordOption(app, "--poses", options.poses,
                         "Small corrections of the training cameras, kept if the judging pictures "
                         "gain by them: auto (where cameras were estimated from photos), on or off");
+  tetrec::AddWordOption(app, "--stray-photos", options.stray_photos,
+                        "Photos that do not fit the others, because their cameras are wrong or "
+                        "something has moved: auto (left out if the others gain by it) or learned");
   tetrec::AddWordOption(
       app, "--move", options.move,
       "How vertices move: safe (no tet turns inside out), article (by Adam on each coordinate in "
@@ -190,7 +193,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   GroupOptions(
       app, "Learning rates",
       {"--color-rate", "--sh-rate", "--density-rate", "--position-rate", "--final-rate-share"});
-  GroupOptions(app, "Photos and cameras", {"--exposure", "--poses"});
+  GroupOptions(app, "Photos and cameras", {"--exposure", "--poses", "--stray-photos"});
   GroupOptions(app, "Mesh",
                {"--move", "--quality-weight", "--quality-sharpness", "--rounds", "--last-round",
                 "--budget", "--matched-psnr", "--budget-tets", "--budget-mb", "--max-vertices",

@@ -23,8 +23,8 @@ std::vector<uint8_t> WithExif(std::span<const uint8_t> jpeg, const CameraNotes& 
 // EXIF, is damaged, or contains no such number.
 int OrientationOfExif(std::span<const uint8_t> app1);
 
-// The quarter turns clockwise, 0 to 3, that bring the top of the upright image to the top of the
-// stored one. What is stored as a mirror image remains one.
+// The quarter turns clockwise, 0 to 3, by which the stored image must be turned so that what was up
+// is at its top. What is stored as a mirror image remains one.
 int QuarterTurnsOf(int orientation);
 
 }  // namespace tetrec

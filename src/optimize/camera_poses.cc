@@ -18,6 +18,7 @@ namespace {
 constexpr double kFirstSweep = 0.2, kGrowthBetweenSweeps = 1.22;
 // Until this progress, while the judging pictures are kept from learning.
 constexpr double kLastSweep = 0.7;
+static_assert(kLastSweep <= ScheduleOptions().last_judging);
 
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
@@ -80,8 +81,8 @@ std::vector<CameraMotion> MotionsOf(std::span<const RenderView> given,
   return motions;
 }
 
-// The world's motion from which the corrections of all cameras are least far away in sum, so that
-// a few that were wrong do not move it (by iteratively reweighted least squares).
+// The world's motion that leaves the least sum of distances to the corrections of the cameras, so
+// that a few cameras that were wrong do not move it (by iteratively reweighted least squares).
 WorldMotion CommonMotion(std::span<const RenderView> given, std::span<const CorrectedPose> poses) {
   constexpr int kRounds = 20;
   constexpr double kAlike_px = 0.02;  // smaller differences count by their squares

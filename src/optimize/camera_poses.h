@@ -37,9 +37,9 @@ struct PoseState {
 };
 
 // Takes from the corrections of all cameras what they have in common: the similarity of the world
-// that explains most of them, by the sum of how far [px] the pictures are moved otherwise. The
-// pictures cannot know it (the field could move with the cameras), but the held-out cameras would
-// no longer fit. Cameras of depth 0 follow the others.
+// that leaves the least sum of remaining shifts of the pictures [px]. The pictures cannot know it
+// (the field could move with the cameras), but the held-out cameras would no longer fit. Cameras of
+// depth 0 follow the others.
 void RemoveCommonMotion(std::span<const RenderView> given, std::span<CorrectedPose> poses);
 
 // What a sweep fits to, one of each per training view.

@@ -19,7 +19,7 @@ namespace {
 
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'F'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'G'};
 
 constexpr size_t kChecksumBytes = 64;  // hexadecimal SHA-256 of all before it
 
@@ -215,6 +215,18 @@ PoseState ReadPoses(ByteReader& reader) {
   return state;
 }
 
+StrayState ReadStray(ByteReader& reader, const std::string& name) {
+  StrayState state;
+  state.looks = reader.Read<uint32_t>("looks for stray photos");
+  state.left_out = reader.ReadArray<uint8_t>(reader.Read<uint64_t>("stray count"), "stray photos");
+  for (size_t photo = 0; photo < state.left_out.size(); ++photo) {
+    if (state.left_out[photo] <= 1) continue;
+    throw DataError(fmt::format("{}: the flag of photo {} is {}; expected 0 or 1", name, photo,
+                                state.left_out[photo]));
+  }
+  return state;
+}
+
 void CheckPoses(const PoseState& state, const std::string& name) {
   const auto fail = [&](size_t view, const char* what) {
     throw DataError(fmt::format("{}: the {} of pose {} is not possible", name, what, view));
@@ -286,6 +298,9 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   tail.Write(checkpoint.poses.sweeps);
   tail.Write(uint64_t(checkpoint.poses.poses.size()));
   tail.WriteArray(std::span<const CorrectedPose>(checkpoint.poses.poses));
+  tail.Write(checkpoint.stray.looks);
+  tail.Write(uint64_t(checkpoint.stray.left_out.size()));
+  tail.WriteArray(std::span<const uint8_t>(checkpoint.stray.left_out));
 
   std::vector<std::span<const uint8_t>> pieces = {head.bytes(),
                                                   BytesOf(checkpoint.mesh.positions),
@@ -339,6 +354,7 @@ Checkpoint ParseCheckpoint(std::span<const uint8_t> bytes, const std::string& na
   result.motion = ReadMotion(reader, vertices, name);
   result.exposure = ReadExposure(reader);
   result.poses = ReadPoses(reader);
+  result.stray = ReadStray(reader, name);
   reader.ExpectEnd();
   if (!std::isfinite(result.seconds) || result.seconds < 0) {
     throw DataError(fmt::format("{}: seconds {} is not a time", name, result.seconds));

@@ -12,8 +12,7 @@ namespace {
 constexpr double kFirstLook = kGrowthSteps, kLookFactor = 1.25;
 constexpr double kLeastGain_db = 0.05;
 constexpr uint64_t kMostIdleLooks = 2;
-// The progress that a run tends to while it has not converged: the last correction of the cameras
-// follows it.
+// The progress that a run tends to while it has not converged, and its fields are still judged.
 constexpr double kOpenProgress = 0.65;
 static_assert(kOpenProgress < ScheduleOptions().last_judging);
 

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace tetrec {
 namespace {
 
 constexpr uint32_t kTile = 16;  // [px] a side; whole blocks
+constexpr uint64_t kSampleSeed = 0x5A3Bull;
 
 // True if a tile of a whole view judges: every second one does, as on a chessboard.
 bool IsJudgingSquare(uint32_t x, uint32_t y) { return (x / kTile + y / kTile) % 2 == 0; }
@@ -120,6 +122,41 @@ JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed) {
     }
   }
   return judging;
+}
+
+JudgingSet SampleViews(const TrainingSet& set, size_t blocks_per_view) {
+  JudgingSet sample;
+  sample.is_whole.assign(set.views.size(), 0);
+  for (uint32_t view = 0; view < set.views.size(); ++view) {
+    const TargetImage& target = set.targets[view];
+    AlignedBlocks aligned;
+    aligned.Add(view, target.width, target.height);
+    std::vector<RayBlock> blocks = aligned.List();
+    std::erase_if(blocks, [&](const RayBlock& block) { return CountPixels(block, target) == 0; });
+    const size_t count = std::min(blocks.size(), blocks_per_view);
+    Random random(kSampleSeed, view);
+    for (size_t i = 0; i < count; ++i) {
+      const size_t first = blocks.size() * i / count, end = blocks.size() * (i + 1) / count;
+      const RayBlock& block = blocks[first + random.Below(uint32_t(end - first))];
+      sample.blocks.push_back(block);
+      sample.pixels.push_back(CountPixels(block, target));
+    }
+  }
+  return sample;
+}
+
+JudgingSet Without(const JudgingSet& judging, std::span<const uint8_t> left_out) {
+  if (left_out.empty()) return judging;
+  JudgingSet rest;
+  rest.is_whole = judging.is_whole;
+  for (size_t i = 0; i < judging.blocks.size(); ++i) {
+    if (left_out[judging.blocks[i].view]) continue;
+    rest.blocks.push_back(judging.blocks[i]);
+    rest.pixels.push_back(judging.pixels[i]);
+  }
+  std::ranges::copy_if(judging.spare_blocks, std::back_inserter(rest.spare_blocks),
+                       [&](const RayBlock& block) { return !left_out[block.view]; });
+  return rest;
 }
 
 std::vector<TargetImage> TargetsToLearn(const TrainingSet& set, const JudgingSet& judging) {

@@ -28,6 +28,13 @@ inline constexpr size_t kLeastViewsToJudge = 24, kViewsPerJudge = 16;
 inline constexpr uint32_t kTilesPerJudge = 32;
 JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed);
 
+// So many blocks of each view, one drawn from each of so many stretches, or all if they are fewer;
+// without those that masks exclude.
+JudgingSet SampleViews(const TrainingSet& set, size_t blocks_per_view);
+
+// What is left of it without the views whose flags are set; all of it without flags.
+JudgingSet Without(const JudgingSet& judging, std::span<const uint8_t> left_out);
+
 // The targets with kNotJudgedTarget where pixels judge. The blocks of whole views are not to be
 // learned from either.
 std::vector<TargetImage> TargetsToLearn(const TrainingSet& set, const JudgingSet& judging);

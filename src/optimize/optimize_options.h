@@ -45,6 +45,15 @@ template <>
 inline constexpr auto kWords<JudgingPictures> = std::to_array<Word<JudgingPictures>>(
     {{JudgingPictures::kKept, "kept"}, {JudgingPictures::kLearned, "learned"}});
 
+// What becomes of photos that do not fit the others (stray_photos.h).
+enum class StrayChoice {
+  kAuto,     // left out if the judging pictures of the others gain by it
+  kLearned,  // like all others
+};
+template <>
+inline constexpr auto kWords<StrayChoice> = std::to_array<Word<StrayChoice>>(
+    {{StrayChoice::kAuto, "auto"}, {StrayChoice::kLearned, "learned"}});
+
 // Rays per pixel once a run has grown (fine_rays.h).
 enum class FineRaysChoice {
   kAuto,  // 2 x 2 if the judging pictures gain by them
@@ -136,6 +145,7 @@ struct OptimizeOptions {
   BackgroundChoice background = BackgroundChoice::kAuto;  // behind field and target
   ExposureMode exposure = ExposureMode::kAuto;            // of the training photos
   PoseMode poses = PoseMode::kAuto;                       // corrections of the training cameras
+  StrayChoice stray_photos = StrayChoice::kAuto;
   HarmonicsChoice harmonics = HarmonicsChoice::kAuto;
   FineRaysChoice fine_rays = FineRaysChoice::kAuto;
   MoveChoice move = MoveChoice::kSafe;

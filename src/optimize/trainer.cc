@@ -25,6 +25,7 @@
 #include "optimize/refinement_rounds.h"
 #include "optimize/run_length.h"
 #include "optimize/run_outputs.h"
+#include "optimize/stray_photos.h"
 #include "optimize/training_history.h"
 #include "optimize/training_pictures.h"
 #include "optimize/training_steps.h"
@@ -80,6 +81,7 @@ class Trainer {
         steps_(options, scene.has_alpha, batches_, *renderer_, motion_),
         rate_trial_(options, field_, pictures_, steps_),
         poses_(options, pictures_, *renderer_),
+        stray_(options, field_, pictures_, steps_),
         harmonics_(options, field_, pictures_, steps_),
         fine_rays_(options, scene.has_alpha, field_, pictures_, steps_),
         rounds_(
@@ -120,7 +122,9 @@ class Trainer {
     growth.push_back(end_of_growth_);
     WriteMeshGrowth(stage_.Output(kMeshGrowthFile), growth);
     WriteExposures(scene_, exposure_.State(*renderer_).exposures, stage_);
-    WriteCorrections(scene_, pictures_.given_views(), poses_.state().poses, stage_);
+    WriteLeftOut(scene_, stray_.state().left_out, stage_);
+    WriteCorrections(scene_, pictures_.given_views(), poses_.state().poses, stray_.state().left_out,
+                     stage_);
   }
 
  private:
@@ -188,6 +192,7 @@ class Trainer {
     harmonics_.Resume(checkpoint.harmonics);
     fine_rays_.Resume(checkpoint.fine_rays);
     exposure_ = ResumedExposure(std::move(checkpoint.exposure));
+    stray_.Resume(std::move(checkpoint.stray), name);
     poses_.Resume(std::move(checkpoint.poses), name, Done());
     field_.Resume(std::move(checkpoint.mesh), checkpoint.state, std::move(checkpoint.row_rates));
     motion_.Resume(std::move(checkpoint.motion));
@@ -229,10 +234,14 @@ class Trainer {
       }
       if (harmonics_.Advance(growth)) continue;
       if (motion_.CanResumeAfter(steps_.iteration(), done) && fine_rays_.Advance(growth)) {
-        JudgeAnew();
+        if (fine_rays_.state() == TrialState::kUsed) JudgeAnew();
         continue;
       }
       if (poses_.IsDue({done, growth})) CorrectPoses(done);
+      if (motion_.CanResumeAfter(steps_.iteration(), done) && stray_.IsDue(growth)) {
+        if (stray_.Advance()) JudgeAnew();
+        continue;
+      }
       // After all trials that are due, which may be late because others took long.
       pictures_.EndJudgingIfDue(done);
       history.Add(TakeStep({done, growth}));
@@ -322,9 +331,8 @@ class Trainer {
     rounds_.RaiseBest(poses_.Sweep(exposure_.State(*renderer_).exposures, done));
   }
 
-  // After the choice of rays, which judgements follow.
+  // After a change of what judges.
   void JudgeAnew() {
-    if (fine_rays_.state() != TrialState::kUsed) return;
     rounds_.JudgeAnew(pictures_.JudgeField());
     coarsening_.JudgeAnew();
   }
@@ -369,6 +377,7 @@ class Trainer {
     checkpoint.row_rates = field_.row_rates();
     checkpoint.exposure = exposure_.State(*renderer_);
     checkpoint.poses = poses_.state();
+    checkpoint.stray = stray_.state();
     WriteCheckpoint(checkpoint_path_, checkpoint);
   }
 
@@ -472,6 +481,7 @@ class Trainer {
   RateTrial rate_trial_;
   ExposureEstimate exposure_;
   PoseSweeps poses_;
+  StrayPhotos stray_;
   HarmonicsTrials harmonics_;
   FineRays fine_rays_;
   RefinementRounds rounds_;

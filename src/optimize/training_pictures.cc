@@ -6,6 +6,18 @@
 #include <algorithm>
 
 namespace tetrec {
+namespace {
+
+// `blocks`: view by view.
+size_t CountViews(std::span<const RayBlock> blocks) {
+  size_t count = 0;
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    count += i == 0 || blocks[i].view != blocks[i - 1].view;
+  }
+  return count;
+}
+
+}  // namespace
 
 TrainingPictures::TrainingPictures(const OptimizeOptions& options, TrainingSet set,
                                    const glm::vec3& background_srgb, TrainingRenderer& renderer)
@@ -13,13 +25,20 @@ TrainingPictures::TrainingPictures(const OptimizeOptions& options, TrainingSet s
       renderer_(renderer),
       set_(std::move(set)),
       given_views_(set_.views),
-      judging_(ChooseJudgingSet(set_, options.seed)),
+      all_judging_(ChooseJudgingSet(set_, options.seed)),
+      judging_(all_judging_),
       background_srgb_(background_srgb) {}
 
 void TrainingPictures::PlaceCameras(std::span<const CorrectedPose> poses, double progress) {
   set_.views = given_views_;
   for (size_t i = 0; i < poses.size(); ++i) set_.views[i].cam_from_world = poses[i].cam_from_world;
   ChooseLearned(!KeepsJudging(progress));
+}
+
+void TrainingPictures::LeaveOut(std::span<const uint8_t> views) {
+  left_out_.assign(views.begin(), views.end());
+  judging_ = Without(all_judging_, left_out_);
+  ChooseLearned(learns_all_);
 }
 
 void TrainingPictures::EndJudgingIfDue(double progress) {
@@ -34,10 +53,28 @@ Judgement TrainingPictures::JudgeField(std::optional<int> samples) {
   return judgement;
 }
 
+std::vector<ErrorSum> TrainingPictures::ErrorsOfViews() {
+  constexpr size_t kBlocksOfView = 128;
+  const JudgingSet sample = SampleViews(set_, kBlocksOfView);
+  renderer_.SetTargets(set_.views, set_.targets);
+  const Judgement judgement = Judge(renderer_, sample, background_srgb_, samples_);
+  ChooseLearned(learns_all_);
+  std::vector<ErrorSum> errors(set_.views.size());
+  size_t judged = 0;
+  for (size_t i = 0; i < sample.blocks.size(); ++i) {
+    const uint32_t view = sample.blocks[i].view;
+    if (i == 0 || view != sample.blocks[i - 1].view) errors[view] = judgement.views[judged++];
+  }
+  for (size_t view = 0; view < errors.size(); ++view) {
+    if (all_judging_.is_whole[view]) errors[view] = {};
+  }
+  return errors;
+}
+
 void TrainingPictures::GatherExposuresOfWholeViews(uint64_t iteration) {
   if (learns_all_ || judging_.spare_blocks.empty()) return;
   constexpr size_t kMostBlocks = 512, kMostOfView = 64;
-  const auto views = size_t(std::ranges::count(judging_.is_whole, 1));
+  const size_t views = CountViews(judging_.spare_blocks);
   const size_t of_view = std::clamp<size_t>(kMostBlocks / views, 1, kMostOfView);
   Random random(options_.seed ^ 0xE4B0ull, iteration);
   std::vector<RayBlock> blocks;
@@ -63,7 +100,14 @@ bool TrainingPictures::KeepsJudging(double progress) const {
 
 void TrainingPictures::ChooseLearned(bool all) {
   learns_all_ = all;
-  ListBlocks(set_, learns_all_ ? std::vector<uint8_t>() : judging_.is_whole);
+  std::vector<uint8_t> not_learned = left_out_;
+  if (!learns_all_) {
+    not_learned.resize(set_.views.size(), 0);
+    for (size_t view = 0; view < not_learned.size(); ++view) {
+      not_learned[view] |= judging_.is_whole[view];
+    }
+  }
+  ListBlocks(set_, not_learned);
   renderer_.SetTargets(set_.views, learns_all_ ? set_.targets : WithoutJudging());
 }
 

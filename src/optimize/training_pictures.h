@@ -38,11 +38,16 @@ class TrainingPictures {
 
   // One pose per view, or none for the scene's own.
   void PlaceCameras(std::span<const CorrectedPose> poses, double progress);
+  // From now on the views whose flags are set neither are learned nor judge; none without flags.
+  void LeaveOut(std::span<const uint8_t> views);
   // Lets the judging pictures be learned if the time of judging is over.
   void EndJudgingIfDue(double progress);
   // What the judging pictures say of the renderer's field. They are kept from learning, or learned,
   // as before, however late it is. `samples`: TrainingBatch::samples, by default those of JudgeBy.
   Judgement JudgeField(std::optional<int> samples = {});
+  // The errors of the renderer's field in a sample of each view that is learned or left out, and
+  // nothing for those that are kept whole to judge: unseen, they have larger errors than others.
+  std::vector<ErrorSum> ErrorsOfViews();
   // Adds samples of the whole judging views to the sums from which exposures are fitted. No step
   // draws these views, so that they would be judged at a neutral exposure otherwise. The samples
   // are pixels that do not judge; `iteration` determines which.
@@ -59,7 +64,8 @@ class TrainingPictures {
   TrainingRenderer& renderer_;
   TrainingSet set_;
   std::vector<RenderView> given_views_;
-  JudgingSet judging_;
+  JudgingSet all_judging_, judging_;  // of all views, and without those that are left out
+  std::vector<uint8_t> left_out_;     // per view; empty: none
   glm::vec3 background_srgb_;
   int samples_ = 1;
   bool learns_all_ = true;

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tetrec {
@@ -92,6 +93,13 @@ std::vector<Rigid3> PathOf(const RenderPathOptions& options, const RenderViewsOp
              : PathThroughCameras(scene, chosen, options.FrameCount());
 }
 
+// The camera of most views: photos that were taken upright and level have different ones.
+const Camera& UsualCamera(const Scene& scene) {
+  std::vector<size_t> views(scene.cameras.size(), 0);
+  for (const View& view : scene.views) ++views[size_t(view.camera)];
+  return scene.cameras[size_t(std::ranges::max_element(views) - views.begin())];
+}
+
 }  // namespace
 
 size_t RenderPathOptions::FrameCount() const {
@@ -116,7 +124,7 @@ void RunRenderPath(const RenderPathOptions& options, const RenderViewsOptions& v
   const fs::path scene_folder = PreviousStage(field_folder, {"sfm", "import"});
   const Scene scene = ReadScene(scene_folder);
   const std::vector<Rigid3> path = PathOf(options, views, scene, scene_folder);
-  const Camera camera = VideoCamera(scene.cameras.front(), options.size);
+  const Camera camera = VideoCamera(UsualCamera(scene), options.size);
   const Background background = ChooseBackground(scene, views.background);
   const RadianceField field = ReadField(field_folder / "field.tetf", Orientations::kAny);
   const std::unique_ptr<TrainingRenderer> renderer =

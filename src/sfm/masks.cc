@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 
 namespace tetrec {
@@ -42,10 +43,35 @@ size_t CountSeen(const std::vector<uint8_t>& levels) {
                               [](uint8_t level) { return level >= kSeenAlpha; }));
 }
 
-// True for an image of the stored photo's shape, at its size or another.
-bool HasShapeOf(const Photo& photo, const Image& image) {
-  const glm::ivec2 size(image.width, image.height), wanted(photo.width, photo.height);
+// True for the size of the stored photo, and for smaller and larger ones of its shape.
+bool HasShapeOf(const Photo& photo, const glm::ivec2& size) {
+  const glm::ivec2 wanted(photo.width, photo.height);
   return size == wanted || IsScaledCopy(size, wanted);
+}
+
+// True if the mask fits the photo only if it is upright while the photo is stored on its side.
+bool IsPlainlyUpright(const fs::path& mask, const Photo& photo) {
+  if (photo.quarter_turns % 2 == 0) return false;
+  const Image image = ReadImage(mask);
+  return !HasShapeOf(photo, {image.width, image.height}) &&
+         HasShapeOf(photo, {image.height, image.width});
+}
+
+// Whether one of the masks is upright shows only where a photo is stored on its side; then all are.
+void FindUprightMasks(const std::vector<fs::path>& masks, std::vector<Photo>& photos) {
+  std::atomic<bool> are_upright = false;
+  ParallelFor(masks.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end && !are_upright; ++i) {
+      try {
+        if (IsPlainlyUpright(masks[i], photos[i])) are_upright = true;
+      } catch (const DataError&) {
+        // ReadAll names all that cannot be read.
+      }
+    }
+  });
+  if (!are_upright) return;
+  LogInfo("masks are upright, unlike the photos that are stored on their side");
+  for (Photo& photo : photos) photo.mask_is_upright = photo.quarter_turns != 0;
 }
 
 // What reading a mask has found out.
@@ -125,20 +151,20 @@ std::vector<fs::path> FindMasks(const fs::path& folder, const std::vector<Photo>
 }
 
 std::vector<uint8_t> ReadMask(const fs::path& path, const Photo& photo) {
-  const Image mask = ReadImage(path);
-  const Image as_stored = photo.quarter_turns % 2 == 1 && !HasShapeOf(photo, mask)
-                              ? TurnedClockwise(mask, 4 - photo.quarter_turns)
-                              : mask;
-  if (!HasShapeOf(photo, as_stored)) {
+  Image mask = ReadImage(path);
+  const glm::ivec2 size(mask.width, mask.height);
+  if (photo.mask_is_upright) mask = TurnedClockwise(mask, 4 - photo.quarter_turns);
+  if (!HasShapeOf(photo, {mask.width, mask.height})) {
     throw DataError(fmt::format(
         "{}: mask of {} x {} pixels for a photo of {} x {}; expected the same aspect ratio",
-        path.string(), mask.width, mask.height, photo.width, photo.height));
+        path.string(), size.x, size.y, photo.width, photo.height));
   }
-  return AlphaOf(MaskedBy(MakeImage(photo.width, photo.height, 3), as_stored));
+  return AlphaOf(MaskedBy(MakeImage(photo.width, photo.height, 3), mask));
 }
 
 std::vector<std::string> AddMasks(const fs::path& folder, std::vector<Photo>& photos) {
   const std::vector<fs::path> masks = FindMasks(folder, photos);
+  FindUprightMasks(masks, photos);
   const std::vector<MaskFacts> facts = ReadAll(masks, photos);
   double seen = 0, pixels = 0;
   for (const MaskFacts& mask : facts) {

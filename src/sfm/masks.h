@@ -18,13 +18,14 @@ std::vector<std::filesystem::path> FindMasks(const std::filesystem::path& folder
                                              const std::vector<Photo>& photos);
 
 // The mask's levels for the photo's pixels as they are stored, row by row: those of at least
-// kSeenAlpha are used. A mask has the shape of the stored photo, or of the upright one where that
-// differs; one of another size is resampled. Throws DataError if it has another shape.
+// kSeenAlpha are used. A mask of another size is resampled. Throws DataError if it has another
+// shape than the stored photo or, if it is upright, than the upright one.
 std::vector<uint8_t> ReadMask(const std::filesystem::path& mask, const Photo& photo);
 
-// Gives the photos their masks. All are read once, and one error names all that cannot be used.
-// Photos whose masks leave no pixel are removed, with a warning; their names are returned. If no
-// mask hides anything, no photo gets one.
+// Gives the photos their masks. All are read, and one error names all that cannot be used. Masks
+// are as their photos are stored, or upright if the shape of one of them shows it: some programs
+// turn images by their EXIF, others do not. Photos whose masks leave no pixel are removed, with a
+// warning; their names are returned. If no mask hides anything, no photo gets one.
 std::vector<std::string> AddMasks(const std::filesystem::path& folder, std::vector<Photo>& photos);
 
 // The photo's image with its mask as alpha.

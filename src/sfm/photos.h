@@ -12,9 +12,10 @@ struct Photo {
   std::filesystem::path file;        // its pixels: itself, or a JPEG file made of it
   std::filesystem::path for_colmap;  // the same, as JPEG or PNG
   int width = 0, height = 0;
-  int quarter_turns = 0;       // clockwise, that make it upright, by its EXIF
-  std::string sha256;          // of what COLMAP reads
-  std::filesystem::path mask;  // empty: all of it is used
+  int quarter_turns = 0;         // clockwise, that make it upright, by its EXIF
+  std::string sha256;            // of what COLMAP reads
+  std::filesystem::path mask;    // empty: all of it is used
+  bool mask_is_upright = false;  // it has to be turned back to fit the stored photo
   std::string mask_sha256;
 };
 

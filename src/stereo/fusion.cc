@@ -245,7 +245,7 @@ PlyProperty Property(const char* name, PlyType type) {
 Fusion FuseDepths(std::span<const StereoDepth> maps, std::span<const StereoView> views,
                   const FusionOptions& options) {
   TETREC_CHECK(maps.size() == views.size(), "a map for each view");
-  TETREC_CHECK(options.max_points > 0, "points to fuse");
+  TETREC_CHECK(options.max_points > 0 && options.pixels_at_once > 0, "points to fuse");
   const Depths depths(maps, views);
   Fusion fusion;
   fusion.pixels = depths.Count();

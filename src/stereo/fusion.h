@@ -21,7 +21,7 @@ struct DensePoint {
 };
 
 struct FusionOptions {
-  size_t max_points = 12'000;  // above 0; the spacing follows from it
+  size_t max_points = 12'000;  // about; above 0; the spacing follows from it
   double see_through = 0.03;   // a depth this much (relative) behind a point contradicts it
   // About as many are in memory at once, with some 80 bytes each; above 0.
   size_t pixels_at_once = 4'000'000;

@@ -17,6 +17,10 @@ constexpr size_t kFewestSparsePoints = 50;
 constexpr size_t kFewestSeenPoints = 5;
 constexpr int kGridCells = 10;
 
+// Photos from within this share of the distance to what they show (0.6 degrees) are as good as one:
+// nothing between them shows depth, and their maps agree also where they are wrong.
+constexpr double kOnePlace = 0.01;
+
 double AngleScore(double angle) {
   constexpr double kBest = glm::pi<double>() / 18;  // 10 degrees
   const double width = angle < kBest ? kBest / 2 : kBest;
@@ -33,6 +37,16 @@ double PointScore(const glm::dvec3& first, const glm::dvec3& second, const glm::
   const double la = glm::length(a), lb = glm::length(b);
   const double cosine = std::clamp(glm::dot(a, b) / (la * lb), -1.0, 1.0);
   return AngleScore(std::acos(cosine)) * std::min(la, lb) / std::max(la, lb);
+}
+
+// From a camera's centre to the points that it sees; 0 if it sees none.
+double MedianDistance(const glm::dvec3& center, std::span<const glm::dvec3> points,
+                      std::span<const uint8_t> seen) {
+  std::vector<double> distances;
+  for (size_t p = 0; p < points.size(); ++p) {
+    if (seen[p]) distances.push_back(glm::distance(center, points[p]));
+  }
+  return distances.empty() ? 0 : Quantile(std::move(distances), 0.5);
 }
 
 // The depths of a box's corners that are in front of the camera.
@@ -90,8 +104,16 @@ std::vector<std::vector<uint32_t>> ChooseNeighbors(std::span<const StereoView> v
         if (score > 0) scores.emplace_back(-score, uint32_t(j));
       }
       std::sort(scores.begin(), scores.end());
-      for (size_t k = 0; k < std::min(count, scores.size()); ++k) {
-        neighbors[i].push_back(scores[k].second);
+      const double one_place = kOnePlace * MedianDistance(centers[i], points, seen[i]);
+      std::vector<glm::dvec3> taken{centers[i]};
+      for (const auto& [score, j] : scores) {
+        if (neighbors[i].size() == count) break;
+        const bool is_new = std::ranges::none_of(taken, [&](const glm::dvec3& center) {
+          return glm::distance(center, centers[j]) < one_place;
+        });
+        if (!is_new) continue;
+        neighbors[i].push_back(j);
+        taken.push_back(centers[j]);
       }
     }
   });

@@ -17,7 +17,9 @@ std::vector<glm::dvec3> OverlapPoints(const Scene& scene);
 // For each view the others that see the same points at a useful angle, the best first, at most
 // `count`. A pair's score is the sum over the points that both see of exp(-(a - 10 deg)^2 / (2
 // s^2)) with s = 5 deg below and 10 deg above, times the smaller over the larger of the two
-// distances (like MVSNet's choice of source views, Yao et al. 2018).
+// distances (like MVSNet's choice of source views, Yao et al. 2018). Of views from one place,
+// within a hundredth of the median distance to what they show, only the best is taken, and none
+// from the view's own place.
 std::vector<std::vector<uint32_t>> ChooseNeighbors(std::span<const StereoView> views,
                                                    std::span<const glm::dvec3> points,
                                                    size_t count);

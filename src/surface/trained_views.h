@@ -1,5 +1,5 @@
-// The training views of a scene from the cameras that a fit left, which are those that its field
-// looks right from.
+// The training views of a scene that a fit has not left out, from the cameras that it left, which
+// are those that its field looks right from.
 #pragma once
 
 #include "geometry/camera.h"
@@ -22,7 +22,7 @@ struct TrainedView {
   Rigid3 cam_from_world;  // corrected by the run, if the field's folder has corrections
 };
 
-// Throws DataError for the file of corrections.
+// Throws DataError for the files of corrections and of photos that were left out.
 std::vector<TrainedView> TrainedViews(const Scene& scene,
                                       const std::filesystem::path& field_folder);
 

@@ -4,6 +4,7 @@
 #include "fuzz/fuzz_target.h"
 #include "run/camera_corrections.h"
 #include "run/field_world.h"
+#include "run/left_out_photos.h"
 #include "run/mesh_growth.h"
 #include "run/photo_exposures.h"
 #include "run/rendered_views.h"
@@ -47,7 +48,9 @@ constexpr std::array kFiles = {
          RoundTrip<tetrec::ReadRenderedViews, tetrec::WriteRenderedViews>},
     File{tetrec::kTrainingLogFile, [](const fs::path& path) { tetrec::ReadTrainingLog(path); }},
     File{tetrec::kManifestFile, Manifest},
-    File{tetrec::kStatusFile, Manifest}};
+    File{tetrec::kStatusFile, Manifest},
+    File{tetrec::kLeftOutPhotosFile,
+         RoundTrip<tetrec::ReadLeftOutPhotos, tetrec::WriteLeftOutPhotos>}};
 
 }  // namespace
 

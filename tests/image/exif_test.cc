@@ -74,5 +74,32 @@ TEST(Exif, QuarterTurnsMakeImagesUpright) {
   }
 }
 
+TEST(Exif, APhotoIsReadAsStoredWithItsOrientationWhateverItsExifIs) {
+  const ScratchFolder folder;
+  const std::vector<uint8_t> jpeg = EncodeJpeg(MakeImage(24, 16, 3), 90);
+  const auto orientation_of = [&](const std::vector<uint8_t>& bytes) {
+    int orientation = 0;
+    const Image image = ReadPhoto(folder.Write("a.jpg", bytes), &orientation);
+    EXPECT_EQ(image.width, 24);
+    return orientation;
+  };
+  EXPECT_EQ(orientation_of(jpeg), 1);
+  EXPECT_EQ(orientation_of(WithApp1(jpeg, ExifOfOrientation(6))), 6);
+  const std::vector<uint8_t> turned = WithApp1(jpeg, ExifOfOrientation(8, true));
+  EXPECT_EQ(orientation_of(turned), 8);
+  EXPECT_EQ(orientation_of(WithApp1(jpeg, {})), 1);
+  std::vector<uint8_t> cut = ExifOfOrientation(6);
+  cut.resize(20);
+  EXPECT_EQ(orientation_of(WithApp1(jpeg, cut)), 1);
+  // Other programs use the same segment.
+  const std::string xmp("http://ns.adobe.com/xap/1.0/\0<x/>", 33);
+  EXPECT_EQ(orientation_of(WithApp1(turned, {xmp.begin(), xmp.end()})), 8);
+
+  int of_png = 0;
+  WriteImage(folder / "a.png", MakeImage(4, 4, 3));
+  ReadPhoto(folder / "a.png", &of_png);
+  EXPECT_EQ(of_png, 1);
+}
+
 }  // namespace
 }  // namespace tetrec

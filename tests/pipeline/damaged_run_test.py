@@ -12,6 +12,7 @@ from hostile_case import VALUES, HostileCase, leaves, replaced
 READERS = (
     ("3_field", "exposure.json", ("surface", "evaluate"), 61),
     ("3_field", "cameras.json", ("surface", "evaluate"), 83),
+    ("3_field", "left_out.json", ("surface",), 47),
     ("3_field", "growth.json", ("evaluate", "chart"), 53),
     ("3_field", "metrics.csv", ("evaluate", "chart"), None),
     ("3_field", "world.json", ("surface",), None),
@@ -25,7 +26,7 @@ CELLS = ("", "nan", "-1", "1e999", "1e308", "99999999999999999999", "x\x1b[2J", 
 class DamagedRunTest(HostileCase):
 
     def finished_run(self):
-        """The folder of a finished run whose optimiser estimated exposures and cameras."""
+        """The folder of a finished run whose optimiser estimated exposures and cameras, and left out a photo."""
         folders = self.chain()
         field = folders["optimize"]
         views = json.loads((folders["import"] / "scene.json").read_text())["views"]
@@ -35,6 +36,8 @@ class DamagedRunTest(HostileCase):
             content = {"schema": 1, "views": [
                 {"name": view["name"], "cam_from_world": view["cam_from_world"], **values} for view in views]}
             self.forge(field, file, json.dumps(content).encode())
+        left_out = {"schema": 1, "views": [{"name": views[0]["name"]}]}
+        self.forge(field, "left_out.json", json.dumps(left_out).encode())
         return field.parent
 
     def copy_of(self, run):

@@ -94,17 +94,30 @@ TEST_F(MasksTest, AScaledCopyIsResampledAndAnotherShapeRefused) {
   EXPECT_EQ(ReadMask(fs::path(masks_) / "bits.png", photo)[10], 255);
 }
 
-TEST_F(MasksTest, AMaskIsAsThePhotoIsStoredOrUpright) {
-  Photo photo = Photos({"a.jpg"})[0];
-  photo.quarter_turns = 1;  // the stored photo's left is up
-  WriteMask("stored.png", 16);
-  const std::vector<uint8_t> as_stored = ReadMask(fs::path(masks_) / "stored.png", photo);
-  WriteImage(fs::path(masks_) / "upright.png",
-             TurnedClockwise(ReadImage(fs::path(masks_) / "stored.png"), 1));
-  EXPECT_EQ(ReadMask(fs::path(masks_) / "upright.png", photo), as_stored);
-  WriteMask("other.png", 0, 48, 63);
-  ExpectError<DataError>([&] { ReadMask(fs::path(masks_) / "other.png", photo); },
-                         {"other.png: mask of 48 x 63 pixels for a photo of 64 x 48"});
+TEST_F(MasksTest, AreAsPhotosAreStoredOrAllUpright) {
+  const auto photos_with_turns = [] {
+    std::vector<Photo> photos = Photos({"a.jpg", "b.jpg", "c.jpg"});
+    photos[0].quarter_turns = 1;  // its left is up
+    photos[1].quarter_turns = 2;  // its bottom is
+    return photos;
+  };
+  for (const char* name : {"a.png", "b.png", "c.png"}) WriteMask(name, 16);
+  std::vector<Photo> stored = photos_with_turns();
+  AddMasks(masks_, stored);
+  const auto seen_at_left = [](const Photo& photo) { return ReadMask(photo.mask, photo)[0] > 0; };
+  for (const Photo& photo : stored) EXPECT_FALSE(seen_at_left(photo)) << photo.name;
+
+  WriteImage(fs::path(masks_) / "a.png", TurnedClockwise(ReadImage(fs::path(masks_) / "a.png"), 1));
+  std::vector<Photo> upright = photos_with_turns();
+  AddMasks(masks_, upright);
+  EXPECT_FALSE(seen_at_left(upright[0]));
+  EXPECT_TRUE(seen_at_left(upright[1])) << "its mask is upright, too";
+  EXPECT_FALSE(seen_at_left(upright[2]));
+
+  WriteMask("a.png", 0, 48, 63);
+  std::vector<Photo> other = photos_with_turns();
+  ExpectError<DataError>([&] { AddMasks(masks_, other); },
+                         {"a.png: mask of 48 x 63 pixels for a photo of 64 x 48"});
 }
 
 TEST_F(MasksTest, AllMasksThatCannotBeUsedAreNamedAtOnce) {

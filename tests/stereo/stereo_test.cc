@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <tuple>
 
 namespace tetrec {
@@ -156,6 +157,19 @@ TEST(ChooseNeighbors, PrefersViewsAtAUsefulAngle) {
       // Cameras on a sphere of radius 3 around the ball, but what they see is the room behind it.
       EXPECT_LT(glm::distance(center, views[j].cam_from_world.Inverse().translation), 3);
     }
+  }
+}
+
+TEST(ChooseNeighbors, TakesOneOfSeveralViewsFromOnePlace) {
+  const SyntheticScene synthetic = SomeScene(SyntheticKind::kRoom, 200, 20);
+  std::vector<StereoView> views = ViewsOf(synthetic);
+  const size_t count = views.size();
+  for (size_t i = 0; i < count; ++i) views.push_back(views[i]);  // its twin is i + count
+  const auto neighbors = ChooseNeighbors(views, OverlapPoints(synthetic.scene), 6);
+  for (size_t i = 0; i < views.size(); ++i) {
+    std::set<size_t> places{i % count};
+    for (const uint32_t j : neighbors[i]) EXPECT_TRUE(places.insert(j % count).second) << i;
+    EXPECT_GT(places.size(), 3u);
   }
 }
 

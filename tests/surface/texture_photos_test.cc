@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "expect_error.h"
 #include "run/camera_corrections.h"
+#include "run/left_out_photos.h"
 #include "run/photo_exposures.h"
 #include "scene/synthetic.h"
 #include "scratch_folder.h"
@@ -54,6 +55,15 @@ TEST(TexturePhotos, TrainingPhotosComeWithTheirCorrectionsAndOutlinesAreNotTrust
     EXPECT_GT(outline, 10);
     EXPECT_EQ(photo.trust[photo.Index(0, 30)], 0);
   }
+
+  WriteLeftOutPhotos(field_folder / kLeftOutPhotosFile, {first.name});
+  EXPECT_EQ(ReadTexturePhotos(scene_folder / "", field_folder / "").size(), 2u);
+  std::vector<std::string> all;
+  for (const View& view : synthetic.scene.views) all.push_back(view.name);
+  WriteLeftOutPhotos(field_folder / kLeftOutPhotosFile, all);
+  ExpectError<DataError>([&] { ReadTexturePhotos(scene_folder / "", field_folder / ""); },
+                         {"left_out.json: names all training views", "tetrec-optimize"});
+  std::filesystem::remove(field_folder / kLeftOutPhotosFile);
 
   const Image small = MakeImage(5, 4, 3);
   WriteImage(scene_folder / first.image, small);

@@ -1,0 +1,60 @@
+// Photos that do not fit the others: their cameras were found in wrong places, or what they show
+// has moved. They blur what the others show, so they are left out if the others gain by it.
+#pragma once
+
+#include "optimize/fitted_field.h"
+#include "optimize/judging.h"
+#include "optimize/training_pictures.h"
+#include "optimize/training_steps.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tetrec {
+
+// Which of them do not fit: those whose mean squared error is at least four times the median, and
+// more than four standard deviations (of the logarithms, estimated from their median deviation)
+// above it. Views with fewer than 128 rays are not compared, nor are fewer than 8 views.
+std::vector<size_t> FindStray(std::span<const ErrorSum> views);
+
+struct StrayState {
+  uint32_t looks = 0;             // done
+  std::vector<uint8_t> left_out;  // per training view; empty: none
+};
+
+class StrayPhotos {
+ public:
+  StrayPhotos(const OptimizeOptions& options, FittedField& field, TrainingPictures& pictures,
+              TrainingSteps& steps)
+      : options_(options), field_(field), pictures_(pictures), steps_(steps) {}
+
+  // Before the cameras are placed. Throws DataError that names `checkpoint` if the state is of
+  // another number of photos.
+  void Resume(StrayState state, const std::string& checkpoint);
+  const StrayState& state() const { return state_; }
+
+  bool IsDue(double growth) const;
+  // Looks for photos that do not fit, and tries what the others gain without them; those that were
+  // left out and fit now are learned again. Returns true if others are left out than before:
+  // judgements before and after cannot be compared. If the run is asked to stop meanwhile,
+  // everything is as before.
+  bool Advance();
+
+ private:
+  ptrdiff_t CountLeftOut() const;
+  bool LearnWhatFitsAgain(const std::vector<uint8_t>& stray);
+  // None if the run is asked to stop meanwhile.
+  std::optional<bool> IsBetterWithout(const std::vector<uint8_t>& stray);
+
+  const OptimizeOptions& options_;
+  FittedField& field_;
+  TrainingPictures& pictures_;
+  TrainingSteps& steps_;
+  StrayState state_;
+};
+
+}  // namespace tetrec
