@@ -179,33 +179,35 @@ std::vector<uint8_t> VerticesOf(const LevelSet& set, std::span<const uint8_t> ma
   return vertices;
 }
 
-// Marks the triangles all of whose vertices are within `radius` of marked ones.
-std::vector<uint8_t> Dilated(const LevelSet& set, std::span<const uint8_t> marks, float radius) {
-  const std::vector<float> distances =
-      EdgeDistances(set.positions, set.triangles, VerticesOf(set, marks, 1), radius);
-  std::vector<uint8_t> dilated;
-  for (const glm::uvec3& t : set.triangles) {
-    dilated.push_back(std::max({distances[t.x], distances[t.y], distances[t.z]}) <= radius);
-  }
-  return dilated;
-}
+// How far a triangle's vertices are from some triangles, along edges; infinite beyond a radius.
+struct Reach {
+  float nearest, farthest;
+};
 
-// Marks the marked triangles none of whose vertices is within `radius` of unmarked ones.
-std::vector<uint8_t> Eroded(const LevelSet& set, std::span<const uint8_t> marks, float radius) {
+// From the triangles whose marks are `mark`.
+std::vector<Reach> ReachesOf(const LevelSet& set, std::span<const uint8_t> marks, uint8_t mark,
+                             float radius) {
   const std::vector<float> distances =
-      EdgeDistances(set.positions, set.triangles, VerticesOf(set, marks, 0), radius);
-  std::vector<uint8_t> eroded;
+      EdgeDistances(set.positions, set.triangles, VerticesOf(set, marks, mark), radius);
+  std::vector<Reach> reaches;
   for (const glm::uvec3& t : set.triangles) {
-    eroded.push_back(std::min({distances[t.x], distances[t.y], distances[t.z]}) > radius);
+    const auto [nearest, farthest] = std::minmax({distances[t.x], distances[t.y], distances[t.z]});
+    reaches.push_back({nearest, farthest});
   }
-  return eroded;
+  return reaches;
 }
 
 // Marks what lies in gaps of up to twice the radius between marked triangles: by closing, as of
 // binary images (Serra, Image Analysis and Mathematical Morphology, 1982), along the surface.
 void CloseGaps(const LevelSet& set, float radius, std::vector<uint8_t>& marks) {
-  const std::vector<uint8_t> closed = Eroded(set, Dilated(set, marks, radius), radius);
-  for (size_t f = 0; f < marks.size(); ++f) marks[f] |= closed[f];
+  std::vector<uint8_t> dilated;
+  for (const Reach& reach : ReachesOf(set, marks, 1, radius)) {
+    dilated.push_back(reach.farthest <= radius);
+  }
+  const std::vector<Reach> from_far = ReachesOf(set, dilated, 0, radius);
+  for (size_t f = 0; f < marks.size(); ++f) {
+    if (from_far[f].nearest > radius) marks[f] = 1;
+  }
 }
 
 }  // namespace

@@ -148,6 +148,22 @@ TEST(Opacity, AFloorAtAFlatAngleStaysUnlessItLeadsToWhatIsHidden) {
   EXPECT_TRUE(SeenPart(broken, views, 0.1).triangles.empty());
 }
 
+// Something hides a strip of the floor, z from -0.1 to 0.1.
+TEST(Opacity, AGapInWhatIsSeenStaysIfItIsNarrow) {
+  SeenDepth view = FloorFromAbove(2);
+  for (int y = 0; y < 200; ++y) {
+    const double down = view.camera.CamFromImage({0.5, y + 0.5}).y;
+    if (down <= 0 || std::abs(4 - 2 / down) > 0.1) continue;
+    for (int x = 0; x < 200; ++x) view.depth.At(x, y) *= 0.5f;
+  }
+  const LevelSet floor = Floor(-1, 0);
+  const std::vector<SeenDepth> views = {view};
+  const size_t seen = SeenPart(floor, views, 0.05).triangles.size();
+  EXPECT_GT(seen, floor.triangles.size() / 2);
+  EXPECT_LT(seen, 0.9 * double(floor.triangles.size()));
+  EXPECT_EQ(SeenPart(floor, views, 0.5).triangles.size(), floor.triangles.size());
+}
+
 // Of twenty cameras, two must face a surface: the rays of one may end anywhere as far as the others
 // know.
 TEST(Opacity, WhatFacesOneOfManyCamerasIsLeftOutIfItLeadsToWhatIsHidden) {
