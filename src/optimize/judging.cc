@@ -166,13 +166,13 @@ std::vector<TargetImage> TargetsToLearn(const TrainingSet& set, const JudgingSet
 }
 
 Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
-                const glm::vec3& background_srgb, int samples) {
+                const glm::vec3& background_srgb, int samples, size_t most_pixels) {
   std::vector<ErrorSum> views;
   ErrorSum all, whole, tiles;
   const std::span<const RayBlock> blocks = judging.blocks;
   const std::span<const uint8_t> counts = judging.pixels;
   const size_t pixels = blocks.size() * kRaysPerBlock;
-  const size_t n = (pixels + kMostJudgedPixels - 1) / kMostJudgedPixels | 1;
+  const size_t n = ((std::max<size_t>(pixels, 1) - 1) / most_pixels + 1) | 1;
   for (size_t begin = 0, end = 0; begin < blocks.size(); begin = end) {
     while (end < blocks.size() && blocks[end].view == blocks[begin].view) ++end;
     const std::vector<RayBlock> judged = EveryNth(blocks.subspan(begin, end - begin), n);

@@ -28,8 +28,8 @@ inline constexpr size_t kLeastViewsToJudge = 24, kViewsPerJudge = 16;
 inline constexpr uint32_t kTilesPerJudge = 32;
 JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed);
 
-// So many blocks of each view, one drawn from each of so many stretches, or all if they are fewer;
-// without those that masks exclude.
+// `blocks_per_view` blocks of each view, one drawn at random from each of as many equal stretches;
+// all of them if there are fewer. Blocks that masks hide entirely do not count.
 JudgingSet SampleViews(const TrainingSet& set, size_t blocks_per_view);
 
 // What is left of it without the views whose flags are set; all of it without flags.
@@ -58,11 +58,12 @@ struct Judgement {
 };
 
 // The renderer's targets are those of the set. `background_srgb`: behind field and targets.
-// `samples`: TrainingBatch::samples. If there are more than kMostJudgedPixels judging pixels, only
+// `samples`: TrainingBatch::samples. If there are more than `most_pixels` judging pixels, only
 // every n-th block of each view is rendered: the errors of neighbours are alike.
 inline constexpr size_t kMostJudgedPixels = size_t{1} << 17;
 Judgement Judge(TrainingRenderer& renderer, const JudgingSet& judging,
-                const glm::vec3& background_srgb, int samples = 1);
+                const glm::vec3& background_srgb, int samples = 1,
+                size_t most_pixels = kMostJudgedPixels);
 
 // Returns true if the pictures are matched (ScheduleOptions) even at one standard error below their
 // PSNR.

@@ -26,11 +26,13 @@ CameraCorrection CorrectionOf(const std::string& name, const RenderView& given,
 
 }  // namespace
 
-void WriteExposures(const Scene& scene, std::span<const ViewExposure> exposures, Stage& stage) {
+void WriteExposures(const Scene& scene, std::span<const ViewExposure> exposures,
+                    std::span<const uint8_t> left_out, Stage& stage) {
   if (exposures.empty()) return;
   const std::vector<int> views = scene.ViewsOf(Split::kTrain);
   std::vector<PhotoExposure> rows;
   for (size_t i = 0; i < exposures.size(); ++i) {
+    if (!left_out.empty() && left_out[i]) continue;
     rows.push_back({scene.views[size_t(views[i])].name, exposures[i].gain, exposures[i].offset});
   }
   WritePhotoExposures(stage.Output(kPhotoExposuresFile), rows);

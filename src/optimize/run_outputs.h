@@ -14,17 +14,19 @@
 
 namespace tetrec {
 
-// exposure.json, one per training view; nothing is written if there are none. Warns where photos
-// differ much.
-void WriteExposures(const Scene& scene, std::span<const ViewExposure> exposures, Stage& stage);
+// Writes exposure.json from one exposure per training view, without the photos that are left out;
+// writes nothing if there are no exposures. Warns where photos differ much.
+void WriteExposures(const Scene& scene, std::span<const ViewExposure> exposures,
+                    std::span<const uint8_t> left_out, Stage& stage);
 
-// cameras.json, by a pose and a given camera per training view, without those that are left out;
-// nothing is written if there are no poses. Warns where cameras moved much.
+// Writes cameras.json from one pose and one given camera per training view, without the photos that
+// are left out; writes nothing if there are no poses. Warns where cameras moved much.
 void WriteCorrections(const Scene& scene, std::span<const RenderView> given,
                       std::span<const CorrectedPose> poses, std::span<const uint8_t> left_out,
                       Stage& stage);
 
-// left_out.json, by a flag per training view; nothing is written if none is set. Warns of them.
+// Writes left_out.json from one flag per training view; writes nothing if none is set. Warns of the
+// photos that are left out.
 void WriteLeftOut(const Scene& scene, std::span<const uint8_t> left_out, Stage& stage);
 
 // world.json.

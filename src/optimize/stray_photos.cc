@@ -84,13 +84,18 @@ bool StrayPhotos::Advance() {
     ++state_.looks;
     return false;
   }
+  const std::vector<uint8_t> left_out_before = state_.left_out;
   const std::vector<ErrorSum> errors = pictures_.ErrorsOfViews();
   const std::vector<uint8_t> stray = FlagsOf(FindStray(errors), errors.size());
   const bool is_changed = LearnWhatFitsAgain(stray);
   const bool finds_another = std::ranges::count(stray, 1) > CountLeftOut();
   const std::optional<bool> is_better =
       finds_another ? IsBetterWithout(stray) : std::optional(false);
-  if (!is_better) return is_changed;  // stopped: the resumed run looks again
+  if (!is_better) {  // stopped: the resumed run looks again
+    state_.left_out = left_out_before;
+    pictures_.LeaveOut(state_.left_out);
+    return false;
+  }
   ++state_.looks;
   if (*is_better) state_.left_out = stray;
   return is_changed || *is_better;
@@ -114,7 +119,6 @@ std::optional<bool> StrayPhotos::IsBetterWithout(const std::vector<uint8_t>& str
   const FieldState before = field_.ReadState();
   const auto end_as_before = [&] {
     field_.PutState(before);
-    pictures_.LeaveOut(state_.left_out);
     steps_.Resume(iteration, rays);
     return std::nullopt;
   };

@@ -121,10 +121,10 @@ class Trainer {
     std::vector<GrowthStep> growth = rounds_.state().steps;
     growth.push_back(end_of_growth_);
     WriteMeshGrowth(stage_.Output(kMeshGrowthFile), growth);
-    WriteExposures(scene_, exposure_.State(*renderer_).exposures, stage_);
-    WriteLeftOut(scene_, stray_.state().left_out, stage_);
-    WriteCorrections(scene_, pictures_.given_views(), poses_.state().poses, stray_.state().left_out,
-                     stage_);
+    const std::vector<uint8_t>& left_out = stray_.state().left_out;
+    WriteExposures(scene_, exposure_.State(*renderer_).exposures, left_out, stage_);
+    WriteCorrections(scene_, pictures_.given_views(), poses_.state().poses, left_out, stage_);
+    WriteLeftOut(scene_, left_out, stage_);
   }
 
  private:

@@ -4,9 +4,12 @@
 #include "core/random.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace tetrec {
 namespace {
+
+constexpr size_t kBlocksOfView = 128;  // that show how well a view fits
 
 // `blocks`: view by view.
 size_t CountViews(std::span<const RayBlock> blocks) {
@@ -38,6 +41,11 @@ void TrainingPictures::PlaceCameras(std::span<const CorrectedPose> poses, double
 void TrainingPictures::LeaveOut(std::span<const uint8_t> views) {
   left_out_.assign(views.begin(), views.end());
   judging_ = Without(all_judging_, left_out_);
+  // Without steps that draw them, their exposures would become neutral, and they would never fit
+  // again.
+  for (const RayBlock& block : SampleViews(set_, kBlocksOfView).blocks) {
+    if (!left_out_.empty() && left_out_[block.view]) judging_.spare_blocks.push_back(block);
+  }
   ChooseLearned(learns_all_);
 }
 
@@ -54,10 +62,10 @@ Judgement TrainingPictures::JudgeField(std::optional<int> samples) {
 }
 
 std::vector<ErrorSum> TrainingPictures::ErrorsOfViews() {
-  constexpr size_t kBlocksOfView = 128;
   const JudgingSet sample = SampleViews(set_, kBlocksOfView);
   renderer_.SetTargets(set_.views, set_.targets);
-  const Judgement judgement = Judge(renderer_, sample, background_srgb_, samples_);
+  const Judgement judgement =
+      Judge(renderer_, sample, background_srgb_, samples_, std::numeric_limits<size_t>::max());
   ChooseLearned(learns_all_);
   std::vector<ErrorSum> errors(set_.views.size());
   size_t judged = 0;

@@ -45,12 +45,12 @@ class TrainingPictures {
   // What the judging pictures say of the renderer's field. They are kept from learning, or learned,
   // as before, however late it is. `samples`: TrainingBatch::samples, by default those of JudgeBy.
   Judgement JudgeField(std::optional<int> samples = {});
-  // The errors of the renderer's field in a sample of each view that is learned or left out, and
-  // nothing for those that are kept whole to judge: unseen, they have larger errors than others.
+  // The errors of the renderer's field in a sample of each view that is learned or left out; no
+  // rays for those that are kept whole to judge: unseen, they have larger errors than others.
   std::vector<ErrorSum> ErrorsOfViews();
-  // Adds samples of the whole judging views to the sums from which exposures are fitted. No step
-  // draws these views, so that they would be judged at a neutral exposure otherwise. The samples
-  // are pixels that do not judge; `iteration` determines which.
+  // Adds samples of the whole judging views, and of those that are left out, to the sums from which
+  // exposures are fitted. No step draws these views, so that they would be judged at a neutral
+  // exposure otherwise. The samples are pixels that do not judge; `iteration` determines which.
   void GatherExposuresOfWholeViews(uint64_t iteration);
   // From now on fields are judged by so many samples. Judgements by different ones cannot be
   // compared.

@@ -93,7 +93,7 @@ std::vector<Rigid3> PathOf(const RenderPathOptions& options, const RenderViewsOp
              : PathThroughCameras(scene, chosen, options.FrameCount());
 }
 
-// The camera of most views: photos that were taken upright and level have different ones.
+// The camera of most views: portrait and landscape photos have different ones.
 const Camera& UsualCamera(const Scene& scene) {
   std::vector<size_t> views(scene.cameras.size(), 0);
   for (const View& view : scene.views) ++views[size_t(view.camera)];

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <atomic>
 #include <map>
+#include <utility>
 
 namespace tetrec {
 namespace fs = std::filesystem;
@@ -49,7 +50,7 @@ bool HasShapeOf(const Photo& photo, const glm::ivec2& size) {
   return size == wanted || IsScaledCopy(size, wanted);
 }
 
-// True if the mask fits the photo only if it is upright while the photo is stored on its side.
+// True if the photo is stored on its side and the mask fits only the upright photo.
 bool IsPlainlyUpright(const fs::path& mask, const Photo& photo) {
   if (photo.quarter_turns % 2 == 0) return false;
   const Image image = ReadImage(mask);
@@ -57,7 +58,8 @@ bool IsPlainlyUpright(const fs::path& mask, const Photo& photo) {
          HasShapeOf(photo, {image.height, image.width});
 }
 
-// Whether one of the masks is upright shows only where a photo is stored on its side; then all are.
+// Only masks of photos that are stored on their side can show this; if one of them is upright, all
+// are taken to be.
 void FindUprightMasks(const std::vector<fs::path>& masks, std::vector<Photo>& photos) {
   std::atomic<bool> are_upright = false;
   ParallelFor(masks.size(), 1, [&](size_t begin, size_t end) {
@@ -155,9 +157,12 @@ std::vector<uint8_t> ReadMask(const fs::path& path, const Photo& photo) {
   const glm::ivec2 size(mask.width, mask.height);
   if (photo.mask_is_upright) mask = TurnedClockwise(mask, 4 - photo.quarter_turns);
   if (!HasShapeOf(photo, {mask.width, mask.height})) {
+    glm::ivec2 expected(photo.width, photo.height);
+    if (photo.mask_is_upright && photo.quarter_turns % 2 == 1) std::swap(expected.x, expected.y);
     throw DataError(fmt::format(
-        "{}: mask of {} x {} pixels for a photo of {} x {}; expected the same aspect ratio",
-        path.string(), size.x, size.y, photo.width, photo.height));
+        "{}: mask of {} x {} pixels for a photo of {} x {}{}; expected the same aspect ratio",
+        path.string(), size.x, size.y, expected.x, expected.y,
+        photo.mask_is_upright ? " when it is upright, as other masks are" : ""));
   }
   return AlphaOf(MaskedBy(MakeImage(photo.width, photo.height, 3), mask));
 }

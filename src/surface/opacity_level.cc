@@ -197,7 +197,7 @@ std::vector<Reach> ReachesOf(const LevelSet& set, std::span<const uint8_t> marks
   return reaches;
 }
 
-// Marks what lies in gaps of up to twice the radius between marked triangles: by closing, as of
+// Marks the triangles in gaps of up to twice the radius between marked ones: a closing, as of
 // binary images (Serra, Image Analysis and Mathematical Morphology, 1982), along the surface.
 void CloseGaps(const LevelSet& set, float radius, std::vector<uint8_t>& marks) {
   std::vector<uint8_t> dilated;

@@ -40,7 +40,7 @@ LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views);
 // seen if two of its vertices are. Connected patches of unseen triangles whose boxes have diagonals
 // of up to `largest_gap` [world units] stay: they close gaps in what is seen, where depths of
 // different cameras disagree. So do patches of which less than a tenth of the area has no ray that
-// ends near it, and parts of patches that lie between what stays, with gaps of up to `largest_gap`.
+// ends near it, and parts of patches that fill gaps of up to `largest_gap` between what is kept.
 LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double largest_gap);
 
 }  // namespace tetrec

@@ -1,5 +1,5 @@
-// The training views of a scene that a fit has not left out, from the cameras that it left, which
-// are those that its field looks right from.
+// The training views of a scene without those that the fit left out, with the cameras that the fit
+// ended with: from these, its field looks right.
 #pragma once
 
 #include "geometry/camera.h"

@@ -247,10 +247,10 @@ TEST(Checkpoint, RefusesFlagsOfPhotosThatAreNotPossible) {
                          {"c.bin: the flag of photo 1 is 2; expected 0 or 1"});
 }
 
-// Files of the previous version, which had no poses.
+// Files of the version before, which had no flags of photos.
 TEST(Checkpoint, RefusesTheVersionBefore) {
   std::vector<uint8_t> bytes = BytesOf(MakeCheckpoint());
-  bytes[7] = '4';
+  bytes[7] = 'F';
   ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); },
                          {"c.bin: is not a checkpoint of this version of Tetrec"});
 }

@@ -210,5 +210,37 @@ TEST(GainBetween, IsUnknownBetweenOtherViews) {
   EXPECT_EQ(GainBetween(one, two).gain, 0.0);
 }
 
+TEST(SampleViews, TakesSoManyBlocksOfEachViewThatMasksDoNotHide) {
+  TrainingSet set = GreySet(3, 32, 16);
+  std::fill_n(set.targets[1].rgba8.begin(), 32 * 15, kNotJudgedTarget);  // a row is left
+  set.targets[2].rgba8.assign(32 * 16, kNotJudgedTarget);
+  const JudgingSet sample = SampleViews(set, 10);
+  const auto blocks_of = [&](uint32_t view) {
+    return std::ranges::count(sample.blocks, view, &RayBlock::view);
+  };
+  EXPECT_EQ(blocks_of(0), 10);
+  EXPECT_EQ(blocks_of(1), 8);  // all of the last row
+  EXPECT_EQ(blocks_of(2), 0);
+  ASSERT_EQ(sample.pixels.size(), 18u);
+  EXPECT_EQ(sample.pixels.front(), 8);
+  EXPECT_EQ(sample.pixels.back(), 4);
+  EXPECT_TRUE(std::ranges::is_sorted(sample.blocks, {}, &RayBlock::view));
+}
+
+TEST(Without, LeavesNothingOfTheViewsThatAreLeftOut) {
+  const TrainingSet set = GreySet(32, 32, 32);  // views 8 and 24 are whole
+  const JudgingSet judging = ChooseJudgingSet(set, 1);
+  std::vector<uint8_t> left_out(32, 0);
+  left_out[8] = left_out[judging.blocks.front().view] = 1;
+  const JudgingSet rest = Without(judging, left_out);
+  EXPECT_LT(rest.blocks.size(), judging.blocks.size());
+  EXPECT_EQ(rest.blocks.size(), rest.pixels.size());
+  EXPECT_LT(rest.spare_blocks.size(), judging.spare_blocks.size());
+  EXPECT_FALSE(rest.spare_blocks.empty());
+  for (const RayBlock& block : rest.blocks) EXPECT_FALSE(left_out[block.view]);
+  for (const RayBlock& block : rest.spare_blocks) EXPECT_FALSE(left_out[block.view]);
+  EXPECT_EQ(Without(judging, {}).blocks.size(), judging.blocks.size());
+}
+
 }  // namespace
 }  // namespace tetrec

@@ -72,11 +72,13 @@ TEST(TrainingPictures, JudgeTheFieldAndAreLearnedAsBefore) {
   EXPECT_FALSE(run.pictures.learns_all());
 }
 
-TEST(TrainingPictures, GatherExposuresOfWholeViewsUntilAllAreLearned) {
+TEST(TrainingPictures, GatherExposuresOfViewsThatNoStepDrawsUntilAllAreLearned) {
   SmallRun run(SmallRunOptions(), kLeastViewsToJudge);
-  const std::vector<uint8_t> is_whole =
-      ChooseJudgingSet(run.pictures.set(), run.options.seed).is_whole;
-  ASSERT_GT(std::count(is_whole.begin(), is_whole.end(), uint8_t{1}), 0);
+  std::vector<uint8_t> not_drawn = ChooseJudgingSet(run.pictures.set(), run.options.seed).is_whole;
+  ASSERT_GT(std::count(not_drawn.begin(), not_drawn.end(), uint8_t{1}), 0);
+  std::vector<uint8_t> left_out(kLeastViewsToJudge, 0);
+  left_out[3] = not_drawn[3] = 1;
+  run.pictures.LeaveOut(left_out);
   const auto gathered = [&run] {
     std::vector<ExposureSums> sums(kLeastViewsToJudge);
     run.pictures.GatherExposuresOfWholeViews(16);
@@ -85,7 +87,7 @@ TEST(TrainingPictures, GatherExposuresOfWholeViewsUntilAllAreLearned) {
   };
   std::vector<ExposureSums> sums = gathered();
   for (size_t view = 0; view < sums.size(); ++view) {
-    EXPECT_EQ(sums[view][0].ww > 0, is_whole[view] != 0) << view;
+    EXPECT_EQ(sums[view][0].ww > 0, not_drawn[view] != 0) << view;
   }
   // The field is right, and so is a neutral exposure.
   const std::vector<ViewExposure> exposures = FitExposures(sums);
@@ -93,6 +95,26 @@ TEST(TrainingPictures, GatherExposuresOfWholeViewsUntilAllAreLearned) {
   run.pictures.EndJudgingIfDue(1.0);
   sums = gathered();
   for (const ExposureSums& of_view : sums) EXPECT_EQ(of_view[0].ww, 0.0);
+}
+
+TEST(TrainingPictures, ShowHowWellEachViewFits) {
+  SmallRun run(SmallRunOptions(), kLeastViewsToJudge);
+  std::vector<CorrectedPose> poses;
+  for (const RenderView& view : run.pictures.given_views()) poses.push_back({view.cam_from_world});
+  poses[3].cam_from_world =
+      MotionOf(glm::dvec3(0.0, 0.3, 0.0), glm::dvec3(0.0)) * poses[3].cam_from_world;
+  run.pictures.PlaceCameras(poses, 0.0);
+  std::vector<uint8_t> left_out(kLeastViewsToJudge, 0);
+  left_out[3] = 1;
+  run.pictures.LeaveOut(left_out);
+  const std::vector<uint8_t> is_whole =
+      ChooseJudgingSet(run.pictures.set(), run.options.seed).is_whole;
+  const std::vector<ErrorSum> errors = run.pictures.ErrorsOfViews();
+  ASSERT_EQ(errors.size(), kLeastViewsToJudge);
+  for (size_t view = 0; view < errors.size(); ++view) {
+    EXPECT_EQ(errors[view].rays > 0, is_whole[view] == 0) << view;
+    EXPECT_TRUE(view == 3 || 100 * errors[view].squares <= errors[3].squares) << view;
+  }
 }
 
 TEST(TrainingPictures, TakeCamerasAndGiveThemBack) {

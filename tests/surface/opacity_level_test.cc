@@ -149,7 +149,7 @@ TEST(Opacity, AFloorAtAFlatAngleStaysUnlessItLeadsToWhatIsHidden) {
 }
 
 // Something hides a strip of the floor, z from -0.1 to 0.1.
-TEST(Opacity, AGapInWhatIsSeenStaysIfItIsNarrow) {
+TEST(Opacity, ANarrowGapInWhatIsSeenIsClosed) {
   SeenDepth view = FloorFromAbove(2);
   for (int y = 0; y < 200; ++y) {
     const double down = view.camera.CamFromImage({0.5, y + 0.5}).y;
