@@ -108,12 +108,13 @@ std::vector<std::vector<uint32_t>> ChooseNeighbors(std::span<const StereoView> v
       std::vector<glm::dvec3> taken{centers[i]};
       for (const auto& [score, j] : scores) {
         if (neighbors[i].size() == count) break;
-        const bool is_new = std::ranges::none_of(taken, [&](const glm::dvec3& center) {
-          return glm::distance(center, centers[j]) < one_place;
+        const glm::dvec3& center = centers[j];
+        const bool is_taken = std::ranges::any_of(taken, [&](const glm::dvec3& other) {
+          return glm::distance(center, other) < one_place;
         });
-        if (!is_new) continue;
+        if (is_taken) continue;
         neighbors[i].push_back(j);
-        taken.push_back(centers[j]);
+        taken.push_back(center);
       }
     }
   });
