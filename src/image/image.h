@@ -49,7 +49,7 @@ std::vector<uint8_t> EncodeJpeg(const Image& rgb, int quality);
 Image ResizeByArea(const Image& image, int width, int height);
 // Composites straight alpha over a constant colour; returns RGB.
 Image CompositeOver(const Image& rgba, uint8_t r, uint8_t g, uint8_t b);
-// The image turned by multiples of 90 degrees.
+// The image turned clockwise by this number of quarter turns.
 Image TurnedClockwise(const Image& image, int quarters);
 // The image with its alpha multiplied by the mask's brightness (its largest channel times its
 // alpha). A mask that contains only 0 and 1 is treated as one of 0 and 255; a mask of another size

@@ -32,7 +32,7 @@ JudgingSet ChooseJudgingSet(const TrainingSet& set, uint64_t seed);
 // all of them if there are fewer. Blocks that masks hide entirely do not count.
 JudgingSet SampleViews(const TrainingSet& set, size_t blocks_per_view);
 
-// What is left of it without the views whose flags are set; all of it without flags.
+// The judging set without the views whose flags are set, or all of it if there are no flags.
 JudgingSet Without(const JudgingSet& judging, std::span<const uint8_t> left_out);
 
 // The targets with kNotJudgedTarget where pixels judge. The blocks of whole views are not to be

@@ -39,7 +39,7 @@ class PhotoSight {
 
   // The centres of the cameras whose photos see the place.
   std::vector<glm::dvec3> CentersThatSee(const glm::dvec3& place) const;
-  // Of all cameras.
+  // The centres of all cameras.
   std::vector<glm::dvec3> Centers() const;
 
   // At most 20 photos, which haze explains as well as walls.

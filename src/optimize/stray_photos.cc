@@ -30,7 +30,8 @@ constexpr double kDeviationPerMedian = 1.4826;  // of a normal distribution
 constexpr uint64_t kPartOfTrial = 8, kFewestSteps = kFewestTrialSteps, kMostSteps = 300;
 constexpr uint64_t kFewestStepsBefore = 4 * kFewestSteps;
 
-// Nobody judges what a photo alone shows, and without it others are learned more often.
+// No other photo judges what only one shows, and without it the others are learned more often: so a
+// small gain does not suffice.
 constexpr double kLeastGain_db = 0.05, kLeastStandardErrors = 2;
 constexpr size_t kFewestJudges = 2;  // views, or there is no standard error
 

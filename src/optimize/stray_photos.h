@@ -32,16 +32,16 @@ class StrayPhotos {
               TrainingSteps& steps)
       : options_(options), field_(field), pictures_(pictures), steps_(steps) {}
 
-  // Before the cameras are placed. Throws DataError that names `checkpoint` if the state is of
-  // another number of photos.
+  // Must be called before the cameras are placed. Throws DataError that names `checkpoint` if the
+  // state is of another number of photos.
   void Resume(StrayState state, const std::string& checkpoint);
   const StrayState& state() const { return state_; }
 
   bool IsDue(double growth) const;
   // Looks for photos that do not fit, and tries what the others gain without them; those that were
-  // left out and fit now are learned again. Returns true if others are left out than before:
-  // judgements before and after cannot be compared. If the run is asked to stop meanwhile,
-  // everything is as before.
+  // left out and fit now are learned again. Returns true if the photos that are left
+  // out have changed: judgements before and after cannot be compared then. If the run is asked to
+  // stop meanwhile, everything is as before.
   bool Advance();
 
  private:

@@ -331,7 +331,7 @@ class Trainer {
     rounds_.RaiseBest(poses_.Sweep(exposure_.State(*renderer_).exposures, done));
   }
 
-  // After a change of what judges.
+  // Judges the fields to compare with once more, after a change of the pixels that judge.
   void JudgeAnew() {
     rounds_.JudgeAnew(pictures_.JudgeField());
     coarsening_.JudgeAnew();

@@ -38,7 +38,8 @@ class TrainingPictures {
 
   // One pose per view, or none for the scene's own.
   void PlaceCameras(std::span<const CorrectedPose> poses, double progress);
-  // From now on the views whose flags are set neither are learned nor judge; none without flags.
+  // From now on, views whose flags are set are neither learned nor used to judge. Without flags, no
+  // view is left out.
   void LeaveOut(std::span<const uint8_t> views);
   // Lets the judging pictures be learned if the time of judging is over.
   void EndJudgingIfDue(double progress);

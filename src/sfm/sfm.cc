@@ -40,8 +40,8 @@ std::map<std::string, const Photo*> ByName(const std::vector<Photo>& photos) {
   return photo_of;
 }
 
-// The model's cameras belong to the photos as they are stored, the scene's to upright images: those
-// of one camera that were stored on different sides have different cameras.
+// The model's cameras describe the photos as they are stored, the scene's cameras describe upright
+// images: photos of one camera that were stored on different sides get different scene cameras.
 Scene SceneFromModel(const ColmapModel& model, const fs::path& folder,
                      const std::vector<Photo>& photos, const SfmOptions& options) {
   Scene scene;

@@ -89,7 +89,7 @@ struct Part {
   bool Contains(const Cell& cell) const { return count == 1 || HashOf(cell) % count == index; }
 };
 
-// The depth maps with what places them in the world.
+// The depth maps and the poses that place them in the world.
 class Depths {
  public:
   Depths(std::span<const StereoDepth> maps, std::span<const StereoView> views)
@@ -194,7 +194,7 @@ void ForEachCell(std::span<const CellPixel> sorted, const Use& use) {
 }
 
 // The number of cells that a surface fills falls with the square of their side. It does not fall
-// below a few cells of each level. One of so many parts stands for all cells.
+// below a few cells of each level. The count of one of `parts` parts is scaled up to all cells.
 double FindSpacing(const Depths& depths, uint64_t parts, size_t max_points) {
   constexpr double kWidest_px = 1e6;
   double spacing_px = 1;
