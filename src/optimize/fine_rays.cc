@@ -43,39 +43,35 @@ bool FineRays::Advance(double growth) {
     Decide(false);
     return false;
   }
-  const FieldState before = field_.ReadState();
-  const uint64_t iteration = steps_.iteration(), rays = steps_.rays();
-  const uint64_t steps = std::clamp(iteration / kPartOfFineTrial, kFewestFineSteps, kMostFineSteps);
+  const uint64_t steps =
+      std::clamp(steps_.iteration() / kPartOfFineTrial, kFewestFineSteps, kMostFineSteps);
+  FieldTrial trial(field_, steps_, steps);
   // The likelier way last, because what it learns can stay.
-  const std::optional<double> first = TrialPsnr(before, !has_alpha_, steps);
-  const std::optional<double> last =
-      first ? TrialPsnr(before, has_alpha_, steps) : std::optional<double>();
+  const std::optional<double> first = TrialPsnr(trial, !has_alpha_);
+  const std::optional<double> last = first ? TrialPsnr(trial, has_alpha_) : std::nullopt;
   if (!last) {
-    field_.PutState(before);
     steps_.UseFineRays(false);
-    steps_.Resume(iteration, rays);
     return false;
   }
-  const FineRaysTrial trial = has_alpha_ ? FineRaysTrial{.one_psnr = *first, .four_psnr = *last}
-                                         : FineRaysTrial{.one_psnr = *last, .four_psnr = *first};
-  trial_ = trial;
-  if (trial.PrefersFour() == has_alpha_) {
-    steps_.CountTried(steps);
+  result_ = has_alpha_ ? FineRaysTrial{.one_psnr = *first, .four_psnr = *last}
+                       : FineRaysTrial{.one_psnr = *last, .four_psnr = *first};
+  const bool prefers_four = result_->PrefersFour();
+  if (prefers_four == has_alpha_) {
+    trial.CountSteps();
   } else {
-    field_.PutState(before);
+    trial.TakeBack();
   }
-  Decide(trial.PrefersFour());
+  Decide(prefers_four);
   LogInfo(
       "judging pictures after {} steps: {:.2f} dB by 2 x 2 rays per pixel, {:.2f} dB by one: the "
       "rest of the run takes {}",
-      steps, trial.four_psnr, trial.one_psnr, trial.PrefersFour() ? "2 x 2" : "one");
+      steps, result_->four_psnr, result_->one_psnr, prefers_four ? "2 x 2" : "one");
   return true;
 }
 
-std::optional<double> FineRays::TrialPsnr(const FieldState& start, bool fine, uint64_t steps) {
-  field_.PutState(start);
+std::optional<double> FineRays::TrialPsnr(FieldTrial& trial, bool fine) {
   steps_.UseFineRays(fine);
-  if (!steps_.TryUnlessStopped(steps, kRatesOfTrials)) return {};
+  if (!trial.Train()) return {};
   return pictures_.JudgeField(2).psnr;
 }
 

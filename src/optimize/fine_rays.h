@@ -6,6 +6,7 @@
 // after 2,400. So a trial decides.
 #pragma once
 
+#include "optimize/field_trial.h"
 #include "optimize/fitted_field.h"
 #include "optimize/optimize_options.h"
 #include "optimize/training_pictures.h"
@@ -34,7 +35,7 @@ class FineRays {
   TrialState state() const { return state_; }
 
   // The trial of this process, if there was one.
-  const std::optional<FineRaysTrial>& trial() const { return trial_; }
+  const std::optional<FineRaysTrial>& trial() const { return result_; }
 
   // Holds the trial if it is due at this growth of the run; returns whether it was held. If the run
   // is asked to stop meanwhile, everything is as before.
@@ -42,16 +43,16 @@ class FineRays {
 
  private:
   void Decide(bool uses_fine_rays);
-  // The PSNR of the judging pictures after steps as at the end of a run [dB]. None if the run is
-  // asked to stop meanwhile.
-  std::optional<double> TrialPsnr(const FieldState& start, bool fine, uint64_t steps);
+  // The PSNR of the judging pictures after one way of the trial [dB]. None if the run is asked to
+  // stop meanwhile.
+  std::optional<double> TrialPsnr(FieldTrial& trial, bool fine);
 
   bool has_alpha_;
   FittedField& field_;
   TrainingPictures& pictures_;
   TrainingSteps& steps_;
   TrialState state_ = TrialState::kNotTried;
-  std::optional<FineRaysTrial> trial_;
+  std::optional<FineRaysTrial> result_;
 };
 
 }  // namespace tetrec

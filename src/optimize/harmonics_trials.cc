@@ -2,15 +2,24 @@
 #include "optimize/harmonics_trials.h"
 
 #include "core/log.h"
+#include "optimize/field_trial.h"
 #include "render/seen_colors.h"
+
+#include <utility>
 
 namespace tetrec {
 
 bool HarmonicsTrials::Advance(double growth) {
-  const HarmonicsStep step = NextHarmonicsStep(options_.harmonics, state_, growth);
-  if (step == HarmonicsStep::kUnlock) Unlock();
-  if (step == HarmonicsStep::kJudge) Judge();
-  return step != HarmonicsStep::kNone;
+  switch (NextHarmonicsStep(options_.harmonics, state_, growth)) {
+    case HarmonicsStep::kNone:
+      return false;
+    case HarmonicsStep::kUnlock:
+      Unlock();
+      return true;
+    case HarmonicsStep::kJudge:
+      return Judge();
+  }
+  return false;
 }
 
 void HarmonicsTrials::Unlock() {
@@ -29,30 +38,32 @@ void HarmonicsTrials::Unlock() {
   LogInfo("colours depend on the view by harmonics of degree {}", field_.harmonics_degree());
 }
 
-// Trains on with the highest degree and without it, by the same batches, and keeps the better.
-void HarmonicsTrials::Judge() {
-  state_.judged = state_.unlocked;
-  if (pictures_.learns_all()) return;  // too late to judge: the degree stays
+// Trains on with the highest degree and without it, and keeps the better.
+bool HarmonicsTrials::Judge() {
+  if (pictures_.learns_all()) {  // too late to judge: the degree stays
+    state_.judged = state_.unlocked;
+    return true;
+  }
   const int degree = field_.harmonics_degree();
   const uint64_t steps = TrialSteps(steps_.iteration());
-  const FieldState before = field_.ReadState();
-  const double with = TrialPsnr(steps);
+  FieldTrial trial(field_, steps_, steps);
+  if (!trial.Train()) return false;
+  const double with = pictures_.JudgeField().psnr;
   FieldState trained = field_.ReadState();
-  field_.PutState(WithoutHighestDegree(field_.mesh(), before, field_.sight()));
-  const double without = TrialPsnr(steps);
+  if (!trial.TrainFrom(WithoutHighestDegree(field_.mesh(), trial.before(), field_.sight()))) {
+    return false;
+  }
+  const double without = pictures_.JudgeField().psnr;
   const bool stays = IsWorthHarmonics(with, without);
   LogInfo(
       "judging pictures after {} steps: {:.2f} dB with harmonics of degree {}, {:.2f} dB without: "
       "{}",
       steps, with, degree, without, stays ? "they stay" : "they are dropped");
   if (stays) field_.PutState(std::move(trained));
+  state_.judged = state_.unlocked;
   if (!stays) state_.closed = 1;
-  steps_.CountTried(steps);
-}
-
-double HarmonicsTrials::TrialPsnr(uint64_t steps) {
-  steps_.Try(steps, kRatesOfTrials);
-  return pictures_.JudgeField().psnr;
+  trial.CountSteps();
+  return true;
 }
 
 }  // namespace tetrec

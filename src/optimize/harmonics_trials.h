@@ -21,14 +21,13 @@ class HarmonicsTrials {
   void Resume(const HarmonicsState& state) { state_ = state; }
   const HarmonicsState& state() const { return state_; }
 
-  // Does what is due at this growth of the run; returns whether anything was.
+  // Does what is due at this growth of the run; returns whether anything was. A trial during which
+  // the run is asked to stop is not held: everything is then as before.
   bool Advance(double growth);
 
  private:
   void Unlock();
-  void Judge();
-  // The PSNR of the judging pictures after some steps more [dB].
-  double TrialPsnr(uint64_t steps);
+  bool Judge();
 
   const OptimizeOptions& options_;
   FittedField& field_;

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/quantile.h"
+#include "optimize/field_trial.h"
 
 #include <fmt/format.h>
 
@@ -115,23 +116,16 @@ bool StrayPhotos::LearnWhatFitsAgain(const std::vector<uint8_t>& stray) {
 }
 
 std::optional<bool> StrayPhotos::IsBetterWithout(const std::vector<uint8_t>& stray) {
-  const uint64_t iteration = steps_.iteration(), rays = steps_.rays();
-  const uint64_t steps = std::clamp(iteration / kPartOfTrial, kFewestSteps, kMostSteps);
-  const FieldState before = field_.ReadState();
-  const auto end_as_before = [&] {
-    field_.PutState(before);
-    steps_.Resume(iteration, rays);
-    return std::nullopt;
-  };
-  if (!steps_.TryUnlessStopped(steps, kRatesOfTrials)) return end_as_before();
+  const uint64_t steps = std::clamp(steps_.iteration() / kPartOfTrial, kFewestSteps, kMostSteps);
+  FieldTrial trial(field_, steps_, steps);
+  if (!trial.Train()) return {};
   FieldState trained = field_.ReadState();
   // The others judge both fields.
   pictures_.LeaveOut(stray);
   const Judgement with = pictures_.JudgeField();
-  field_.PutState(before);
-  if (!steps_.TryUnlessStopped(steps, kRatesOfTrials)) return end_as_before();
+  if (!trial.Train()) return {};
   const Judgement without = pictures_.JudgeField();
-  steps_.CountTried(steps);
+  trial.CountSteps();
   const JudgedGain gain = GainBetween(with.views, without.views);
   const bool is_better = with.views.size() >= kFewestJudges && gain.gain > kLeastGain_db &&
                          gain.gain > kLeastStandardErrors * gain.standard_error;

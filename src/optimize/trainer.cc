@@ -208,7 +208,9 @@ class Trainer {
       seconds_ = seconds_before + timer.seconds();
       const double done = Done();
       if (done >= 1.0) return;
-      if (motion_.CanResumeAfter(steps_.iteration(), done)) {
+      // What a stop takes back must be the state of a run that can be resumed.
+      const bool can_resume = motion_.CanResumeAfter(steps_.iteration(), done);
+      if (can_resume) {
         if (StopRequested()) return;
         if (seconds_ - last_checkpoint >= options_.checkpoint_interval_s) {
           last_checkpoint = seconds_;
@@ -222,9 +224,7 @@ class Trainer {
       }
       const double growth = Growth();
       motion_.StartIfDue(growth);
-      // What a stop takes back must be the state of a run that can be resumed.
-      if (rounds_.IsDue(growth) &&
-          (!rounds_.NeedsTrial() || motion_.CanResumeAfter(steps_.iteration(), done))) {
+      if (rounds_.IsDue(growth) && (!rounds_.NeedsTrial() || can_resume)) {
         rounds_.Advance(seconds_, {done, growth});
         continue;
       }
@@ -232,13 +232,13 @@ class Trainer {
         coarsening_.Advance(seconds_, {done, growth});
         continue;
       }
-      if (harmonics_.Advance(growth)) continue;
-      if (motion_.CanResumeAfter(steps_.iteration(), done) && fine_rays_.Advance(growth)) {
+      if (can_resume && harmonics_.Advance(growth)) continue;
+      if (can_resume && fine_rays_.Advance(growth)) {
         if (fine_rays_.state() == TrialState::kUsed) JudgeAnew();
         continue;
       }
       if (poses_.IsDue({done, growth})) CorrectPoses(done);
-      if (motion_.CanResumeAfter(steps_.iteration(), done) && stray_.IsDue(growth)) {
+      if (can_resume && stray_.IsDue(growth)) {
         if (stray_.Advance()) JudgeAnew();
         continue;
       }
@@ -271,21 +271,24 @@ class Trainer {
     return ProgressOf(SecondsOfSteps(), double(options_.iterations));
   }
 
-  // Until the limit, or until the look at weak colours must begin, for which time is set aside
-  // little by little, so that progress does not jump. 0: there is no limit.
+  // Until the limit, or until the look at weak colours must begin. Time for it is set aside little
+  // by little, so that progress does not jump, and all of it before the look is worth while.
+  // 0: there is no limit.
   double SecondsOfSteps() const {
-    if (!ColorsMayHaveDrifted()) return options_.time_limit_s;
-    const double passes = double(steps_.rays()) / double(LearnedPixels(pictures_.set()));
-    const double aside = std::min((passes / double(kRaysPerPixelOfDrift) - 1) * 3, 1.0);
-    return options_.time_limit_s * (1 - aside / passes);
+    if (!SettlesColors()) return options_.time_limit_s;
+    const double aside = std::clamp(4 * Passes() / kPassesOfDrift - 3, 0.0, 1.0);
+    return options_.time_limit_s * (1 - aside / std::max(Passes(), 1.0));
   }
 
   // Measured on photos only: alpha shows what is empty.
-  bool ColorsMayHaveDrifted() const {
-    return !scene_.has_alpha && options_.storage == FieldStorage::kVertex &&
-           !batches_.DrawsTiles() &&
-           steps_.rays() >= kRaysPerPixelOfDrift * LearnedPixels(pictures_.set());
+  bool SettlesColors() const {
+    return !scene_.has_alpha && options_.storage == FieldStorage::kVertex && !batches_.DrawsTiles();
   }
+
+  bool ColorsMayHaveDrifted() const { return SettlesColors() && Passes() >= kPassesOfDrift; }
+
+  // How many rays each pixel has been learned by.
+  double Passes() const { return double(steps_.rays()) / double(LearnedPixels(pictures_.set())); }
 
   void SettleWeakColors() {
     const Timer timer;

@@ -16,7 +16,7 @@ namespace tetrec {
 
 // A look at the evidence takes about as long as the steps that learn each pixel once. It is worth
 // that after so many times as many rays.
-inline constexpr uint64_t kRaysPerPixelOfDrift = 30;
+inline constexpr double kPassesOfDrift = 30;
 
 // (V) For each vertex the sum, over the rays of all training pixels, of the squared share that its
 // colour has in what the ray shows: how well the pixels determine that colour. An estimate, from

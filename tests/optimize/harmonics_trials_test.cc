@@ -1,8 +1,12 @@
 #include "optimize/harmonics_trials.h"
 
+#include "core/stop_request.h"
 #include "optimize/small_run.h"
 
 #include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
 
 namespace tetrec {
 namespace {
@@ -40,6 +44,24 @@ TEST(HarmonicsTrials, DropADegreeThatGainsNothing) {
   EXPECT_EQ(run.steps.rays(), 2 * kFewestTrialSteps * 256);
   EXPECT_EQ(run.trials.state(), (HarmonicsState{.unlocked = 1, .judged = 1, .closed = 1}));
   EXPECT_FALSE(run.trials.Advance(1.0));
+}
+
+TEST(HarmonicsTrials, AreHeldLaterIfTheRunIsStoppedMeanwhile) {
+  const auto stopped = [] {
+    CatchStopSignals();
+    HarmonicsTrialRun run(HarmonicsChoice::kAuto);
+    run.steps.Resume(kFewestTrialSteps, 7);
+    run.trials.Advance(0.2);
+    const FieldState before = run.field.ReadState();
+    const HarmonicsState state = run.trials.state();
+    std::raise(SIGINT);
+    const bool is_held = run.trials.Advance(0.5);
+    const bool is_as_before = run.trials.state() == state && run.field.harmonics_degree() == 1 &&
+                              run.field.ReadState().parameters == before.parameters &&
+                              run.steps.iteration() == kFewestTrialSteps && run.steps.rays() == 7;
+    std::exit(!is_held && is_as_before ? 0 : 1);
+  };
+  EXPECT_EXIT(stopped(), ::testing::ExitedWithCode(0), "");
 }
 
 TEST(HarmonicsTrials, UnlockNothingWhereNothingCanJudge) {
