@@ -19,7 +19,7 @@ namespace {
 
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'G'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'H'};
 
 constexpr size_t kChecksumBytes = 64;  // hexadecimal SHA-256 of all before it
 
@@ -218,7 +218,9 @@ PoseState ReadPoses(ByteReader& reader) {
 StrayState ReadStray(ByteReader& reader, const std::string& name) {
   StrayState state;
   state.looks = reader.Read<uint32_t>("looks for stray photos");
-  state.left_out = reader.ReadArray<uint8_t>(reader.Read<uint64_t>("stray count"), "stray photos");
+  const uint64_t count = reader.Read<uint64_t>("stray count");
+  state.left_out = reader.ReadArray<uint8_t>(count, "stray photos");
+  state.tried_ratio = reader.ReadArray<float>(count, "tried ratios");
   for (size_t photo = 0; photo < state.left_out.size(); ++photo) {
     if (state.left_out[photo] <= 1) continue;
     throw DataError(fmt::format("{}: the flag of photo {} is {}; expected 0 or 1", name, photo,
@@ -301,6 +303,7 @@ void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkp
   tail.Write(checkpoint.stray.looks);
   tail.Write(uint64_t(checkpoint.stray.left_out.size()));
   tail.WriteArray(std::span<const uint8_t>(checkpoint.stray.left_out));
+  tail.WriteArray(std::span<const float>(checkpoint.stray.tried_ratio));
 
   std::vector<std::span<const uint8_t>> pieces = {head.bytes(),
                                                   BytesOf(checkpoint.mesh.positions),

@@ -45,7 +45,7 @@ struct Checkpoint {
   StrayState stray;
 };
 
-// Own format, little endian: "TETRECKG", u64 iteration, f64 seconds, u64 rays, of the pace u64
+// Own format, little endian: "TETRECKH", u64 iteration, f64 seconds, u64 rays, of the pace u64
 // rays per step, u64 views per batch, f64 speed and u64 steps per motion, u32 rounds and u32 ended
 // (0 or 1), f64 best PSNR, u64 judging views and for each f64 squares and rays, u64 growth steps
 // and their fields, 8 bytes each (GrowthStep), of the coarsening u32 ended and u32 has failed (each
@@ -59,9 +59,9 @@ struct Checkpoint {
 // room f32 x M each; then u64 exposures E, for each gains and offsets, f64 x 3 each, and for each
 // the sums of its three channels, f64 x 5 each (GainOffsetSums); then u32 sweeps over the cameras,
 // u64 poses P, and for each cam_from_world, f64 x 9 of the rotation by columns and x 3 of the
-// translation, and the depth, f64; then u32 looks for stray photos, u64 N, and N bytes, 1 for a
-// photo that is left out and 0 for others; last the SHA-256 of all before it, 64 hexadecimal
-// digits. Written by rename.
+// translation, and the depth, f64; then u32 looks for stray photos, u64 N, N bytes, 1 for a photo
+// that is left out and 0 for others, and N ratios of errors, f32; last the SHA-256 of all before
+// it, 64 hexadecimal digits. Written by rename.
 void WriteCheckpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 // Throws DataError naming the file and the remedy if it is damaged, truncated or inconsistent.
 Checkpoint ReadCheckpoint(const std::filesystem::path& path);

@@ -38,7 +38,7 @@ void HarmonicsTrials::Unlock() {
   LogInfo("colours depend on the view by harmonics of degree {}", field_.harmonics_degree());
 }
 
-// Trains on with the highest degree and without it, and keeps the better.
+// Trains on with the highest degree and without it.
 bool HarmonicsTrials::Judge() {
   if (pictures_.learns_all()) {  // too late to judge: the degree stays
     state_.judged = state_.unlocked;
@@ -49,20 +49,21 @@ bool HarmonicsTrials::Judge() {
   FieldTrial trial(field_, steps_, steps);
   if (!trial.Train()) return false;
   const double with = pictures_.JudgeField().psnr;
-  FieldState trained = field_.ReadState();
-  if (!trial.TrainFrom(WithoutHighestDegree(field_.mesh(), trial.before(), field_.sight()))) {
-    return false;
-  }
+  FieldState simpler = WithoutHighestDegree(field_.mesh(), trial.before(), field_.sight());
+  if (!trial.TrainFrom(simpler)) return false;
   const double without = pictures_.JudgeField().psnr;
   const bool stays = IsWorthHarmonics(with, without);
   LogInfo(
       "judging pictures after {} steps: {:.2f} dB with harmonics of degree {}, {:.2f} dB without: "
       "{}",
       steps, with, degree, without, stays ? "they stay" : "they are dropped");
-  if (stays) field_.PutState(std::move(trained));
   state_.judged = state_.unlocked;
-  if (!stays) state_.closed = 1;
-  trial.CountSteps();
+  if (stays) {
+    trial.TakeBack();
+  } else {
+    state_.closed = 1;
+    field_.PutState(std::move(simpler));
+  }
   return true;
 }
 

@@ -16,14 +16,22 @@
 
 namespace tetrec {
 
-// Which of them do not fit: those whose mean squared error is at least four times the median, and
+struct StrayView {
+  size_t view;
+  double error_ratio;  // of its mean squared error to the median of all views
+  bool operator==(const StrayView&) const = default;
+};
+
+// The views that do not fit: those whose mean squared error is at least four times the median, and
 // more than four standard deviations (of the logarithms, estimated from their median deviation)
 // above it. Views with fewer than 128 rays are not compared, nor are fewer than 8 views.
-std::vector<size_t> FindStray(std::span<const ErrorSum> views);
+std::vector<StrayView> FindStray(std::span<const ErrorSum> views);
 
 struct StrayState {
-  uint32_t looks = 0;             // done
-  std::vector<uint8_t> left_out;  // per training view; empty: none
+  uint32_t looks = 0;  // done
+  // Per training view; both are empty before the first look.
+  std::vector<uint8_t> left_out;
+  std::vector<float> tried_ratio;  // error ratio when a trial last let it stay; 0: none did
 };
 
 class StrayPhotos {
@@ -46,9 +54,11 @@ class StrayPhotos {
 
  private:
   ptrdiff_t CountLeftOut() const;
-  bool LearnWhatFitsAgain(const std::vector<uint8_t>& stray);
+  bool LearnWhatFitsAgain(std::span<const StrayView> stray);
+  // A trial showed that the others do not need to be without it, and it fits hardly worse since.
+  bool IsAcquitted(const StrayView& stray) const;
   // None if the run is asked to stop meanwhile.
-  std::optional<bool> IsBetterWithout(const std::vector<uint8_t>& stray);
+  std::optional<bool> IsBetterWithout(const std::vector<uint8_t>& left_out);
 
   const OptimizeOptions& options_;
   FittedField& field_;

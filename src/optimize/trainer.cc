@@ -83,7 +83,7 @@ class Trainer {
         poses_(options, pictures_, *renderer_),
         stray_(options, field_, pictures_, steps_),
         harmonics_(options, field_, pictures_, steps_),
-        fine_rays_(options, scene.has_alpha, field_, pictures_, steps_),
+        fine_rays_(options, field_, pictures_, steps_),
         rounds_(
             options,
             PlanRounds(options, length_, start.positions.size(), max_vertices_, affording_pixels_),

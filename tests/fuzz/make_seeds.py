@@ -248,7 +248,7 @@ def checkpoint_bytes(layout, rows):
     run remembers of its two views; without a checksum."""
     trials = struct.pack("<4I", 1, 1, 0, 1)  # harmonics unlocked, judged, closed; fine rays
     growth = struct.pack("<Qd4Q3d2Q", 12, 2.5, 5, 2, 0, 10 ** 8, 21.0, 0.5, 0.1, 0, 0)
-    out = b"TETRECKG" + struct.pack("<QdQQQdQ", 20, 1.5, 640, 4096, 4, 1, 16)
+    out = b"TETRECKH" + struct.pack("<QdQQQdQ", 20, 1.5, 640, 4096, 4, 1, 16)
     out += struct.pack("<IIdQ4dQ", 1, 0, 21.0, 2, 1.5, 16, 0.25, 32, 1) + growth
     out += struct.pack("<IIdQQ4d", 0, 1, 0.5, 10, 2, 1.5, 16, 0.25, 32)  # of coarsening
     out += struct.pack("<3QdQ", 12, 1, 8, 21.0, 100) + trials
@@ -261,7 +261,7 @@ def checkpoint_bytes(layout, rows):
     exposure, sums = (1.1, 1, 0.9, 0, 0.01, 0), 3 * (0.5, 0.25, 0.25, 1, 0.5)
     out += struct.pack("<Q42d", 2, *exposure, *exposure, *sums, *sums)
     pose = (1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 4, 3.5)
-    return out + struct.pack("<IQ26dIQ2B", 2, 2, *pose, *pose, 1, 2, 0, 1)
+    return out + struct.pack("<IQ26dIQ2B2f", 2, 2, *pose, *pose, 1, 2, 0, 1, 0, 5.5)
 
 
 def run_file_seeds():

@@ -15,7 +15,7 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECKG", u64 iteration, f64 seconds, u64 rays, u64 x 2, f64 and u64 of
+// Where the fields start: "TETRECKH", u64 iteration, f64 seconds, u64 rays, u64 x 2, f64 and u64 of
 // the pace, u32 x 2 and f64 of the rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x
 // 11 of their growth, u32 x 2, f64, u64, u64 and f64 x 2 of the coarsening, u64 x 3 and f64 of the
 // convergence, u64 metrics bytes, u32 x 3 harmonics, u32 fine rays, u64 V, u64 T, then the layout:
@@ -26,7 +26,7 @@ constexpr size_t kSecondsAt = 16, kRaysPerStepAt = 32, kFineRaysAt = 316, kVerte
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
-constexpr size_t kStrayBytes = 4 + 8 + kPoses;  // a flag per photo
+constexpr size_t kStrayBytes = 4 + 8 + kPoses * 5;  // a flag and a ratio per photo
 constexpr size_t kPosesBytes = 4 + 8 + kPoses * 13 * sizeof(double) + kStrayBytes;
 
 Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
@@ -78,7 +78,7 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
                                                    glm::dvec3(unit(), 0, -0.1)};
     for (GainOffsetSums& sums : checkpoint.exposure.sums[size_t(view)]) sums.Add(unit(), 1, unit());
   }
-  checkpoint.stray = {1, {0, 1}};
+  checkpoint.stray = {1, {0, 1}, {5.5f, 0.0f}};
   checkpoint.poses.sweeps = 2;
   for (int view = 0; view < kPoses; ++view) {
     checkpoint.poses.poses.push_back({MotionOf({unit(), 0, 0}, {0, unit(), 1}), 1.5});
@@ -139,6 +139,7 @@ TEST(Checkpoint, ReadsBackAsItWasWritten) {
     EXPECT_EQ(read.exposure.sums, written.exposure.sums);
     EXPECT_EQ(read.stray.looks, written.stray.looks);
     EXPECT_EQ(read.stray.left_out, written.stray.left_out);
+    EXPECT_EQ(read.stray.tried_ratio, written.stray.tried_ratio);
     EXPECT_EQ(read.poses.sweeps, written.poses.sweeps);
     ASSERT_EQ(read.poses.poses.size(), written.poses.poses.size());
     for (size_t i = 0; i < read.poses.poses.size(); ++i) {
@@ -247,10 +248,10 @@ TEST(Checkpoint, RefusesFlagsOfPhotosThatAreNotPossible) {
                          {"c.bin: the flag of photo 1 is 2; expected 0 or 1"});
 }
 
-// Files of the version before, which had no flags of photos.
+// Files of the version before, which had no ratios of errors.
 TEST(Checkpoint, RefusesTheVersionBefore) {
   std::vector<uint8_t> bytes = BytesOf(MakeCheckpoint());
-  bytes[7] = 'F';
+  bytes[7] = 'G';
   ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); },
                          {"c.bin: is not a checkpoint of this version of Tetrec"});
 }

@@ -40,7 +40,7 @@ TEST(HarmonicsTrials, DropADegreeThatGainsNothing) {
   EXPECT_EQ(run.field.harmonics_degree(), 1);
   ASSERT_TRUE(run.trials.Advance(0.5));
   EXPECT_EQ(run.field.harmonics_degree(), 0);
-  EXPECT_EQ(run.steps.iteration(), 2 * kFewestTrialSteps);
+  EXPECT_EQ(run.steps.iteration(), kFewestTrialSteps);
   EXPECT_EQ(run.steps.rays(), 2 * kFewestTrialSteps * 256);
   EXPECT_EQ(run.trials.state(), (HarmonicsState{.unlocked = 1, .judged = 1, .closed = 1}));
   EXPECT_FALSE(run.trials.Advance(1.0));
