@@ -47,6 +47,9 @@ constexpr size_t kViewsPerWitness = 10, kMostWitnesses = 3;
 // is the flat side of something, not the edge of what no camera sees.
 constexpr double kHiddenShare = 0.1;
 
+// What is narrower at a border is a rag, as a share of the largest gap.
+constexpr float kRagWidth = 0.2f;
+
 constexpr size_t kValuesPerTask = 256;
 
 // Linear between the four pixel centres around a position, or that of the nearest centre where
@@ -210,6 +213,19 @@ void CloseGaps(const LevelSet& set, float radius, std::vector<uint8_t>& marks) {
   }
 }
 
+// Unmarks the triangles of strips narrower than twice the radius: an opening, along the surface.
+void DropRags(const LevelSet& set, float radius, std::vector<uint8_t>& marks) {
+  const std::vector<Reach> from_unmarked = ReachesOf(set, marks, 0, radius);
+  std::vector<uint8_t> core;
+  for (size_t f = 0; f < marks.size(); ++f) {
+    core.push_back(marks[f] != 0 && from_unmarked[f].nearest > radius);
+  }
+  const std::vector<Reach> from_core = ReachesOf(set, core, 1, radius);
+  for (size_t f = 0; f < marks.size(); ++f) {
+    if (from_core[f].nearest > radius) marks[f] = 0;
+  }
+}
+
 }  // namespace
 
 double SolidityAt(const glm::dvec3& point_in_world, std::span<const SeenDepth> views) {
@@ -268,6 +284,7 @@ LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double 
     marks.push_back(sights[f] == Sight::kFaced || patch.Stays(largest_gap));
   }
   CloseGaps(set, 0.5f * float(largest_gap), marks);
+  DropRags(set, 0.5f * kRagWidth * float(largest_gap), marks);
   return KeepTriangles(set, marks);
 }
 

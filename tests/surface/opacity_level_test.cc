@@ -109,17 +109,17 @@ TEST(Opacity, ThePartThatIsSeenEndsWhereTheShadowBegins) {
 }
 
 // A floor y = 0. Beyond z = `edge`, seen from the camera of FloorFromAbove, it is `drop` lower.
-LevelSet Floor(double edge, double drop) {
-  constexpr uint32_t kSide = 21;
+// It has `side` x `side` vertices.
+LevelSet Floor(double edge, double drop, uint32_t side = 21) {
   LevelSet set;
-  for (uint32_t j = 0; j < kSide; ++j) {
-    for (uint32_t i = 0; i < kSide; ++i) {
-      const double z = -0.5 + double(j) / (kSide - 1);
-      set.positions.emplace_back(-0.5 + double(i) / (kSide - 1), z < edge ? -drop : 0.0, z);
+  for (uint32_t j = 0; j < side; ++j) {
+    for (uint32_t i = 0; i < side; ++i) {
+      const double z = -0.5 + double(j) / (side - 1);
+      set.positions.emplace_back(-0.5 + double(i) / (side - 1), z < edge ? -drop : 0.0, z);
       if (i == 0 || j == 0) continue;
-      const uint32_t v = j * kSide + i;
-      set.triangles.emplace_back(v, v - kSide, v - 1);
-      set.triangles.emplace_back(v - 1, v - kSide, v - kSide - 1);
+      const uint32_t v = j * side + i;
+      set.triangles.emplace_back(v, v - side, v - 1);
+      set.triangles.emplace_back(v - 1, v - side, v - side - 1);
     }
   }
   set.cuts.resize(set.positions.size());
@@ -162,6 +162,28 @@ TEST(Opacity, ANarrowGapInWhatIsSeenIsClosed) {
   EXPECT_GT(seen, floor.triangles.size() / 2);
   EXPECT_LT(seen, 0.9 * double(floor.triangles.size()));
   EXPECT_EQ(SeenPart(floor, views, 0.5).triangles.size(), floor.triangles.size());
+}
+
+// Something hides the floor beyond z = 0 but for a strip of it, 0.09 wide.
+TEST(Opacity, ARagThatHangsFromABorderIsDropped) {
+  SeenDepth view = FloorFromAbove(2);
+  for (int y = 0; y < 200; ++y) {
+    for (int x = 0; x < 200; ++x) {
+      const glm::dvec3 ray = view.camera.CamFromImage({x + 0.5, y + 0.5});
+      const bool is_beyond = ray.y > 0 && 2 > 4 * ray.y;
+      if (is_beyond && std::abs(ray.x) > 0.045 / 2 * ray.y) view.depth.At(x, y) *= 0.5f;
+    }
+  }
+  const LevelSet floor = Floor(-1, 0, 101);
+  const std::vector<SeenDepth> views = {view};
+  const auto count_between = [](const LevelSet& set, float first_z, float last_z) {
+    return std::ranges::count_if(set.positions,
+                                 [&](const glm::vec3& p) { return p.z > first_z && p.z < last_z; });
+  };
+  const LevelSet with_rag = SeenPart(floor, views, 0.1), without = SeenPart(floor, views, 0.5);
+  EXPECT_GT(count_between(with_rag, -0.5f, -0.3f), 80);
+  EXPECT_EQ(count_between(without, -0.5f, -0.3f), 0);
+  EXPECT_EQ(count_between(without, 0.05f, 0.5f), count_between(floor, 0.05f, 0.5f));
 }
 
 // Of twenty cameras, two must face a surface: the rays of one may end anywhere as far as the others
