@@ -222,9 +222,14 @@ StrayState ReadStray(ByteReader& reader, const std::string& name) {
   state.left_out = reader.ReadArray<uint8_t>(count, "stray photos");
   state.tried_ratio = reader.ReadArray<float>(count, "tried ratios");
   for (size_t photo = 0; photo < state.left_out.size(); ++photo) {
-    if (state.left_out[photo] <= 1) continue;
-    throw DataError(fmt::format("{}: the flag of photo {} is {}; expected 0 or 1", name, photo,
-                                state.left_out[photo]));
+    if (state.left_out[photo] > 1) {
+      throw DataError(fmt::format("{}: the flag of photo {} is {}; expected 0 or 1", name, photo,
+                                  state.left_out[photo]));
+    }
+    const float ratio = state.tried_ratio[photo];
+    if (std::isfinite(ratio) && ratio >= 0) continue;
+    throw DataError(fmt::format("{}: the ratio of errors of photo {} is {}; expected 0 or more",
+                                name, photo, ratio));
   }
   return state;
 }

@@ -1,9 +1,10 @@
-// Trials of what a run could do: the field is trained on in two ways from the same state, by the
-// same batches, and what comes out is compared.
+// Short trials of alternatives during a run: the field is trained on in two ways from the same
+// state, by the same steps, and the results are compared.
 //
-// Nothing of it stays but the decision. A trial ends by low rates, whose field has less noise than
-// one of the run: judged soon after, it would seem that much better, and the next round of
-// refinement a loss (lego lost 1 dB of a run of two minutes by that).
+// A trial ends at low learning rates, which leave less noise than those of the run. While rounds of
+// refinement are still to come, nothing of it must stay but the decision: a field that is judged
+// soon after it would look that much better, and the next round a loss (in two minutes, lego lost
+// half a decibel by that).
 #pragma once
 
 #include "optimize/fitted_field.h"
@@ -13,8 +14,9 @@
 
 namespace tetrec {
 
-// The mesh stays as it is. Before each way, the caller sets what the ways differ in; the field is
-// left as the last way trained it, until TakeBack.
+// The mesh stays as it is. Before each way, the caller sets up whatever distinguishes the two; the
+// field is left as the last way trained it, until TakeBack. No gradients may wait for a motion
+// (VertexMotion::CanResumeAfter): they are lost.
 class FieldTrial {
  public:
   // Each way takes `count` steps, as at the end of a run.
@@ -27,6 +29,8 @@ class FieldTrial {
   bool Train();
   bool TrainFrom(FieldState start);
   void TakeBack();
+  // Counts the steps of one way, for a field that stays as it was trained.
+  void CountSteps() { steps_.CountTried(count_); }
 
  private:
   bool TakeSteps();

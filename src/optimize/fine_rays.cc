@@ -19,9 +19,9 @@ constexpr uint64_t kFewestStepsBefore = 10 * kFewestFineSteps;
 
 }  // namespace
 
-FineRays::FineRays(const OptimizeOptions& options, FittedField& field, TrainingPictures& pictures,
-                   TrainingSteps& steps)
-    : field_(field), pictures_(pictures), steps_(steps) {
+FineRays::FineRays(const OptimizeOptions& options, bool has_alpha, FittedField& field,
+                   TrainingPictures& pictures, TrainingSteps& steps)
+    : has_alpha_(has_alpha), field_(field), pictures_(pictures), steps_(steps) {
   if (options.fine_rays != FineRaysChoice::kAuto) Decide(options.fine_rays == FineRaysChoice::kOn);
 }
 
@@ -46,15 +46,21 @@ bool FineRays::Advance(double growth) {
   const uint64_t steps =
       std::clamp(steps_.iteration() / kPartOfFineTrial, kFewestFineSteps, kMostFineSteps);
   FieldTrial trial(field_, steps_, steps);
-  const std::optional<double> one = TrialPsnr(trial, false);
-  const std::optional<double> four = one ? TrialPsnr(trial, true) : std::nullopt;
-  if (!four) {
+  // The likelier way last, because what it learns can stay.
+  const std::optional<double> first = TrialPsnr(trial, !has_alpha_);
+  const std::optional<double> last = first ? TrialPsnr(trial, has_alpha_) : std::nullopt;
+  if (!last) {
     steps_.UseFineRays(false);
     return false;
   }
-  trial.TakeBack();
-  result_ = {.one_psnr = *one, .four_psnr = *four};
+  result_ = has_alpha_ ? FineRaysTrial{.one_psnr = *first, .four_psnr = *last}
+                       : FineRaysTrial{.one_psnr = *last, .four_psnr = *first};
   const bool prefers_four = result_->PrefersFour();
+  if (prefers_four == has_alpha_) {
+    trial.CountSteps();
+  } else {
+    trial.TakeBack();
+  }
   Decide(prefers_four);
   LogInfo(
       "judging pictures after {} steps: {:.2f} dB by 2 x 2 rays per pixel, {:.2f} dB by one: the "

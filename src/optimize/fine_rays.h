@@ -27,8 +27,9 @@ struct FineRaysTrial {
 
 class FineRays {
  public:
-  FineRays(const OptimizeOptions& options, FittedField& field, TrainingPictures& pictures,
-           TrainingSteps& steps);
+  // `has_alpha`: the training pictures have alpha. Their sharp outlines usually gain by 2 x 2 rays.
+  FineRays(const OptimizeOptions& options, bool has_alpha, FittedField& field,
+           TrainingPictures& pictures, TrainingSteps& steps);
 
   void Resume(TrialState state);
   TrialState state() const { return state_; }
@@ -46,6 +47,7 @@ class FineRays {
   // stop meanwhile.
   std::optional<double> TrialPsnr(FieldTrial& trial, bool fine);
 
+  bool has_alpha_;
   FittedField& field_;
   TrainingPictures& pictures_;
   TrainingSteps& steps_;

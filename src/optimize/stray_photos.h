@@ -55,7 +55,7 @@ class StrayPhotos {
  private:
   ptrdiff_t CountLeftOut() const;
   bool LearnWhatFitsAgain(std::span<const StrayView> stray);
-  // A trial showed that the others do not need to be without it, and it fits hardly worse since.
+  // A trial showed that the others gain nothing without it, and its error has hardly grown since.
   bool IsAcquitted(const StrayView& stray) const;
   // None if the run is asked to stop meanwhile.
   std::optional<bool> IsBetterWithout(const std::vector<uint8_t>& left_out);

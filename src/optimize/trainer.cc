@@ -83,7 +83,7 @@ class Trainer {
         poses_(options, pictures_, *renderer_),
         stray_(options, field_, pictures_, steps_),
         harmonics_(options, field_, pictures_, steps_),
-        fine_rays_(options, field_, pictures_, steps_),
+        fine_rays_(options, scene.has_alpha, field_, pictures_, steps_),
         rounds_(
             options,
             PlanRounds(options, length_, start.positions.size(), max_vertices_, affording_pixels_),
@@ -237,6 +237,8 @@ class Trainer {
         if (fine_rays_.state() == TrialState::kUsed) JudgeAnew();
         continue;
       }
+      if (can_resume && StopRequested())
+        continue;  // a trial was stopped: the resumed run repeats it
       if (poses_.IsDue({done, growth})) CorrectPoses(done);
       if (can_resume && stray_.IsDue(growth)) {
         if (stray_.Advance()) JudgeAnew();
@@ -287,7 +289,7 @@ class Trainer {
 
   bool ColorsMayHaveDrifted() const { return SettlesColors() && Passes() >= kPassesOfDrift; }
 
-  // How many rays each pixel has been learned by.
+  // Rays per learned pixel, those of trials included.
   double Passes() const { return double(steps_.rays()) / double(LearnedPixels(pictures_.set())); }
 
   void SettleWeakColors() {

@@ -12,7 +12,7 @@
 namespace tetrec {
 
 // How long a trial trains on, in two ways, to compare them: for a part of the steps so far,
-// within these bounds. Trials of other meshes and of 2 x 2 rays take longer.
+// within these bounds. Trials of other meshes, of 2 x 2 rays and of stray photos take longer.
 inline constexpr uint64_t kFewestTrialSteps = 40, kMostTrialSteps = 100;
 uint64_t TrialSteps(uint64_t iteration);
 

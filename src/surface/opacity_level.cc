@@ -47,7 +47,7 @@ constexpr size_t kViewsPerWitness = 10, kMostWitnesses = 3;
 // is the flat side of something, not the edge of what no camera sees.
 constexpr double kHiddenShare = 0.1;
 
-// What is narrower at a border is a rag, as a share of the largest gap.
+// Strips at a border that are narrower than this share of the largest gap are rags.
 constexpr float kRagWidth = 0.2f;
 
 constexpr size_t kValuesPerTask = 256;
@@ -213,16 +213,17 @@ void CloseGaps(const LevelSet& set, float radius, std::vector<uint8_t>& marks) {
   }
 }
 
-// Unmarks the triangles of strips narrower than twice the radius: an opening, along the surface.
+// Unmarks the triangles of strips narrower than twice the radius, or than two triangles: an
+// opening, along the surface.
 void DropRags(const LevelSet& set, float radius, std::vector<uint8_t>& marks) {
-  const std::vector<Reach> from_unmarked = ReachesOf(set, marks, 0, radius);
-  std::vector<uint8_t> core;
+  const std::vector<float> from_unmarked =
+      EdgeDistances(set.positions, set.triangles, VerticesOf(set, marks, 0), radius);
+  std::vector<uint8_t> is_core;
+  for (const float distance : from_unmarked) is_core.push_back(distance > radius);
+  const std::vector<float> from_core = EdgeDistances(set.positions, set.triangles, is_core, radius);
   for (size_t f = 0; f < marks.size(); ++f) {
-    core.push_back(marks[f] != 0 && from_unmarked[f].nearest > radius);
-  }
-  const std::vector<Reach> from_core = ReachesOf(set, core, 1, radius);
-  for (size_t f = 0; f < marks.size(); ++f) {
-    if (from_core[f].nearest > radius) marks[f] = 0;
+    const glm::uvec3& t = set.triangles[f];
+    if (std::min({from_core[t.x], from_core[t.y], from_core[t.z]}) > radius) marks[f] = 0;
   }
 }
 

@@ -41,7 +41,8 @@ LevelSet MarchToOpacity(const TetMesh& mesh, std::span<const SeenDepth> views);
 // of up to `largest_gap` [world units] stay: they close gaps in what is seen, where depths of
 // different cameras disagree. So do patches of which less than a tenth of the area has no ray that
 // ends near it, and parts of patches that fill gaps of up to `largest_gap` between what is kept.
-// Last, strips of up to a fifth of it are dropped: rags that hang from a border.
+// Last, strips narrower than a fifth of `largest_gap`, or than two triangles, are dropped: rags
+// that hang from a border, but also thin things of which cameras see one side only.
 LevelSet SeenPart(const LevelSet& set, std::span<const SeenDepth> views, double largest_gap);
 
 }  // namespace tetrec

@@ -103,7 +103,7 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld
     if (options.close) return all;
     LevelSet seen = SeenPart(all, views, kLargestGap * glm::length(world.subject_bounds.Size()));
     const size_t unseen = all.triangles.size() - seen.triangles.size();
-    LogInfo("{} of {} triangles are left out, because they face too few views",
+    LogInfo("{} of {} triangles are left out, because they face too few views or hang in rags",
             WithThousands(unseen), WithThousands(all.triangles.size()));
     stage.Count("unseen_triangles", unseen);
     return seen;

@@ -246,6 +246,11 @@ TEST(Checkpoint, RefusesFlagsOfPhotosThatAreNotPossible) {
   const std::vector<uint8_t> bytes = BytesOf(checkpoint);
   ExpectError<DataError>([&] { ParseCheckpoint(bytes, "c.bin"); },
                          {"c.bin: the flag of photo 1 is 2; expected 0 or 1"});
+  checkpoint = MakeCheckpoint();
+  checkpoint.stray.tried_ratio[0] = -1;
+  const std::vector<uint8_t> negative = BytesOf(checkpoint);
+  ExpectError<DataError>([&] { ParseCheckpoint(negative, "c.bin"); },
+                         {"c.bin: the ratio of errors of photo 0 is -1; expected 0 or more"});
 }
 
 // Files of the version before, which had no ratios of errors.

@@ -18,8 +18,8 @@ OptimizeOptions WithChoice(FineRaysChoice choice) {
 }
 
 struct FineRun : SmallRun {
-  explicit FineRun(FineRaysChoice choice)
-      : SmallRun(WithChoice(choice)), fine_rays(options, field, pictures, steps) {}
+  explicit FineRun(FineRaysChoice choice, bool has_alpha = false)
+      : SmallRun(WithChoice(choice)), fine_rays(options, has_alpha, field, pictures, steps) {}
   // Whether a late step does what one with fine rays does.
   bool TakesFineRays() {
     const FieldState before = field.ReadState();
@@ -49,24 +49,29 @@ TEST(FineRays, AreTakenOrNotAsChosen) {
   EXPECT_FALSE(off.TakesFineRays());
 }
 
+// The field stays as it was, or as the likelier way made it: by one ray for photos, by 2 x 2 for
+// pictures with alpha.
 TEST(FineRays, AreTriedOnceTheRunHasGrown) {
-  FineRun run(FineRaysChoice::kAuto);
-  run.PutField(0.2);
-  run.steps.Resume(1760, 0);
-  EXPECT_FALSE(run.fine_rays.Advance(0.5));
-  EXPECT_EQ(run.fine_rays.state(), TrialState::kNotTried);
-  const FieldState before = run.field.ReadState();
-  EXPECT_TRUE(run.fine_rays.Advance(0.69));
-  ASSERT_TRUE(run.fine_rays.trial());
-  const auto [one, four] = *run.fine_rays.trial();
-  EXPECT_NE(one, four);
-  const bool fine = run.fine_rays.trial()->PrefersFour();
-  EXPECT_EQ(run.fine_rays.state(), fine ? TrialState::kUsed : TrialState::kNotUsed);
-  EXPECT_EQ(run.field.ReadState().parameters, before.parameters);
-  EXPECT_EQ(run.field.ReadState().second_moment, before.second_moment);
-  EXPECT_EQ(run.steps.iteration(), 1760u);
-  EXPECT_EQ(run.TakesFineRays(), fine);
-  EXPECT_FALSE(run.fine_rays.Advance(0.69));
+  for (const bool has_alpha : {false, true}) {
+    FineRun run(FineRaysChoice::kAuto, has_alpha);
+    run.PutField(0.2);
+    run.steps.Resume(1760, 0);
+    EXPECT_FALSE(run.fine_rays.Advance(0.5));
+    EXPECT_EQ(run.fine_rays.state(), TrialState::kNotTried);
+    const FieldState before = run.field.ReadState();
+    EXPECT_TRUE(run.fine_rays.Advance(0.69));
+    ASSERT_TRUE(run.fine_rays.trial());
+    const auto [one, four] = *run.fine_rays.trial();
+    EXPECT_NE(one, four);
+    const bool fine = run.fine_rays.trial()->PrefersFour();
+    EXPECT_EQ(run.fine_rays.state(), fine ? TrialState::kUsed : TrialState::kNotUsed);
+    const bool stays = fine == has_alpha;
+    EXPECT_EQ(run.field.ReadState().parameters != before.parameters, stays);
+    EXPECT_EQ(run.field.ReadState().second_moment != before.second_moment, stays);
+    EXPECT_EQ(run.steps.iteration(), stays ? 1870u : 1760u);
+    EXPECT_EQ(run.TakesFineRays(), fine);
+    EXPECT_FALSE(run.fine_rays.Advance(0.69));
+  }
 }
 
 TEST(FineRays, AreTriedLaterIfTheRunIsStoppedMeanwhile) {
