@@ -237,8 +237,8 @@ class Trainer {
         if (fine_rays_.state() == TrialState::kUsed) JudgeAnew();
         continue;
       }
-      if (can_resume && StopRequested())
-        continue;  // a trial was stopped: the resumed run repeats it
+      // A trial was stopped: the resumed run repeats it.
+      if (can_resume && StopRequested()) continue;
       if (poses_.IsDue({done, growth})) CorrectPoses(done);
       if (can_resume && stray_.IsDue(growth)) {
         if (stray_.Advance()) JudgeAnew();
