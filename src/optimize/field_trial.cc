@@ -1,4 +1,4 @@
-// Trials of what a run could do.
+// Short trials of alternatives during a run.
 #include "optimize/field_trial.h"
 
 #include <utility>
