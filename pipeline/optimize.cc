@@ -28,10 +28,12 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
                         "cell (constant inside "
                         "each tet)");
   app.add_option("--color-rate", options.color_rate,
-                 "Initial learning rate of colour [display sRGB]")
+                 "Initial learning rate of colour [display sRGB] (default 0.02 for images with "
+                 "alpha, 0.012 for others)")
       ->check(tetrec::AboveZero());
   app.add_option("--sh-rate", options.harmonics_rate,
-                 "Initial learning rate of the coefficients of harmonics [display sRGB]")
+                 "Initial learning rate of the coefficients of harmonics [display sRGB] (default "
+                 "0.015 for images with alpha, 0.009 for others)")
       ->check(tetrec::AboveZero());
   app.add_option(
          "--sh-decay", options.harmonics_decay,
@@ -40,7 +42,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       ->check(CLI::Range(0.0, 10.0));
   app.add_option("--density-rate", options.density_rate,
                  "Initial learning rate of density's parameter: its logarithm, of signed density "
-                 "asinh(value / scale), of softplus density ln(e^(value / scale) - 1)")
+                 "asinh(value / scale), of softplus density ln(e^(value / scale) - 1) (default 0.2 "
+                 "for images with alpha, 0.12 for others)")
       ->check(tetrec::AboveZero());
   app.add_option("--position-rate", options.position_rate,
                  "Initial learning rate of positions: as a share of the edges of a vertex (default "
@@ -206,7 +209,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   tetrec::StageCommand command(
-      "optimize", 25,
+      "optimize", 26,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

@@ -81,6 +81,15 @@ void OptimizeOptions::Check() const {
     fail("max_density", max_density, "a number above 0, at most 1e30");
 }
 
+FirstRates FirstRatesOf(const OptimizeOptions& options, bool has_alpha) {
+  constexpr double kShareForPhotos = 0.6;
+  const double share = has_alpha ? 1.0 : kShareForPhotos;
+  const AdamUpdate usual;
+  return {.color = options.color_rate.value_or(share * usual.color_rate),
+          .density = options.density_rate.value_or(share * usual.density_rate),
+          .harmonics = options.harmonics_rate.value_or(share * usual.harmonics_rate)};
+}
+
 double PositionRateOf(const OptimizeOptions& options) {
   return options.position_rate.value_or(options.move == MoveChoice::kArticle ? 2e-5 : 0.1);
 }

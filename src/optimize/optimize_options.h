@@ -124,9 +124,9 @@ struct OptimizeOptions {
   uint64_t seed = 1;
   std::optional<int> rays_per_step;  // by default those of RaysPerStep
   LossOptions loss;
-  double color_rate = AdamUpdate().color_rate;      // Adam's first step on colour [display sRGB]
-  double density_rate = AdamUpdate().density_rate;  // on its parameter
-  double harmonics_rate = AdamUpdate().harmonics_rate;  // on coefficients [display sRGB]
+  // Adam's first steps on colour [display sRGB], on density's parameter, and on coefficients
+  // [display sRGB]. By default FirstRatesOf.
+  std::optional<double> color_rate, density_rate, harmonics_rate;
   // A vertex's first moves: as a share of its edges' mean length or, with kArticle, Adam's step as
   // a share of the subject's longest side. By default PositionRateOf.
   std::optional<double> position_rate;
@@ -181,6 +181,11 @@ struct OptimizeOptions {
 
 // The score that a run uses, never kAuto.
 RefineScore ScoreOf(const OptimizeOptions& options);
+struct FirstRates {
+  double color, density, harmonics;
+};
+// Photos take smaller steps than pictures with alpha, by which both gain (tests/bench/schedule.md).
+FirstRates FirstRatesOf(const OptimizeOptions& options, bool has_alpha);
 // The first rate of positions: 0.1 of the edges, or the article's 1e-5 in a box of 0.5.
 double PositionRateOf(const OptimizeOptions& options);
 // Photos differ in exposure, which fog in front of their cameras explains unless density decays.

@@ -71,9 +71,9 @@ TrainingBatch TrainingSteps::Draw(uint64_t iteration, const RunMoment& moment) {
 AdamUpdate TrainingSteps::UpdateOf(uint64_t step, const RunMoment& moment) const {
   const double share = share_of_rates_ * RateShare(options_.schedule, moment, step);
   return {.step = uint32_t(std::min<uint64_t>(step, 1u << 30)),
-          .color_rate = options_.color_rate * share,
-          .density_rate = options_.density_rate * share,
-          .harmonics_rate = options_.harmonics_rate * share,
+          .color_rate = first_rates_.color * share,
+          .density_rate = first_rates_.density * share,
+          .harmonics_rate = first_rates_.harmonics * share,
           .max_density = options_.max_density,
           .density_decay = density_decay_,
           .harmonics_decay = options_.harmonics_decay};

@@ -26,6 +26,7 @@ class TrainingSteps {
                 TrainingRenderer& renderer, VertexMotion& motion)
       : options_(options),
         has_alpha_(has_alpha),
+        first_rates_(FirstRatesOf(options, has_alpha)),
         density_decay_(options.density_decay.value_or(DensityDecay(has_alpha))),
         batches_(batches),
         renderer_(renderer),
@@ -66,6 +67,7 @@ class TrainingSteps {
 
   const OptimizeOptions& options_;
   bool has_alpha_;
+  FirstRates first_rates_;
   double density_decay_;
   BatchDrawer& batches_;
   TrainingRenderer& renderer_;

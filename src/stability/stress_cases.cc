@@ -25,14 +25,14 @@ Options Joined(Options options, const Options& more) {
   return options;
 }
 
-// All learning rates times a factor.
+// All learning rates of photos times a factor.
 Options Rates(double factor) {
   const OptimizeOptions defaults;
+  const FirstRates first = FirstRatesOf(defaults, false);
   const auto rate = [factor](double value) { return fmt::format("{:.9g}", factor * value); };
-  return {"--color-rate",    rate(defaults.color_rate),
-          "--density-rate",  rate(defaults.density_rate),
-          "--position-rate", rate(PositionRateOf(defaults)),
-          "--sh-rate",       rate(defaults.harmonics_rate)};
+  return {"--color-rate",      rate(first.color),    "--density-rate",
+          rate(first.density), "--position-rate",    rate(PositionRateOf(defaults)),
+          "--sh-rate",         rate(first.harmonics)};
 }
 
 class CaseList {

@@ -83,7 +83,7 @@ Options OptimizeOptionsOf(const SweepOptions& options, SweptMethod method, const
   const int cells = options.GridCells();
   const double position_rate =
       value_if(SweptParameter::kPositionRate, UsualRate(method, point.parameter, cells));
-  const double color_rate = value_if(SweptParameter::kColorRate, OptimizeOptions().color_rate);
+  const double color_rate = value_if(SweptParameter::kColorRate, AdamUpdate().color_rate);
   Options words = {"--iterations",
                    std::to_string(options.Steps()),
                    "--time-limit",

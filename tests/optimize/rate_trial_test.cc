@@ -11,8 +11,9 @@ namespace {
 
 OptimizeOptions WithRates(double factor) {
   OptimizeOptions options = SmallRunOptions();
-  options.color_rate *= factor;
-  options.density_rate *= factor;
+  const FirstRates usual = FirstRatesOf(options, false);
+  options.color_rate = factor * usual.color;
+  options.density_rate = factor * usual.density;
   return options;
 }
 

@@ -45,6 +45,8 @@ TEST(TrainingSteps, LetDensityDecayForPhotosAndNotForPicturesWithAlpha) {
   const auto densities = [](bool has_alpha, std::optional<double> decay) {
     OptimizeOptions options = SmallRunOptions();
     options.density_decay = decay;
+    options.color_rate = 0.02;
+    options.density_rate = 0.2;
     options.background = BackgroundChoice::kRandom;  // as photos have it, too
     SmallRun run(options);
     TrainingSteps steps(run.options, has_alpha, run.batches, *run.renderer, run.motion);
@@ -54,6 +56,31 @@ TEST(TrainingSteps, LetDensityDecayForPhotosAndNotForPicturesWithAlpha) {
   EXPECT_TRUE(densities(true, {}) == densities(false, 0.0));
   EXPECT_TRUE(densities(false, {}) == densities(true, 0.05));
   EXPECT_TRUE(densities(true, {}) != densities(false, {}));
+}
+
+TEST(TrainingSteps, AreSmallerForPhotosThanForPicturesWithAlphaUnlessRatesAreGiven) {
+  const OptimizeOptions defaults;
+  const FirstRates photos = FirstRatesOf(defaults, false), pictures = FirstRatesOf(defaults, true);
+  EXPECT_LT(photos.color, pictures.color);
+  EXPECT_LT(photos.density, pictures.density);
+  EXPECT_LT(photos.harmonics, pictures.harmonics);
+  const auto after_a_step = [](bool has_alpha, const FirstRates& rates) {
+    OptimizeOptions options = SmallRunOptions();
+    options.density_decay = 0.0;
+    options.background = BackgroundChoice::kRandom;  // as photos have it, too
+    SmallRun given(options), usual(options);
+    given.options.color_rate = rates.color;
+    given.options.density_rate = rates.density;
+    given.options.harmonics_rate = rates.harmonics;
+    for (SmallRun* run : {&given, &usual}) {
+      TrainingSteps steps(run->options, has_alpha, run->batches, *run->renderer, run->motion);
+      steps.Take(AtProgress(0.1), false);
+    }
+    return given.field.ReadState().parameters == usual.field.ReadState().parameters;
+  };
+  EXPECT_TRUE(after_a_step(false, photos));
+  EXPECT_TRUE(after_a_step(true, pictures));
+  EXPECT_FALSE(after_a_step(false, pictures));
 }
 
 // The scene's background is black here, in front of which a black field looks the same whatever its
