@@ -55,7 +55,7 @@ bool FineRays::Advance(double growth) {
   }
   result_ = has_alpha_ ? FineRaysTrial{.one_psnr = *first, .four_psnr = *last}
                        : FineRaysTrial{.one_psnr = *last, .four_psnr = *first};
-  const bool prefers_four = result_->PrefersFour();
+  const bool prefers_four = result_->PrefersFour(has_alpha_);
   if (prefers_four == has_alpha_) {
     trial.CountSteps();
   } else {

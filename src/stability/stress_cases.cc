@@ -29,10 +29,15 @@ Options Joined(Options options, const Options& more) {
 Options Rates(double factor) {
   const OptimizeOptions defaults;
   const FirstRates first = FirstRatesOf(defaults, false);
-  const auto rate = [factor](double value) { return fmt::format("{:.9g}", factor * value); };
-  return {"--color-rate",      rate(first.color),    "--density-rate",
-          rate(first.density), "--position-rate",    rate(PositionRateOf(defaults)),
-          "--sh-rate",         rate(first.harmonics)};
+  Options words;
+  const auto add = [&](const char* option, double rate) {
+    words.insert(words.end(), {option, fmt::format("{:.9g}", factor * rate)});
+  };
+  add("--color-rate", first.color);
+  add("--density-rate", first.density);
+  add("--sh-rate", first.harmonics);
+  add("--position-rate", PositionRateOf(defaults));
+  return words;
 }
 
 class CaseList {

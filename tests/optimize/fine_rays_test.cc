@@ -63,7 +63,7 @@ TEST(FineRays, AreTriedOnceTheRunHasGrown) {
     ASSERT_TRUE(run.fine_rays.trial());
     const auto [one, four] = *run.fine_rays.trial();
     EXPECT_NE(one, four);
-    const bool fine = run.fine_rays.trial()->PrefersFour();
+    const bool fine = run.fine_rays.trial()->PrefersFour(has_alpha);
     EXPECT_EQ(run.fine_rays.state(), fine ? TrialState::kUsed : TrialState::kNotUsed);
     const bool stays = fine == has_alpha;
     EXPECT_EQ(run.field.ReadState().parameters != before.parameters, stays);
@@ -102,11 +102,15 @@ TEST(FineRays, JudgeTheFieldsThatTheyMake) {
   EXPECT_EQ(run.pictures.JudgeField().psnr, by_one);
 }
 
-TEST(FineRays, AreTakenUnlessTheyLoseClearly) {
-  EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.1}).PrefersFour());
-  EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.0}).PrefersFour());
-  EXPECT_TRUE((FineRaysTrial{.one_psnr = 30.06, .four_psnr = 30.0}).PrefersFour());
-  EXPECT_FALSE((FineRaysTrial{.one_psnr = 30.12, .four_psnr = 30.0}).PrefersFour());
+TEST(FineRays, AreTakenIfTheyGainAndForPicturesWithAlphaUnlessTheyLoseClearly) {
+  const auto prefers_four = [](double gain, bool has_alpha) {
+    return FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.0 + gain}.PrefersFour(has_alpha);
+  };
+  EXPECT_TRUE(prefers_four(0.1, true));
+  EXPECT_TRUE(prefers_four(-0.06, true));
+  EXPECT_FALSE(prefers_four(-0.12, true));
+  EXPECT_TRUE(prefers_four(0.1, false));
+  EXPECT_FALSE(prefers_four(-0.06, false));
 }
 
 TEST(FineRays, AreNotTriedInShortRuns) {
