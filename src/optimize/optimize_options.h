@@ -184,7 +184,7 @@ RefineScore ScoreOf(const OptimizeOptions& options);
 struct FirstRates {
   double color, density, harmonics;
 };
-// Photos take smaller steps than pictures with alpha, by which both gain (tests/bench/schedule.md).
+// Photos learn more slowly than pictures with alpha (measured: tests/bench/schedule.md).
 FirstRates FirstRatesOf(const OptimizeOptions& options, bool has_alpha);
 // The first rate of positions: 0.1 of the edges, or the article's 1e-5 in a box of 0.5.
 double PositionRateOf(const OptimizeOptions& options);
