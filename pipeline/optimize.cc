@@ -120,9 +120,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   tetrec::AddWordOption(
       app, "--fine-rays", options.fine_rays,
       "2 x 2 rays per pixel, whose mean is compared with the photo, in the last quarter of a run "
-      "of "
-      "up to 120 s, or from the 90th second of a longer one: auto (if the judging pictures gain by "
-      "them), on or off");
+      "of up to 120 s, or from the 90th second of a longer one: auto (for images with alpha, if "
+      "the judging pictures gain by them), on or off");
   app.add_option(
          "--rounds", options.schedule.rounds,
          "Refinements of the mesh; by default 3 to 9, by how much it may grow, and further ones in "
@@ -209,7 +208,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   tetrec::StageCommand command(
-      "optimize", 26,
+      "optimize", 27,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

@@ -21,6 +21,9 @@ constexpr double kLeastKept = 1.0 / 16;
 // The longest trial, up to its last motion. The coarsest meshes would gain by more steps, but steps
 // are also needed after it.
 constexpr double kMostSteps = 400;
+// A gain beyond the standard error that is clear, and what pictures lack that are far from matched
+// [dB].
+constexpr double kClearGain = 0.3, kFarFromMatched = 5;
 
 double PsnrOf(std::span<const ErrorSum> views) {
   ErrorSum all;
@@ -42,6 +45,14 @@ bool IsExpectedToFail(const JudgedGain& failed, double kept_share, double milder
   return failed.gain * (1 - milder_share) / (1 - kept_share) < -failed.standard_error;
 }
 
+bool StillGains(const RoundsState& rounds, double matched_psnr) {
+  if (rounds.steps.empty()) return false;
+  const GrowthStep& last = rounds.steps.back();
+  return last.decision == GrowthDecision::kRefine &&
+         last.gain - last.gain_standard_error > kClearGain &&
+         last.psnr < matched_psnr - kFarFromMatched;
+}
+
 Coarsening::Coarsening(const OptimizeOptions& options, const RefinedParts& parts,
                        RefinementRounds& rounds, const std::filesystem::path& finer_file,
                        const std::filesystem::path& coarser_file)
@@ -51,6 +62,12 @@ Coarsening::Coarsening(const OptimizeOptions& options, const RefinedParts& parts
       finer_file_(finer_file),
       coarser_file_(coarser_file),
       is_wanted_(IsWanted(options)) {}
+
+bool Coarsening::IsOver() const {
+  return state_.ended != 0 || !is_wanted_ ||
+         (options_.HasLimit() && rounds_.IsOver() &&
+          StillGains(rounds_.state(), options_.schedule.matched_psnr));
+}
 
 bool Coarsening::IsDue(double progress) const {
   if (IsOver() || !rounds_.IsOver() || parts_.pictures.learns_all()) return false;

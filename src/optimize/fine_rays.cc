@@ -21,8 +21,9 @@ constexpr uint64_t kFewestStepsBefore = 10 * kFewestFineSteps;
 
 FineRays::FineRays(const OptimizeOptions& options, bool has_alpha, FittedField& field,
                    TrainingPictures& pictures, TrainingSteps& steps)
-    : has_alpha_(has_alpha), field_(field), pictures_(pictures), steps_(steps) {
-  if (options.fine_rays != FineRaysChoice::kAuto) Decide(options.fine_rays == FineRaysChoice::kOn);
+    : field_(field), pictures_(pictures), steps_(steps) {
+  const bool is_tried = options.fine_rays == FineRaysChoice::kAuto && has_alpha;
+  if (!is_tried) Decide(options.fine_rays == FineRaysChoice::kOn);
 }
 
 void FineRays::Resume(TrialState state) {
@@ -46,17 +47,16 @@ bool FineRays::Advance(double growth) {
   const uint64_t steps =
       std::clamp(steps_.iteration() / kPartOfFineTrial, kFewestFineSteps, kMostFineSteps);
   FieldTrial trial(field_, steps_, steps);
-  // The likelier way last, because what it learns can stay.
-  const std::optional<double> first = TrialPsnr(trial, !has_alpha_);
-  const std::optional<double> last = first ? TrialPsnr(trial, has_alpha_) : std::nullopt;
-  if (!last) {
+  // 2 x 2 rays last, because what the likelier way learns can stay.
+  const std::optional<double> one = TrialPsnr(trial, false);
+  const std::optional<double> four = one ? TrialPsnr(trial, true) : std::nullopt;
+  if (!four) {
     steps_.UseFineRays(false);
     return false;
   }
-  result_ = has_alpha_ ? FineRaysTrial{.one_psnr = *first, .four_psnr = *last}
-                       : FineRaysTrial{.one_psnr = *last, .four_psnr = *first};
-  const bool prefers_four = result_->PrefersFour(has_alpha_);
-  if (prefers_four == has_alpha_) {
+  result_ = FineRaysTrial{.one_psnr = *one, .four_psnr = *four};
+  const bool prefers_four = result_->PrefersFour();
+  if (prefers_four) {
     trial.CountSteps();
   } else {
     trial.TakeBack();

@@ -125,6 +125,32 @@ TEST(Coarsening, WaitsUntilTheRoundsAreOverAndWhatTheyInsertedIsLearned) {
   EXPECT_FALSE(grown.coarsening.IsDue(0.6));
 }
 
+TEST(Coarsening, LeavesMeshesThatGrewUntilTheEndOfThePlanAndStillGained) {
+  const GrowthStep gained{
+      .psnr = 30, .gain = 0.5, .gain_standard_error = 0.1, .decision = GrowthDecision::kRefine};
+  GrowthStep unclear = gained, ended = gained, near = gained;
+  unclear.gain_standard_error = 0.3;
+  ended.decision = GrowthDecision::kFineEnough;
+  near.psnr = 36;
+  EXPECT_TRUE(StillGains({.steps = {unclear, gained}}, 40));
+  EXPECT_FALSE(StillGains({.steps = {gained, unclear}}, 40));
+  EXPECT_FALSE(StillGains({.steps = {gained, ended}}, 40));
+  EXPECT_FALSE(StillGains({.steps = {gained, near}}, 40));
+  EXPECT_FALSE(StillGains({}, 40));
+  for (const uint64_t iterations : {uint64_t{0}, uint64_t{2000}}) {
+    OptimizeOptions options = SmallRunOptions();
+    options.time_limit_s = 0;
+    options.iterations = iterations;
+    GrownRun grown(options);
+    EXPECT_FALSE(grown.coarsening.IsOver());
+    grown.rounds.Resume({.steps = {gained}});
+    EXPECT_FALSE(grown.coarsening.IsOver()) << "a round is still planned";
+    grown.rounds.Resume({.rounds = 1, .steps = {gained}});
+    EXPECT_EQ(grown.coarsening.IsOver(), iterations > 0) << "without limits there is time";
+    EXPECT_EQ(grown.coarsening.IsDue(0.6), iterations == 0);
+  }
+}
+
 TEST(Coarsening, LeavesMeshesWhoseSizeTheOptionsGive) {
   for (int i = 0; i < 4; ++i) {
     OptimizeOptions options = SmallRunOptions();

@@ -18,7 +18,7 @@ OptimizeOptions WithChoice(FineRaysChoice choice) {
 }
 
 struct FineRun : SmallRun {
-  explicit FineRun(FineRaysChoice choice, bool has_alpha = false)
+  explicit FineRun(FineRaysChoice choice, bool has_alpha = true)
       : SmallRun(WithChoice(choice)), fine_rays(options, has_alpha, field, pictures, steps) {}
   // Whether a late step does what one with fine rays does.
   bool TakesFineRays() {
@@ -49,29 +49,35 @@ TEST(FineRays, AreTakenOrNotAsChosen) {
   EXPECT_FALSE(off.TakesFineRays());
 }
 
-// The field stays as it was, or as the likelier way made it: by one ray for photos, by 2 x 2 for
-// pictures with alpha.
+// The field stays as it was, or as 2 x 2 rays made it if they are taken.
 TEST(FineRays, AreTriedOnceTheRunHasGrown) {
-  for (const bool has_alpha : {false, true}) {
-    FineRun run(FineRaysChoice::kAuto, has_alpha);
-    run.PutField(0.2);
-    run.steps.Resume(1760, 0);
-    EXPECT_FALSE(run.fine_rays.Advance(0.5));
-    EXPECT_EQ(run.fine_rays.state(), TrialState::kNotTried);
-    const FieldState before = run.field.ReadState();
-    EXPECT_TRUE(run.fine_rays.Advance(0.69));
-    ASSERT_TRUE(run.fine_rays.trial());
-    const auto [one, four] = *run.fine_rays.trial();
-    EXPECT_NE(one, four);
-    const bool fine = run.fine_rays.trial()->PrefersFour(has_alpha);
-    EXPECT_EQ(run.fine_rays.state(), fine ? TrialState::kUsed : TrialState::kNotUsed);
-    const bool stays = fine == has_alpha;
-    EXPECT_EQ(run.field.ReadState().parameters != before.parameters, stays);
-    EXPECT_EQ(run.field.ReadState().second_moment != before.second_moment, stays);
-    EXPECT_EQ(run.steps.iteration(), stays ? 1870u : 1760u);
-    EXPECT_EQ(run.TakesFineRays(), fine);
-    EXPECT_FALSE(run.fine_rays.Advance(0.69));
-  }
+  FineRun run(FineRaysChoice::kAuto);
+  run.PutField(0.2);
+  run.steps.Resume(1760, 0);
+  EXPECT_FALSE(run.fine_rays.Advance(0.5));
+  EXPECT_EQ(run.fine_rays.state(), TrialState::kNotTried);
+  const FieldState before = run.field.ReadState();
+  EXPECT_TRUE(run.fine_rays.Advance(0.69));
+  ASSERT_TRUE(run.fine_rays.trial());
+  const auto [one, four] = *run.fine_rays.trial();
+  EXPECT_NE(one, four);
+  const bool fine = run.fine_rays.trial()->PrefersFour();
+  EXPECT_EQ(run.fine_rays.state(), fine ? TrialState::kUsed : TrialState::kNotUsed);
+  EXPECT_EQ(run.field.ReadState().parameters != before.parameters, fine);
+  EXPECT_EQ(run.field.ReadState().second_moment != before.second_moment, fine);
+  EXPECT_EQ(run.steps.iteration(), fine ? 1870u : 1760u);
+  EXPECT_EQ(run.TakesFineRays(), fine);
+  EXPECT_FALSE(run.fine_rays.Advance(0.69));
+}
+
+TEST(FineRays, AreNotTriedForPhotosWithoutAlpha) {
+  FineRun run(FineRaysChoice::kAuto, /*has_alpha=*/false);
+  run.PutField(0.2);
+  run.steps.Resume(1760, 0);
+  EXPECT_EQ(run.fine_rays.state(), TrialState::kNotUsed);
+  EXPECT_FALSE(run.fine_rays.Advance(0.69));
+  EXPECT_FALSE(run.fine_rays.trial());
+  EXPECT_FALSE(run.TakesFineRays());
 }
 
 TEST(FineRays, AreTriedLaterIfTheRunIsStoppedMeanwhile) {
@@ -102,15 +108,13 @@ TEST(FineRays, JudgeTheFieldsThatTheyMake) {
   EXPECT_EQ(run.pictures.JudgeField().psnr, by_one);
 }
 
-TEST(FineRays, AreTakenIfTheyGainAndForPicturesWithAlphaUnlessTheyLoseClearly) {
-  const auto prefers_four = [](double gain, bool has_alpha) {
-    return FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.0 + gain}.PrefersFour(has_alpha);
+TEST(FineRays, AreTakenUnlessTheyLoseClearly) {
+  const auto prefers_four = [](double gain) {
+    return FineRaysTrial{.one_psnr = 30.0, .four_psnr = 30.0 + gain}.PrefersFour();
   };
-  EXPECT_TRUE(prefers_four(0.1, true));
-  EXPECT_TRUE(prefers_four(-0.06, true));
-  EXPECT_FALSE(prefers_four(-0.12, true));
-  EXPECT_TRUE(prefers_four(0.1, false));
-  EXPECT_FALSE(prefers_four(-0.06, false));
+  EXPECT_TRUE(prefers_four(0.1));
+  EXPECT_TRUE(prefers_four(-0.06));
+  EXPECT_FALSE(prefers_four(-0.12));
 }
 
 TEST(FineRays, AreNotTriedInShortRuns) {
