@@ -120,8 +120,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   tetrec::AddWordOption(
       app, "--fine-rays", options.fine_rays,
       "2 x 2 rays per pixel, whose mean is compared with the photo, in the last quarter of a run "
-      "of up to 120 s, or from the 90th second of a longer one: auto (for images with alpha, if "
-      "the judging pictures gain by them), on or off");
+      "of up to 120 s, or from the 90th second of a longer one: auto (for images with alpha, as "
+      "a trial decides; otherwise one ray), on or off");
   app.add_option(
          "--rounds", options.schedule.rounds,
          "Refinements of the mesh; by default 3 to 9, by how much it may grow, and further ones in "

@@ -21,8 +21,8 @@ constexpr double kLeastKept = 1.0 / 16;
 // The longest trial, up to its last motion. The coarsest meshes would gain by more steps, but steps
 // are also needed after it.
 constexpr double kMostSteps = 400;
-// A gain beyond the standard error that is clear, and what pictures lack that are far from matched
-// [dB].
+// A gain is clear if it exceeds its standard error by this; pictures are far from matched if they
+// lack more than this [dB].
 constexpr double kClearGain = 0.3, kFarFromMatched = 5;
 
 double PsnrOf(std::span<const ErrorSum> views) {
@@ -46,9 +46,11 @@ bool IsExpectedToFail(const JudgedGain& failed, double kept_share, double milder
 }
 
 bool StillGains(const RoundsState& rounds, double matched_psnr) {
-  if (rounds.steps.empty()) return false;
+  if (rounds.steps.size() < 2) return false;
   const GrowthStep& last = rounds.steps.back();
-  return last.decision == GrowthDecision::kRefine &&
+  const GrowthStep& before = rounds.steps[rounds.steps.size() - 2];
+  const bool has_grown = last.vertices > before.vertices;
+  return last.decision == GrowthDecision::kRefine && has_grown &&
          last.gain - last.gain_standard_error > kClearGain &&
          last.psnr < matched_psnr - kFarFromMatched;
 }
@@ -63,12 +65,6 @@ Coarsening::Coarsening(const OptimizeOptions& options, const RefinedParts& parts
       coarser_file_(coarser_file),
       is_wanted_(IsWanted(options)) {}
 
-bool Coarsening::IsOver() const {
-  return state_.ended != 0 || !is_wanted_ ||
-         (options_.HasLimit() && rounds_.IsOver() &&
-          StillGains(rounds_.state(), options_.schedule.matched_psnr));
-}
-
 bool Coarsening::IsDue(double progress) const {
   if (IsOver() || !rounds_.IsOver() || parts_.pictures.learns_all()) return false;
   const std::vector<GrowthStep>& steps = rounds_.state().steps;
@@ -81,6 +77,12 @@ bool Coarsening::IsDue(double progress) const {
 }
 
 bool Coarsening::Advance(double seconds, const RunMoment& moment) {
+  const bool is_short = options_.HasLimit() && !rounds_.HasLateRounds();
+  if (is_short && StillGains(rounds_.state(), options_.schedule.matched_psnr)) {
+    state_.ended = 1;
+    LogInfo("no coarser mesh is tried: the judging pictures still gained by the last rounds");
+    return false;
+  }
   if (state_.reference.empty()) {
     LookAtFinest(moment);
     return false;

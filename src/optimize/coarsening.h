@@ -29,9 +29,10 @@ struct CoarseningState {
 // the least needed vertices go first.)
 bool IsExpectedToFail(const JudgedGain& failed, double kept_share, double milder_share);
 
-// True if the rounds ended because no more were planned, what was gained until the last of them is
-// far beyond its standard error, and the pictures were far from matched. Half of the vertices would
-// then lose: of 29 such trials, one ended with the coarser mesh (tests/bench/schedule.md).
+// True if the last planned round has been done, the round before it had added vertices, the judging
+// pictures then gained clearly more than the standard error, and they were far from matched.
+// Dropping half of the vertices would then nearly always lose: it did in 28 of 29 trials
+// (tests/bench/schedule.md).
 bool StillGains(const RoundsState& rounds, double matched_psnr);
 
 // A trial drops the least needed vertices (spare_vertices.h), learns some steps and judges. If the
@@ -52,13 +53,13 @@ class Coarsening {
   const CoarseningState& state() const { return state_; }
 
   // True if the mesh is coarsened no more. A mesh whose rounds are given is never coarsened, nor is
-  // one that grows in full, nor where it is not known which vertices are needed, nor one that a run
-  // with a limit has grown as far as it may while its rounds still gained clearly (StillGains).
-  bool IsOver() const;
+  // one that grows in full, nor where it is not known which vertices are needed.
+  bool IsOver() const { return state_.ended != 0 || !is_wanted_; }
   // Once the rounds are over, and what they inserted has been learned, while pictures judge.
   bool IsDue(double progress) const;
-  // Judges the mesh as it is, the first time; then makes one trial. `seconds`: of the run so far,
-  // for the record. Returns whether the mesh has become coarser.
+  // Judges the mesh as it is, the first time; then makes one trial. A short run whose mesh still
+  // gains (StillGains) has better uses for the steps of a trial: there it makes none. `seconds`: of
+  // the run so far, for the record. Returns whether the mesh has become coarser.
   bool Advance(double seconds, const RunMoment& moment);
 
  private:

@@ -56,7 +56,7 @@ inline constexpr auto kWords<StrayChoice> = std::to_array<Word<StrayChoice>>(
 
 // Rays per pixel once a run has grown (fine_rays.h).
 enum class FineRaysChoice {
-  kAuto,  // 2 x 2 if the judging pictures gain by them
+  kAuto,  // for pictures with alpha, 2 x 2 unless they clearly lose in a trial; otherwise one
   kOn,    // 2 x 2
   kOff,   // one
 };

@@ -63,6 +63,8 @@ class RefinementRounds {
   bool IsDue(double growth) const;
   // True if the mesh is refined no more.
   bool IsOver() const { return state_.ended != 0 || state_.rounds >= plan_.size(); }
+  // True in a long run, whose last rounds come after the growth of a short one.
+  bool HasLateRounds() const { return !plan_.empty() && plan_.back().is_late; }
   // True if the next round, which is due, is a trial.
   bool NeedsTrial() const;
   // Refines the mesh. If the judging pictures lost since the round before, the run returns to the

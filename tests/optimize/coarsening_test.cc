@@ -125,29 +125,43 @@ TEST(Coarsening, WaitsUntilTheRoundsAreOverAndWhatTheyInsertedIsLearned) {
   EXPECT_FALSE(grown.coarsening.IsDue(0.6));
 }
 
-TEST(Coarsening, LeavesMeshesThatGrewUntilTheEndOfThePlanAndStillGained) {
-  const GrowthStep gained{
-      .psnr = 30, .gain = 0.5, .gain_standard_error = 0.1, .decision = GrowthDecision::kRefine};
-  GrowthStep unclear = gained, ended = gained, near = gained;
-  unclear.gain_standard_error = 0.3;
-  ended.decision = GrowthDecision::kFineEnough;
-  near.psnr = 36;
-  EXPECT_TRUE(StillGains({.steps = {unclear, gained}}, 40));
-  EXPECT_FALSE(StillGains({.steps = {gained, unclear}}, 40));
-  EXPECT_FALSE(StillGains({.steps = {gained, ended}}, 40));
-  EXPECT_FALSE(StillGains({.steps = {gained, near}}, 40));
-  EXPECT_FALSE(StillGains({}, 40));
+// What was known before the last two rounds of a mesh that grew and gained.
+std::vector<GrowthStep> GainedSteps() {
+  return {{.vertices = 900, .psnr = 29.5, .decision = GrowthDecision::kRefine},
+          {.vertices = 1000,
+           .psnr = 30,
+           .gain = 0.5,
+           .gain_standard_error = 0.1,
+           .decision = GrowthDecision::kRefine}};
+}
+
+TEST(Coarsening, SeesWhetherTheLastRoundsStillGained) {
+  const auto still_gains = [](auto change) {
+    std::vector<GrowthStep> steps = GainedSteps();
+    change(steps);
+    return StillGains({.steps = steps}, 40);
+  };
+  EXPECT_TRUE(still_gains([](auto&) {}));
+  EXPECT_FALSE(still_gains([](auto& steps) { steps.back().gain_standard_error = 0.3; }));
+  EXPECT_FALSE(still_gains([](auto& steps) { steps.back().psnr = 36; }));
+  EXPECT_FALSE(still_gains([](auto& steps) { steps.front().vertices = 1000; }));
+  EXPECT_FALSE(
+      still_gains([](auto& steps) { steps.back().decision = GrowthDecision::kFineEnough; }));
+  EXPECT_FALSE(still_gains([](auto& steps) { steps.erase(steps.begin()); }));
+  EXPECT_FALSE(still_gains([](auto& steps) { steps.clear(); }));
+}
+
+TEST(Coarsening, MakesNoTrialInAShortRunWhoseMeshStillGains) {
   for (const uint64_t iterations : {uint64_t{0}, uint64_t{2000}}) {
     OptimizeOptions options = SmallRunOptions();
     options.time_limit_s = 0;
     options.iterations = iterations;
     GrownRun grown(options);
-    EXPECT_FALSE(grown.coarsening.IsOver());
-    grown.rounds.Resume({.steps = {gained}});
-    EXPECT_FALSE(grown.coarsening.IsOver()) << "a round is still planned";
-    grown.rounds.Resume({.rounds = 1, .steps = {gained}});
+    grown.rounds.Resume({.rounds = 1, .steps = GainedSteps()});
+    ASSERT_TRUE(grown.coarsening.IsDue(0.6));
+    EXPECT_FALSE(grown.coarsening.Advance(0.0, AtProgress(0.6)));
     EXPECT_EQ(grown.coarsening.IsOver(), iterations > 0) << "without limits there is time";
-    EXPECT_EQ(grown.coarsening.IsDue(0.6), iterations == 0);
+    EXPECT_EQ(grown.coarsening.state().reference.empty(), iterations > 0);
   }
 }
 

@@ -38,36 +38,40 @@ struct FineRun : SmallRun {
 };
 
 TEST(FineRays, AreTakenOrNotAsChosen) {
-  FineRun on(FineRaysChoice::kOn), off(FineRaysChoice::kOff);
-  for (FineRun* run : {&on, &off}) {
-    run->PutField(0.2);
-    EXPECT_FALSE(run->fine_rays.Advance(0.69));
+  for (const bool has_alpha : {false, true}) {
+    FineRun on(FineRaysChoice::kOn, has_alpha), off(FineRaysChoice::kOff, has_alpha);
+    for (FineRun* run : {&on, &off}) {
+      run->PutField(0.2);
+      EXPECT_FALSE(run->fine_rays.Advance(0.69));
+    }
+    EXPECT_EQ(on.fine_rays.state(), TrialState::kUsed);
+    EXPECT_EQ(off.fine_rays.state(), TrialState::kNotUsed);
+    EXPECT_TRUE(on.TakesFineRays());
+    EXPECT_FALSE(off.TakesFineRays());
   }
-  EXPECT_EQ(on.fine_rays.state(), TrialState::kUsed);
-  EXPECT_EQ(off.fine_rays.state(), TrialState::kNotUsed);
-  EXPECT_TRUE(on.TakesFineRays());
-  EXPECT_FALSE(off.TakesFineRays());
 }
 
-// The field stays as it was, or as 2 x 2 rays made it if they are taken.
+// The field stays as it was, or as 2 x 2 rays made it if they are taken. Near the truth they are.
 TEST(FineRays, AreTriedOnceTheRunHasGrown) {
-  FineRun run(FineRaysChoice::kAuto);
-  run.PutField(0.2);
-  run.steps.Resume(1760, 0);
-  EXPECT_FALSE(run.fine_rays.Advance(0.5));
-  EXPECT_EQ(run.fine_rays.state(), TrialState::kNotTried);
-  const FieldState before = run.field.ReadState();
-  EXPECT_TRUE(run.fine_rays.Advance(0.69));
-  ASSERT_TRUE(run.fine_rays.trial());
-  const auto [one, four] = *run.fine_rays.trial();
-  EXPECT_NE(one, four);
-  const bool fine = run.fine_rays.trial()->PrefersFour();
-  EXPECT_EQ(run.fine_rays.state(), fine ? TrialState::kUsed : TrialState::kNotUsed);
-  EXPECT_EQ(run.field.ReadState().parameters != before.parameters, fine);
-  EXPECT_EQ(run.field.ReadState().second_moment != before.second_moment, fine);
-  EXPECT_EQ(run.steps.iteration(), fine ? 1870u : 1760u);
-  EXPECT_EQ(run.TakesFineRays(), fine);
-  EXPECT_FALSE(run.fine_rays.Advance(0.69));
+  for (const bool fine : {false, true}) {
+    FineRun run(FineRaysChoice::kAuto);
+    run.PutField(fine ? 0.42 : 0.2);
+    run.steps.Resume(1760, 0);
+    EXPECT_FALSE(run.fine_rays.Advance(0.5));
+    EXPECT_EQ(run.fine_rays.state(), TrialState::kNotTried);
+    const FieldState before = run.field.ReadState();
+    EXPECT_TRUE(run.fine_rays.Advance(0.69));
+    ASSERT_TRUE(run.fine_rays.trial());
+    const auto [one, four] = *run.fine_rays.trial();
+    EXPECT_NE(one, four);
+    EXPECT_EQ(run.fine_rays.trial()->PrefersFour(), fine);
+    EXPECT_EQ(run.fine_rays.state(), fine ? TrialState::kUsed : TrialState::kNotUsed);
+    EXPECT_EQ(run.field.ReadState().parameters != before.parameters, fine);
+    EXPECT_EQ(run.field.ReadState().second_moment != before.second_moment, fine);
+    EXPECT_EQ(run.steps.iteration(), fine ? 1870u : 1760u);
+    EXPECT_EQ(run.TakesFineRays(), fine);
+    EXPECT_FALSE(run.fine_rays.Advance(0.69));
+  }
 }
 
 TEST(FineRays, AreNotTriedForPhotosWithoutAlpha) {
