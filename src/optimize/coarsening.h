@@ -31,7 +31,7 @@ bool IsExpectedToFail(const JudgedGain& failed, double kept_share, double milder
 
 // True if the last planned round has been done, the round before it had added vertices, the judging
 // pictures then gained clearly more than the standard error, and they were far from matched.
-// Dropping half of the vertices would then nearly always lose: it did in 28 of 29 trials
+// Dropping half of the vertices would then nearly always lose: it did in 18 of 19 trials
 // (tests/bench/schedule.md).
 bool StillGains(const RoundsState& rounds, double matched_psnr);
 
