@@ -195,7 +195,6 @@ void StageRun::StartLog() {
 void StageRun::Call(const std::function<void(Stage&)>& body) {
   try {
     body(stage_);
-    ThrowIfStopRequested("run the same command again to continue");
     Finish();
   } catch (const Interrupted& error) {
     RecordFailure("interrupted", error.what());
@@ -207,6 +206,8 @@ void StageRun::Call(const std::function<void(Stage&)>& body) {
     RecordFailure("failed", OneLine(error.what()));
     throw;
   }
+  // The result is whole, but whoever asked for a stop wants no further stage.
+  ThrowIfStopRequested("the result was finished before");
 }
 
 void StageRun::RecordFailure(const char* state, const std::string& message) {

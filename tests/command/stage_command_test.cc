@@ -734,6 +734,22 @@ TEST_F(StageSignalTest, SigtermAndSigintEndWith130AndTheRunCanBeContinued) {
   }
 }
 
+TEST_F(StageSignalTest, AStopAfterTheLastOfTheWorkKeepsTheResult) {
+  const pid_t pid = fork();
+  if (pid == 0) {
+    const Outcome outcome = First({input_, "-o", output_}, [](Stage& stage) {
+      CopyInput(stage);
+      raise(SIGINT);
+    });
+    _exit(outcome.exit_code);
+  }
+  EXPECT_EQ(WaitFor(pid), 130);
+  EXPECT_EQ(Status()["status"], "done");
+  const Outcome again = First({input_, "-o", output_});
+  EXPECT_FALSE(again.ran);
+  EXPECT_THAT(again.out, HasSubstr("up to date"));
+}
+
 TEST_F(StageSignalTest, ASecondSignalEndsAtOnce) {
   const pid_t pid = StartWaitingRun(true);
   kill(pid, SIGTERM);
