@@ -46,11 +46,14 @@ std::vector<RayBlock> BlocksOfRays(std::span<const RayBlock> blocks, int samples
   return rays;
 }
 
-// Every n-th value. Of blocks, an odd n visits all columns of a tile, which is four blocks wide.
+// Every n-th value, and at least one, so that each view judges. Of blocks, an odd n visits all
+// columns of a tile, which is four blocks wide.
 template <class T>
 std::vector<T> EveryNth(std::span<const T> values, size_t n) {
   std::vector<T> some;
-  for (size_t i = n / 2; i < values.size(); i += n) some.push_back(values[i]);
+  for (size_t i = std::min(n, values.size()) / 2; i < values.size(); i += n) {
+    some.push_back(values[i]);
+  }
   return some;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace tetrec {
 namespace {
@@ -57,7 +58,7 @@ Judgement TrainingPictures::JudgeField(std::optional<int> samples) {
   renderer_.SetTargets(set_.views, set_.targets);
   const Judgement judgement =
       Judge(renderer_, judging_, background_srgb_, samples.value_or(samples_));
-  ChooseLearned(learns_all_);
+  ShowWhatIsLearned();
   return judgement;
 }
 
@@ -66,7 +67,7 @@ std::vector<ErrorSum> TrainingPictures::ErrorsOfViews() {
   renderer_.SetTargets(set_.views, set_.targets);
   const Judgement judgement =
       Judge(renderer_, sample, background_srgb_, samples_, std::numeric_limits<size_t>::max());
-  ChooseLearned(learns_all_);
+  ShowWhatIsLearned();
   std::vector<ErrorSum> errors(set_.views.size());
   size_t judged = 0;
   for (size_t i = 0; i < sample.blocks.size(); ++i) {
@@ -115,7 +116,15 @@ void TrainingPictures::ChooseLearned(bool all) {
       not_learned[view] |= judging_.is_whole[view];
     }
   }
-  ListBlocks(set_, not_learned);
+  // A list takes a look at every pixel.
+  if (not_learned != not_learned_) {
+    ListBlocks(set_, not_learned);
+    not_learned_ = std::move(not_learned);
+  }
+  ShowWhatIsLearned();
+}
+
+void TrainingPictures::ShowWhatIsLearned() {
   renderer_.SetTargets(set_.views, learns_all_ ? set_.targets : WithoutJudging());
 }
 

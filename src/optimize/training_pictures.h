@@ -19,8 +19,8 @@ namespace tetrec {
 // that of the run, in [0, 1]: it decides whether the judging pictures are kept from learning.
 class TrainingPictures {
  public:
-  // `background_srgb`: behind field and pictures when they judge. The renderer has no targets
-  // before the first call of PlaceCameras.
+  // `set` lists the blocks of all views. `background_srgb`: behind field and pictures when they
+  // judge. The renderer has no targets before the first call of PlaceCameras.
   TrainingPictures(const OptimizeOptions& options, TrainingSet set,
                    const glm::vec3& background_srgb, TrainingRenderer& renderer);
 
@@ -60,6 +60,7 @@ class TrainingPictures {
  private:
   bool KeepsJudging(double progress) const;
   void ChooseLearned(bool all);
+  void ShowWhatIsLearned();
 
   const OptimizeOptions& options_;
   TrainingRenderer& renderer_;
@@ -67,6 +68,7 @@ class TrainingPictures {
   std::vector<RenderView> given_views_;
   JudgingSet all_judging_, judging_;  // of all views, and without those that are left out
   std::vector<uint8_t> left_out_;     // per view; empty: none
+  std::vector<uint8_t> not_learned_;  // per view: its blocks are not in set_; empty: all are
   glm::vec3 background_srgb_;
   int samples_ = 1;
   bool learns_all_ = true;

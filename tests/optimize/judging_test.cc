@@ -169,6 +169,20 @@ TEST(Judge, LooksAtSomeBlocksOfEveryViewIfManyPixelsJudge) {
   }
 }
 
+// A view without rays would be refused where a run is resumed.
+TEST(Judge, LooksAtABlockOfEveryViewHoweverFewItHas) {
+  TrainingSet set = GreySet(24, 64, 48);
+  for (size_t i = 0; i < set.targets[3].rgba8.size(); ++i) {
+    if (i >= 64 * 16) set.targets[3].rgba8[i] = kNotJudgedTarget;
+  }
+  const JudgingSet judging = ChooseJudgingSet(set, 1);
+  const auto renderer = RendererOfNothing();
+  renderer->SetTargets(set.views, set.targets);
+  for (const ErrorSum& view : Judge(*renderer, judging, glm::vec3(0.25f), 1, 64).views) {
+    EXPECT_GT(view.rays, 0.0);
+  }
+}
+
 TEST(GainBetween, HasNoErrorWhereAllViewsGainAlike) {
   const std::vector<ErrorSum> before = {{2.0, 100}, {9.0, 300}, {0.5, 50}};
   std::vector<ErrorSum> after = before;
