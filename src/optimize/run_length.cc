@@ -4,21 +4,31 @@
 #include "optimize/mesh_budget.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace tetrec {
+
+namespace {
+
+double VerticesWithin(uint64_t max_tets) {
+  return max_tets == kNoBudget ? std::numeric_limits<double>::infinity()
+                               : double(max_tets) / kTetsPerVertex;
+}
+
+}  // namespace
 
 uint64_t AffordingPixels(const TrainingSet& set, const TetMesh& start) {
   return std::max(SubjectPixels(set), uint64_t(kPixelsPerVertex) * start.positions.size());
 }
 
 RunLength LengthOf(const OptimizeOptions& options, const DevicePace& pace,
-                   uint64_t affording_pixels) {
+                   uint64_t affording_pixels, uint64_t max_tets) {
   const double rays_of_two_cores = DevicePace().rays_per_step;
   const double larger_steps = std::max(1.0, options.RaysPerStep(pace) / rays_of_two_cores);
   if (!options.HasLimit()) {
     const double vertices = options.max_vertices > 0 ? double(options.max_vertices)
                                                      : double(affording_pixels) / kPixelsPerVertex;
-    const double seconds = SecondsForVertices(vertices);
+    const double seconds = SecondsForVertices(std::min(vertices, VerticesWithin(max_tets)));
     return {seconds / larger_steps, seconds};
   }
   const RunLength by_time{options.time_limit_s, options.time_limit_s * pace.speed};
@@ -37,7 +47,7 @@ uint64_t MaxVertices(const OptimizeOptions& options, const RunLength& length,
     vertices = AffordableVertices(length.seconds_of_two_cores, affording_pixels);
   }
   if (max_tets == kNoBudget) return vertices;
-  const uint64_t in_budget = uint64_t(double(max_tets) / kTetsPerVertex);
+  const uint64_t in_budget = uint64_t(VerticesWithin(max_tets));
   return vertices == 0 ? in_budget : std::min(vertices, in_budget);
 }
 

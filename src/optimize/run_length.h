@@ -21,10 +21,11 @@ struct RunLength {
 // least, so that what it drops may be put where errors are.
 uint64_t AffordingPixels(const TrainingSet& set, const TetMesh& start);
 
-// A run without limits may grow to the most vertices. Runs by iterations, and those without limits,
-// are as long on every device, but their steps may have more rays.
+// A run without limits may grow to the most vertices that the options, `max_tets` (or kNoBudget)
+// and the pixels allow. Runs by iterations, and those without limits, are as long on every device,
+// but their steps may have more rays.
 RunLength LengthOf(const OptimizeOptions& options, const DevicePace& pace,
-                   uint64_t affording_pixels);
+                   uint64_t affording_pixels, uint64_t max_tets);
 
 // The most vertices of a run; 0: no limit. `max_tets` (or kNoBudget) is never exceeded.
 uint64_t MaxVertices(const OptimizeOptions& options, const RunLength& length,

@@ -70,7 +70,7 @@ class Trainer {
         affording_pixels_(AffordingPixels(set, start)),
         max_tets_(TetBudget(options, set.pixels, start.tets.size())),
         renderer_(CreateRenderer(RendererOptionsOf(options))),
-        length_(LengthOf(options, renderer_->Pace(), affording_pixels_)),
+        length_(LengthOf(options, renderer_->Pace(), affording_pixels_, max_tets_)),
         max_vertices_(MaxVertices(options, length_, affording_pixels_, max_tets_)),
         watched_{*renderer_, scene_folder_, scene,
                  ChooseWatchedViews(scene, options.watched_views)},
@@ -142,7 +142,7 @@ class Trainer {
     }
     if (options_.max_vertices > 0 && options_.max_vertices < start.positions.size()) {
       LogWarning(
-          "at most {} vertices are allowed, but the mesh starts with {}: it is not refined; allow "
+          "at most {} vertices are allowed, but the mesh starts with {}: it does not grow; allow "
           "more, or start coarser (see tetrec-tetrahedralize)",
           options_.max_vertices, start.positions.size());
     }

@@ -22,14 +22,17 @@ OptimizeOptions Limited(double seconds, uint64_t iterations) {
 }
 
 uint64_t VerticesOf(const OptimizeOptions& options, const DevicePace& pace) {
-  return MaxVertices(options, LengthOf(options, pace, kSubjectPixels), kSubjectPixels, kNoBudget);
+  return MaxVertices(options, LengthOf(options, pace, kSubjectPixels, kNoBudget), kSubjectPixels,
+                     kNoBudget);
 }
 
 TEST(RunLength, IsThatOfTheLimitThatIsReachedFirst) {
-  EXPECT_EQ(LengthOf(Limited(300, 0), kCores, kSubjectPixels).seconds, 300);
-  EXPECT_EQ(LengthOf(Limited(0, 4000), kCores, kSubjectPixels).seconds, 4000 / kStepsPerSecond);
-  EXPECT_EQ(LengthOf(Limited(300, 4000), kCores, kSubjectPixels).seconds, 4000 / kStepsPerSecond);
-  EXPECT_EQ(LengthOf(Limited(30, 4000), kCores, kSubjectPixels).seconds, 30);
+  EXPECT_EQ(LengthOf(Limited(300, 0), kCores, kSubjectPixels, kNoBudget).seconds, 300);
+  EXPECT_EQ(LengthOf(Limited(0, 4000), kCores, kSubjectPixels, kNoBudget).seconds,
+            4000 / kStepsPerSecond);
+  EXPECT_EQ(LengthOf(Limited(300, 4000), kCores, kSubjectPixels, kNoBudget).seconds,
+            4000 / kStepsPerSecond);
+  EXPECT_EQ(LengthOf(Limited(30, 4000), kCores, kSubjectPixels, kNoBudget).seconds, 30);
 }
 
 // An almost equal limit of the other kind makes no difference.
@@ -49,8 +52,8 @@ TEST(RunLength, WithoutLimitsIsThatOfAFullyGrownMesh) {
   }
   OptimizeOptions small_steps = Limited(0, 0);
   small_steps.rays_per_step = 4096;
-  EXPECT_EQ(LengthOf(small_steps, kFast, kSubjectPixels).seconds,
-            LengthOf(Limited(0, 0), kCores, kSubjectPixels).seconds);
+  EXPECT_EQ(LengthOf(small_steps, kFast, kSubjectPixels, kNoBudget).seconds,
+            LengthOf(Limited(0, 0), kCores, kSubjectPixels, kNoBudget).seconds);
 }
 
 TEST(RunLength, OnAFastDeviceAffordsWhatALongerOneDoes) {
@@ -76,15 +79,24 @@ TEST(RunLength, IsTheSameOnEveryDeviceIfDeterministic) {
 
 TEST(RunLength, NeverAffordsMoreThanTheBudget) {
   const OptimizeOptions options = Limited(300, 0);
-  const RunLength length = LengthOf(options, kFast, kSubjectPixels);
+  const RunLength length = LengthOf(options, kFast, kSubjectPixels, kNoBudget);
   EXPECT_LE(double(MaxVertices(options, length, kSubjectPixels, 65'000)), 65'000 / kTetsPerVertex);
+}
+
+// Else its last rounds would come long after the mesh has reached the budget.
+TEST(RunLength, WithoutLimitsIsThatOfAMeshWithinTheBudget) {
+  const OptimizeOptions options = Limited(0, 0);
+  EXPECT_EQ(LengthOf(options, kCores, kSubjectPixels, 650'000).seconds,
+            SecondsForVertices(650'000 / kTetsPerVertex));
+  EXPECT_EQ(LengthOf(options, kCores, kSubjectPixels, 65'000'000).seconds,
+            LengthOf(options, kCores, kSubjectPixels, kNoBudget).seconds);
 }
 
 // Growth ends at kGrowthSeconds, later rounds lead on to what the whole run affords.
 TEST(RunLength, RoundsGrowAsFarAsTheDeviceAffordsInTheirTime) {
   const OptimizeOptions options = Limited(600, 0);
   for (const DevicePace& pace : {kCores, kFast}) {
-    const RunLength length = LengthOf(options, pace, kSubjectPixels);
+    const RunLength length = LengthOf(options, pace, kSubjectPixels, kNoBudget);
     const uint64_t most = MaxVertices(options, length, kSubjectPixels, kNoBudget);
     const std::vector<PlannedRound> plan =
         PlanRounds(options, length, 10'000, most, kSubjectPixels);
