@@ -129,7 +129,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       ->check(CLI::Range(0, 100));
   app.add_option("--last-round", options.schedule.last_round,
                  "Share of the run before the last refinement")
-      ->check(CLI::Range(0.01, 1.0));
+      ->check(CLI::Range(0.01, 0.99));
   tetrec::AddWordOption(
       app, "--budget", options.budget,
       "Size of the mesh: auto (what the time affords, and no more once the judging pictures gain "
@@ -167,8 +167,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   app.add_option("--split-share", options.split_share,
                  "Largest share of the vertices that one round of --refine prism splits")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--score-rays", options.score_rays_per_tet,
-                 "Rays per tet that gather the errors for a refinement")
+  app.add_option(
+         "--score-rays", options.score_rays_per_tet,
+         "Rays per tet that gather the errors for a refinement; squared errors are gathered "
+         "by at least 1")
       ->check(tetrec::AboveZero());
   app.add_option(
          "--watched-views", options.watched_views,
@@ -208,7 +210,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   tetrec::StageCommand command(
-      "optimize", 27,
+      "optimize", 28,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

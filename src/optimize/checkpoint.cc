@@ -166,7 +166,7 @@ RoundsState ReadRounds(ByteReader& reader, const std::string& name) {
   state.steps = reader.ReadArray<GrowthStep>(reader.Read<uint64_t>("growth step count"), "growth");
   for (const GrowthStep& step : state.steps) {
     const double sum = step.seconds + step.psnr + step.gain + step.gain_standard_error;
-    if (!std::isfinite(sum) || step.decision > GrowthDecision::kTooFine) {
+    if (!std::isfinite(sum) || step.decision > GrowthDecision::kTooLate) {
       throw DataError(
           fmt::format("{}: the growth after {} steps is not possible", name, step.iteration));
     }

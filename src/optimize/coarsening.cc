@@ -159,6 +159,7 @@ bool Coarsening::DropLeastNeeded() {
   for (const float room : parts_.field.RoomOfVertices()) scores.is_kept.push_back(room <= 0.0f);
   RefineOptions coarsen;
   coarsen.growth = 0;
+  coarsen.max_vertices = parts_.field.mesh().positions.size();
   coarsen.kept_share = state_.kept_share;
   coarsen.seed = options_.seed;
   const FieldState before = parts_.field.ReadState();

@@ -71,6 +71,7 @@ void RefinementRounds::Advance(double seconds, const RunMoment& moment) {
   const RoundsState before = state_;
   const uint64_t last_iteration = last_iteration_;
   GrowthStep step = StepOf(seconds, parts_.steps.iteration(), parts_.field.mesh());
+  if (ComesTooLate(moment.progress)) return EndForLackOfTime(step);
   const bool refines = parts_.pictures.learns_all() || IsWorthRefining(step);
   state_.steps.push_back(step);
   if (!refines) return;
@@ -127,6 +128,19 @@ bool RefinementRounds::AsksForAll() const {
   return options_.budget == BudgetChoice::kFull || options_.schedule.rounds;
 }
 
+bool RefinementRounds::ComesTooLate(double progress) const {
+  const ScheduleOptions& schedule = options_.schedule;
+  return !AsksForAll() && progress >= std::max(schedule.last_round, schedule.last_judging);
+}
+
+void RefinementRounds::EndForLackOfTime(GrowthStep step) {
+  step.decision = GrowthDecision::kTooLate;
+  state_.steps.push_back(step);
+  state_.ended = 1;
+  LogInfo("{} of {} rounds: too little of the run is left to learn a finer mesh", state_.rounds,
+          plan_.size());
+}
+
 // Early rounds gain far more than the noise of high rates, and late ones less than what learning
 // gains meanwhile.
 bool RefinementRounds::NeedsTrial() const {
@@ -181,7 +195,7 @@ std::optional<RefineResult> RefinementRounds::RefineWithinBudget(const FieldStat
   if (max_tets_ == kNoBudget) return Refine(parts_.field.TakeMesh(), before, scores, refine);
   constexpr int kMostTries = 4;
   constexpr double kMargin = 0.99;
-  SaveField(files_.unrefined, parts_.field);
+  const WaitingField unrefined(files_.unrefined, parts_.field, parts_.motion);
   TetMesh mesh = parts_.field.TakeMesh();
   uint64_t tets = mesh.tets.size(), vertices = mesh.positions.size();
   for (int i = 0; i < kMostTries; ++i) {
@@ -193,9 +207,9 @@ std::optional<RefineResult> RefinementRounds::RefineWithinBudget(const FieldStat
     vertices = result.mesh.positions.size();
     if (tets <= max_tets_) return result;
     result = {};
-    mesh = ReadCheckpoint(files_.unrefined).mesh;
+    if (i + 1 < kMostTries) mesh = ReadCheckpoint(files_.unrefined).mesh;
   }
-  parts_.field.Put(std::move(mesh), before);
+  unrefined.PutBack(parts_.field, parts_.motion);
   return {};
 }
 

@@ -71,7 +71,10 @@ class RefinementRounds {
   // field before that one and refines no more; nor does it once growth has gained no more than the
   // standard error, by one late round or by two rounds in a row, or once the judging pictures are
   // matched, unless the options ask for all. A late round stays only if the finer mesh then gains
-  // more than the standard error over the mesh before, once each has learned as long.
+  // more than the standard error over the mesh before, once each has learned as long. A round that
+  // comes so late that the judging pictures are about to be learned, on a machine of few steps per
+  // second, is left out with all that follow, because little would be left to learn a finer mesh,
+  // and nothing to judge it by.
   // If the run is asked to stop meanwhile, the round is taken back, and is due again; steps that
   // settled the field before a judgement stay.
   // `seconds`: of the run so far, for the record.
@@ -87,6 +90,8 @@ class RefinementRounds {
  private:
   bool IsTaught() const;
   bool AsksForAll() const;
+  bool ComesTooLate(double progress) const;
+  void EndForLackOfTime(GrowthStep step);
   Judgement JudgeSettled();
   GrowthDecision Decide(const Judgement& now, const JudgedGain& gain) const;
   bool LastRoundGained() const;

@@ -16,9 +16,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array<const char*, 9> kDecisions = {"refine",  "return",     "fine-enough",
-                                                   "end",     "budget",     "matched",
-                                                   "coarsen", "too-coarse", "too-fine"};
+constexpr std::array<const char*, 10> kDecisions = {
+    "refine",  "return",  "fine-enough", "end",      "budget",
+    "matched", "coarsen", "too-coarse",  "too-fine", "too-late"};
 constexpr double kLargest = 1e18;
 
 GrowthDecision ReadDecision(const CheckedJson& field) {
@@ -78,6 +78,8 @@ std::string ReasonOf(const GrowthStep& step) {
       return "tried and taken back: this coarser mesh lost more than the standard error";
     case GrowthDecision::kTooFine:
       return "tried and taken back: this finer mesh gained no more than the standard error";
+    case GrowthDecision::kTooLate:
+      return "stayed: too little of the run was left to learn a finer mesh";
   }
   return "";
 }

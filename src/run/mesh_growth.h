@@ -23,6 +23,7 @@ enum class GrowthDecision : uint64_t {
   kCoarsen,     // this coarser mesh took the place of the one before
   kTooCoarse,   // this coarser mesh was tried, and the one before stayed
   kTooFine,     // this finer mesh was tried, and the one before stayed
+  kTooLate,     // the mesh stays as it is, because too little of the run is left
 };
 
 inline constexpr uint64_t kNotCounted = ~uint64_t{0};

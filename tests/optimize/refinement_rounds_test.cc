@@ -226,6 +226,44 @@ TEST_F(RefinementRoundsTest, TakeNothingBackWhereNothingJudges) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "best.bin"));
 }
 
+// On a slow machine, so few steps are made that a round may come when the run is nearly over.
+TEST_F(RefinementRoundsTest, AreLeftOutOnceTooLittleOfTheRunIsLeft) {
+  const size_t before = vertices();
+  rounds_.Advance(0.0, AtProgress(run_.options.schedule.last_judging));
+  EXPECT_EQ(vertices(), before);
+  EXPECT_TRUE(rounds_.IsOver());
+  EXPECT_EQ(rounds_.state().steps.back().decision, GrowthDecision::kTooLate);
+}
+
+TEST_F(RefinementRoundsTest, ComeLateWhereAllAreWantedOrTheLastOneIsLate) {
+  run_.options.schedule.last_round = 0.9;
+  run_.PutField(0.2);
+  rounds_.Advance(0.0, AtProgress(0.8));
+  EXPECT_EQ(rounds_.state().rounds, 1u);
+  run_.options.budget = BudgetChoice::kFull;
+  run_.PutField(0.4);
+  rounds_.Advance(0.0, AtProgress(0.95));
+  EXPECT_EQ(rounds_.state().rounds, 2u);
+}
+
+TEST(RefinementRounds, LeaveTheFieldAsItIsIfNoRefinedMeshFitsTheBudget) {
+  const ScratchFolder folder;
+  SmallRun run;
+  run.PutField(0.2);
+  run.motion.StartIfDue(1.0);
+  run.steps.Try(64, AtProgress(0.1), AtProgress(0.1));
+  const FieldState field = run.field.ReadState();
+  const MotionState motion = run.motion.state();
+  RefinementRounds rounds(
+      run.options, {{0.1, 2000}},
+      {run.field, run.motion, run.pictures, run.batches, run.steps, *run.renderer},
+      FilesIn(folder.path()), 10);
+  rounds.Advance(0.0, AtProgress(0.5));
+  EXPECT_EQ(rounds.state().steps.back().decision, GrowthDecision::kBudget);
+  EXPECT_TRUE(run.field.ReadState().parameters == field.parameters);
+  EXPECT_TRUE(run.motion.state().first_moment == motion.first_moment);
+}
+
 // A run after its first round.
 struct RefinedRun {
   explicit RefinedRun(const OptimizeOptions& options, bool has_moved = false, bool is_late = false)

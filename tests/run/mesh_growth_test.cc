@@ -22,6 +22,7 @@ std::vector<GrowthStep> ExampleGrowth() {
        GrowthDecision::kCoarsen},
       {2800, 68.0, 300, 1600, kNotCounted, 320000000, 39.0, -3.5, 0.25, GrowthDecision::kTooCoarse},
       {2900, 72.0, 2900, 17500, kNotCounted, 320000000, 42.0, 0.0, 0.25, GrowthDecision::kTooFine},
+      {2950, 76.0, 2200, 13000, kNotCounted, 320000000, 0.0, 0.0, 0.0, GrowthDecision::kTooLate},
       {3000, 80.0, 2200, 13000, 2500, 320000000, 0.0, 0.0, 0.0, GrowthDecision::kEnd}};
 }
 
@@ -31,8 +32,8 @@ TEST(MeshGrowth, WhatWasWrittenIsReadBack) {
   EXPECT_TRUE(ReadMeshGrowth(folder / kMeshGrowthFile) == ExampleGrowth());
   const nlohmann::json value = ReadJson(folder / kMeshGrowthFile);
   EXPECT_EQ(value["steps"][1]["reason"], "refined");
-  EXPECT_TRUE(value["steps"][8]["psnr"].is_null());
-  EXPECT_EQ(value["steps"][8]["empty_tets"], 2500);
+  EXPECT_TRUE(value["steps"][9]["psnr"].is_null());
+  EXPECT_EQ(value["steps"][9]["empty_tets"], 2500);
   EXPECT_TRUE(value["steps"][2]["empty_tets"].is_null());
 }
 
