@@ -270,9 +270,9 @@ void CommandRecorder::EndAndSubmit() {
 
 void CommandRecorder::Wait() {
   if (!submitted_) return;
+  submitted_ = false;  // nobody waits again for a device that is lost
   TETREC_VK(vkWaitForFences(device_.handle, 1, &fence_, VK_TRUE, UINT64_MAX));
   TETREC_VK(vkResetFences(device_.handle, 1, &fence_));
-  submitted_ = false;
   if (device_.kernel_times) CollectTimes();
   // A driver that runs kernels on the CPU compiles some of them only when they first run, and
   // leaves tens of megabytes of freed blocks.

@@ -137,6 +137,29 @@ VkPhysicalDeviceProperties PropertiesOf(VkPhysicalDevice device) {
   return properties;
 }
 
+bool HasExtension(VkPhysicalDevice device, const char* name) {
+  uint32_t count = 0;
+  TETREC_VK(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr));
+  std::vector<VkExtensionProperties> extensions(count);
+  TETREC_VK(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()));
+  return std::any_of(extensions.begin(), extensions.end(), [name](const VkExtensionProperties& e) {
+    return std::strcmp(e.extensionName, name) == 0;
+  });
+}
+
+// What a device lacks, as a part of a sentence; empty if it will do.
+std::string LackOf(VkPhysicalDevice device) {
+  const uint32_t version = PropertiesOf(device).apiVersion;
+  if (version < VK_API_VERSION_1_3) {
+    return fmt::format("has API {}.{}, and 1.3 is needed", VK_API_VERSION_MAJOR(version),
+                       VK_API_VERSION_MINOR(version));
+  }
+  if (!HasExtension(device, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME)) {
+    return "lacks VK_KHR_push_descriptor";
+  }
+  return {};
+}
+
 VkPhysicalDevice ChooseDevice(VkInstance instance, const std::string& wish) {
   const std::vector<VkPhysicalDevice> devices = PhysicalDevices(instance);
   if (devices.empty()) {
@@ -162,14 +185,20 @@ VkPhysicalDevice ChooseDevice(VkInstance instance, const std::string& wish) {
     const VkPhysicalDeviceType type = PropertiesOf(candidate).deviceType;
     const bool is_software = type == VK_PHYSICAL_DEVICE_TYPE_CPU;
     if ((wish == "cpu" && !is_software) || (wish == "gpu" && is_software)) continue;
-    if (Rank(type) < best_rank) {
-      best_rank = Rank(type);
-      best = candidate;
+    if (Rank(type) >= best_rank) continue;
+    if (const std::string lack = LackOf(candidate); !lack.empty()) {
+      LogInfo("the Vulkan device '{}' {}: it is not used", PropertiesOf(candidate).deviceName,
+              lack);
+      continue;
     }
+    best_rank = Rank(type);
+    best = candidate;
   }
   if (best == VK_NULL_HANDLE) {
     throw EnvironmentError(
-        fmt::format("no Vulkan device of kind '{}': choose the device 'auto'", wish));
+        fmt::format("no Vulkan device of kind '{}' that will do: choose the device 'auto', or "
+                    "apt-get install mesa-vulkan-drivers for a software device",
+                    wish));
   }
   return best;
 }
@@ -196,16 +225,6 @@ uint32_t TimestampBits(VkPhysicalDevice device, uint32_t family) {
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
   return families[family].timestampValidBits;
-}
-
-bool HasExtension(VkPhysicalDevice device, const char* name) {
-  uint32_t count = 0;
-  TETREC_VK(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr));
-  std::vector<VkExtensionProperties> extensions(count);
-  TETREC_VK(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data()));
-  return std::any_of(extensions.begin(), extensions.end(), [name](const VkExtensionProperties& e) {
-    return std::strcmp(e.extensionName, name) == 0;
-  });
 }
 
 bool AddsFloatsAtomically(VkPhysicalDevice device) {
@@ -238,15 +257,9 @@ CoreFeatures QueryFeatures(VkPhysicalDevice device) {
 }
 
 void CreateLogicalDevice(Device& device) {
-  if (device.properties.apiVersion < VK_API_VERSION_1_3) {
-    throw EnvironmentError(fmt::format("Vulkan device '{}' has API {}.{}; 1.3 is needed",
-                                       device.properties.deviceName,
-                                       VK_API_VERSION_MAJOR(device.properties.apiVersion),
-                                       VK_API_VERSION_MINOR(device.properties.apiVersion)));
-  }
-  if (!HasExtension(device.physical, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME)) {
-    throw EnvironmentError(fmt::format("Vulkan device '{}' lacks VK_KHR_push_descriptor",
-                                       device.properties.deviceName));
+  if (const std::string lack = LackOf(device.physical); !lack.empty()) {
+    throw EnvironmentError(fmt::format("the Vulkan device '{}' {}: choose another one, or 'auto'",
+                                       device.properties.deviceName, lack));
   }
   std::vector<const char*> extensions = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
   VkPhysicalDeviceShaderAtomicFloatFeaturesEXT atomics{

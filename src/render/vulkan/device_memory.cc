@@ -24,9 +24,11 @@ FreeMemory MeasureFreeMemory(const Device& device) {
   if (device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU) {
     return MeasureFreeHostMemory();
   }
-  uint64_t largest = 0;
+  uint64_t largest = 0;  // of its own heaps: it reaches the host's, too, but far more slowly
   for (uint32_t i = 0; i < device.memory.memoryHeapCount; ++i) {
-    largest = std::max<uint64_t>(largest, device.memory.memoryHeaps[i].size);
+    const VkMemoryHeap& heap = device.memory.memoryHeaps[i];
+    if ((heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) == 0) continue;
+    largest = std::max<uint64_t>(largest, heap.size);
   }
   return {largest, fmt::format("device '{}'", device.properties.deviceName)};
 }

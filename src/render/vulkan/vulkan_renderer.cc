@@ -59,7 +59,7 @@ class VulkanRenderer final : public ProbedRenderer {
         pictures_(*device_, options_, counters_, view_colors_) {}
 
   // Buffers are destroyed before the recorders, so the device must be done with them.
-  ~VulkanRenderer() override { WaitAll(); }
+  ~VulkanRenderer() override { vkDeviceWaitIdle(device_->handle); }
 
   void SetField(const RadianceField& field) override {
     CheckField(field);
