@@ -12,7 +12,7 @@
 layout(local_size_x = kWorkgroupSize) in;
 layout(std430, binding = kBindRayColors) readonly buffer RayColors { vec4 ray_colors[]; };
 layout(std430, binding = kBindExposureSums) writeonly buffer ExposureSums { vec4 exposure_sums[]; };
-layout(binding = kBindTargets) uniform textureBuffer targets;
+layout(binding = kBindTargets) uniform utextureBuffer targets;
 layout(push_constant) uniform Push { LossPush push; };
 
 #include "shown_pixels.glsl"
@@ -29,7 +29,7 @@ void main() {
       uint x = block.x + ray % kBlockWidth, y = block.y + ray / kBlockWidth;
       bool is_inside = x < size_pixel.x && y < size_pixel.y;
       bool is_first = x % push.samples == 0u && y % push.samples == 0u;  // of its pixel
-      vec4 target = texelFetch(targets, is_inside ? TargetTexel(size_pixel, x, y) : int(size_pixel.z));
+      vec4 target = FetchTarget(is_inside ? TargetPixel(size_pixel, x, y) : size_pixel.z);
       if (is_inside && is_first && IsJudged(target.r, target.a)) {
         ShownPixel pixel = ShownAt(index * kBlockRays + ray);
         vec3 color = pixel.color;

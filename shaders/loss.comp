@@ -17,7 +17,7 @@ layout(local_size_x = kWorkgroupSize) in;
 layout(std430, binding = kBindRayColors) readonly buffer RayColors { vec4 ray_colors[]; };
 layout(std430, binding = kBindRayGradients) writeonly buffer RayGradients { vec4 ray_gradients[]; };
 layout(std430, binding = kBindPartialLosses) writeonly buffer PartialLosses { vec2 partial_losses[]; };
-layout(binding = kBindTargets) uniform textureBuffer targets;
+layout(binding = kBindTargets) uniform utextureBuffer targets;
 #ifdef TETREC_PICTURES
 layout(std430, binding = kBindPictures) writeonly buffer Pictures { vec2 pictures[]; };
 #endif
@@ -37,7 +37,7 @@ void main() {
     uint x = block.x + index % kBlockWidth, y = block.y + (index % kBlockRays) / kBlockWidth;
     vec4 gradient = vec4(0.0);
     if (x < size_pixel.x && y < size_pixel.y) {
-      vec4 target = texelFetch(targets, TargetTexel(size_pixel, x, y));
+      vec4 target = FetchTarget(TargetPixel(size_pixel, x, y));
       ShownPixel pixel = ShownAt(index);
       float transmittance = pixel.transmittance;
       Exposure exposure = FetchExposure(block.view);

@@ -1,5 +1,5 @@
 // What the view of a ray shows at the ray's pixel: the ray, or the mean of the pixel's 2 x 2 rays,
-// which are in one block. The including kernel declares `push`, a LossPush, and ray_colors.
+// which are in one block. The including kernel declares `push`, a LossPush, ray_colors and targets.
 
 struct ShownPixel {
   vec3 color;  // before the background and the exposure
@@ -24,8 +24,13 @@ ShownPixel ShownAt(uint ray) {
   return shown;
 }
 
-// The texel of the target for ray (x, y) of a view with this size in rays and this first texel
-// (GpuView).
-int TargetTexel(uvec4 size_pixel, uint x, uint y) {
-  return int(size_pixel.z + (y / push.samples) * (size_pixel.x / push.samples) + x / push.samples);
+// The target pixel for ray (x, y) of a view with this size in rays and this first pixel (GpuView).
+uint TargetPixel(uvec4 size_pixel, uint x, uint y) {
+  return size_pixel.z + (y / push.samples) * (size_pixel.x / push.samples) + x / push.samples;
+}
+
+// A texel contains four pixels, because devices limit the number of texels.
+vec4 FetchTarget(uint pixel) {
+  uvec4 four = texelFetch(targets, int(pixel >> 2));
+  return unpackUnorm4x8(four[pixel & 3u]);
 }

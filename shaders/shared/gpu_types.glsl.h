@@ -255,7 +255,7 @@ struct SpreadPush {
 #define kBindRayGradients 7  // vec4 per ray: dL/dcolour | dL/dtransmittance
 #define kBindVertexGradients 8
 #define kBindCounters 9
-#define kBindTargets 10  // texels rgba8: premultiplied target images
+#define kBindTargets 10  // texels uvec4: four RGBA8 pixels of the premultiplied target images
 #define kBindTetScores 11
 #define kBindPartialLosses 12
 #define kBindParameters 13

@@ -15,8 +15,6 @@ namespace {
 
 uint32_t TexelBytes(VkFormat format) {
   switch (format) {
-    case VK_FORMAT_R8G8B8A8_UNORM:
-      return 4;
     case VK_FORMAT_R32G32B32A32_SFLOAT:
     case VK_FORMAT_R32G32B32A32_UINT:
       return 16;

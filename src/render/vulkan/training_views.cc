@@ -22,10 +22,12 @@ void TrainingViews::SetTargets(std::span<const RenderView> views,
     first_pixels_.push_back(uint32_t(pixels));
     pixels += targets[i].rgba8.size();
   }
-  const uint64_t bytes = pixels * sizeof(uint32_t);
+  constexpr uint64_t kPixelsOfTexel = 4;
+  const uint64_t bytes =
+      (pixels + kPixelsOfTexel - 1) / kPixelsOfTexel * kPixelsOfTexel * sizeof(uint32_t);
   if (targets_.bytes() != bytes) {
     targets_ = {};  // frees the old ones before the new ones take memory
-    targets_ = Buffer(device_, "target pictures", bytes, VK_FORMAT_R8G8B8A8_UNORM);
+    targets_ = Buffer(device_, "target pictures", bytes, VK_FORMAT_R32G32B32A32_UINT);
   }
   for (size_t i = 0; i < targets.size(); ++i) {
     const std::vector<uint32_t>& rgba8 = targets[i].rgba8;
