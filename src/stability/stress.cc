@@ -20,7 +20,8 @@ namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
-bool IsClearMessage(int exit_code) { return exit_code >= 2 && exit_code <= 4; }
+// Exit code 3 is for input that is refused. Options (2) and the machine (4) are not what is tested.
+bool IsRefusal(const ChainResult& run) { return run.exit_code == 3 && !run.said.empty(); }
 
 // The cases that were asked for, with their twins.
 std::vector<StressCase> ChosenCases(const StressOptions& options) {
@@ -57,6 +58,17 @@ void WriteDamagedStart(const StressCase& stress, const Scene& scene, const fs::p
   });
 }
 
+// Writes the damaged start, or returns why the start cannot be damaged so.
+std::string WhyNotDamaged(const StressCase& stress, const Scene& scene, const fs::path& clean_start,
+                          const fs::path& scene_folder, const fs::path& folder) {
+  try {
+    WriteDamagedStart(stress, scene, clean_start, scene_folder, folder);
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return {};
+}
+
 std::string Line(const StressResult& result) {
   std::string line = fmt::format("{:<20} {:<17}", result.name, Name(result.verdict));
   if (result.run.psnr) line += fmt::format("{:6.2f} dB", *result.run.psnr);
@@ -85,12 +97,9 @@ uint64_t StressOptions::Steps() const {
 }
 
 Verdict Judge(const ChainResult& run, const ChainResult* twin, bool information_is_gone) {
-  if (run.exit_code != 0) {
-    return IsClearMessage(run.exit_code) && !run.said.empty() ? Verdict::kRefused
-                                                              : Verdict::kBreaks;
-  }
-  if (!run.psnr || run.degenerate_tets > 0) return Verdict::kBreaks;
-  if (twin == nullptr) return Verdict::kClean;
+  if (twin != nullptr && IsRefusal(run)) return Verdict::kRefused;
+  if (run.exit_code != 0 || !run.psnr || run.degenerate_tets > 0) return Verdict::kBreaks;
+  if (twin == nullptr) return *run.psnr < kLeastOfClean_db ? Verdict::kBreaks : Verdict::kClean;
   if (!twin->psnr) return Verdict::kSkipped;
   if (*twin->psnr - *run.psnr <= kLargestLoss_db) return Verdict::kHolds;
   return information_is_gone ? Verdict::kExcused : Verdict::kBreaks;
@@ -129,13 +138,18 @@ std::vector<StressResult> RunStress(const StressOptions& options, const fs::path
         request.scene = request.folder / "1_scene";
         WriteSceneStage(damaged, first_stage, stress.name, request.scene);
       }
+      std::string why_not;
       if (stress.damage_start) {
         request.tetrahedra = request.folder / "2_tetrahedra";
-        WriteDamagedStart(stress, clean.scene, out / "runs" / stress.twin / "2_tetrahedra",
-                          clean_scene, request.tetrahedra);
+        why_not = WhyNotDamaged(stress, clean.scene, out / "runs" / stress.twin / "2_tetrahedra",
+                                clean_scene, request.tetrahedra);
       }
-      result.run = RunChain(request);
-      result.verdict = Judge(result.run, twin, !stress.gone.empty());
+      if (why_not.empty()) {
+        result.run = RunChain(request);
+        result.verdict = Judge(result.run, twin, !stress.gone.empty());
+      } else {
+        result.run.said = why_not;
+      }
       if (twin != nullptr && twin->psnr && result.run.psnr) {
         result.lost_db = *twin->psnr - *result.run.psnr;
       }

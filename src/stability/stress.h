@@ -17,8 +17,9 @@ enum class Verdict {
   kClean,    // a twin that others are compared with
   kHolds,    // loses no more than kLargestLoss_db
   kExcused,  // loses more, because information is gone
-  kRefused,  // ended with a message for the user, exit code 2 to 4
-  kBreaks,   // loses more without need, has degenerate tets, ended by a bug, a signal or too late
+  kRefused,  // the input was refused with a message for the user, exit code 3
+  kBreaks,   // loses more without need, has degenerate tets, failed otherwise or took too long; or
+             // a clean case that is not learned
   kSkipped,  // does not apply to the scene, or its twin failed
 };
 template <>
@@ -31,6 +32,7 @@ inline constexpr auto kWords<Verdict> =
                                   {Verdict::kSkipped, "skipped"}});
 
 inline constexpr double kLargestLoss_db = 3;
+inline constexpr double kLeastOfClean_db = 12;  // with less, nothing was learned
 
 struct StressOptions {
   std::filesystem::path scene;     // folder of the first stage; empty: a synthetic room

@@ -28,13 +28,17 @@ TEST(Verdict, HoldsUpToThreeDecibels) {
   EXPECT_EQ(Judge(RunOf(27), &twin, false), Verdict::kHolds);
   EXPECT_EQ(Judge(RunOf(26.9), &twin, false), Verdict::kBreaks);
   EXPECT_EQ(Judge(RunOf(26.9), &twin, true), Verdict::kExcused);
-  EXPECT_EQ(Judge(RunOf(10), nullptr, false), Verdict::kClean);
+  EXPECT_EQ(Judge(RunOf(kLeastOfClean_db), nullptr, false), Verdict::kClean);
+  EXPECT_EQ(Judge(RunOf(kLeastOfClean_db - 0.1), nullptr, false), Verdict::kBreaks);
 }
 
 TEST(Verdict, DistinguishesMessagesFromBugs) {
   const ChainResult twin = RunOf(30);
   EXPECT_EQ(Judge(Failure(3, "tetrec-optimize: too few points"), &twin, false), Verdict::kRefused);
   EXPECT_EQ(Judge(Failure(3, ""), &twin, false), Verdict::kBreaks);
+  EXPECT_EQ(Judge(Failure(2, "tetrec-optimize: no such option"), &twin, false), Verdict::kBreaks);
+  EXPECT_EQ(Judge(Failure(4, "tetrec-optimize: no device"), &twin, true), Verdict::kBreaks);
+  EXPECT_EQ(Judge(Failure(3, "tetrec-optimize: no views"), nullptr, false), Verdict::kBreaks);
   EXPECT_EQ(Judge(Failure(1, "tetrec-optimize: bug"), &twin, false), Verdict::kBreaks);
   EXPECT_EQ(Judge(Failure(139, "Segmentation fault"), &twin, true), Verdict::kBreaks);
   EXPECT_EQ(Judge(Failure(kTookTooLong, "killed"), &twin, true), Verdict::kBreaks);
