@@ -1,10 +1,7 @@
 // What the training photos see of a place.
 #include "optimize/photo_sight.h"
 
-#include "core/error.h"
 #include "core/parallel.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -15,9 +12,6 @@ namespace fs = std::filesystem;
 
 constexpr int kFewPhotos = 12;
 constexpr int kLeastMaps = 2;
-// Other views that must confirm a depth: a wrong one would keep empty what is full, which learning
-// cannot mend.
-constexpr int kLeastAgreement = 2;
 // A place within this share of a depth is near it, and may be what the map shows.
 constexpr double kNear = 0.05;
 // A place is hidden if it lies behind a depth by more than this share of it. What hangs from the
@@ -78,14 +72,9 @@ PhotoSight::PhotoSight(const Scene& scene, std::span<const StereoDepth> maps) {
 PhotoSight PhotoSight::Read(const Scene& scene, const fs::path& start_folder) {
   PhotoSight sight(scene);
   for (Photo& photo : sight.photos_) {
-    const fs::path path = start_folder / "depth" / StereoDepthName(photo.view);
-    if (!fs::exists(path)) continue;
-    const StereoDepth map = ReadStereoDepth(path);
-    if (map.view != photo.view) {
-      throw DataError(fmt::format("{}: is the depth map of view {}, not {}", path.string(),
-                                  map.view, photo.view));
-    }
-    photo.Summarize(map);
+    const std::optional<StereoDepth> map = FindStereoDepth(start_folder, photo.view);
+    if (!map) continue;
+    photo.Summarize(*map);
     sight.has_maps_ = true;
   }
   return sight;

@@ -101,4 +101,14 @@ StereoDepth ParseStereoDepth(std::span<const uint8_t> bytes, const std::string& 
 
 std::string StereoDepthName(uint32_t view) { return fmt::format("{:04}.depth", view); }
 
+std::optional<StereoDepth> FindStereoDepth(const std::filesystem::path& start_folder,
+                                           uint32_t view) {
+  const std::filesystem::path path = start_folder / "depth" / StereoDepthName(view);
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  StereoDepth map = ReadStereoDepth(path);
+  if (map.view == view) return map;
+  throw DataError(
+      fmt::format("{}: is the depth map of view {}, not {}", path.string(), map.view, view));
+}
+
 }  // namespace tetrec

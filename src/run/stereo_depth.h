@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,6 +25,10 @@ struct StereoDepth {
   size_t Index(int x, int y) const { return size_t(y) * size_t(camera.width) + size_t(x); }
 };
 
+// So many other views must confirm a depth that is relied on: a wrong one may keep empty what is
+// full, which learning cannot mend.
+inline constexpr uint8_t kLeastAgreement = 2;
+
 // A map without depths.
 StereoDepth MakeStereoDepth(uint32_t view, const Camera& camera);
 
@@ -35,5 +40,10 @@ StereoDepth ParseStereoDepth(std::span<const uint8_t> bytes, const std::string& 
 
 // The file of a view below the folder of the depth maps: "0007.depth".
 std::string StereoDepthName(uint32_t view);
+
+// The depth map of a view that tetrec-tetrahedralize --start dense wrote below `start_folder`, if
+// there is one. Throws DataError, naming the file, if it is that of another view.
+std::optional<StereoDepth> FindStereoDepth(const std::filesystem::path& start_folder,
+                                           uint32_t view);
 
 }  // namespace tetrec

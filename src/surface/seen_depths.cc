@@ -1,18 +1,22 @@
 // Where the rays of the training cameras are stopped in a field.
 #include "surface/seen_depths.h"
 
+#include "core/manifest.h"
 #include "core/progress.h"
 #include "core/spread_choice.h"
 #include "core/stop_request.h"
 #include "mesh/tet_mesh.h"
 #include "render/create_renderer.h"
+#include "run/stereo_depth.h"
 #include "scene/scene.h"
+#include "surface/confirmed_depths.h"
 #include "surface/trained_views.h"
 
 #include <algorithm>
 #include <array>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace tetrec {
 namespace {
@@ -80,6 +84,7 @@ SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_fo
   const std::vector<TrainedView> trained = TrainedViews(scene, field_folder);
   std::vector<RenderView> views;
   for (const TrainedView& view : trained) views.push_back({view.camera, view.cam_from_world});
+  const fs::path start_folder = PreviousStage(field_folder, {"tetrahedralize"});
   SeenDepths seen;
   seen.device = renderer->DescribeDevice();
   seen.optical_depth = FindSurfaceDepth(*renderer, SpreadChoice<RenderView>(views, kDecidingViews),
@@ -87,8 +92,14 @@ SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_fo
   Progress progress("depth", double(views.size()));
   for (size_t v = 0; v < views.size(); ++v) {
     ThrowIfStopRequested(kAfterASurfaceStop);
-    seen.views.push_back({views[v].camera, views[v].cam_from_world,
-                          renderer->RenderDepth(views[v], seen.optical_depth)});
+    DepthMap depth = renderer->RenderDepth(views[v], seen.optical_depth);
+    seen.rays += depth.depth.size();
+    if (const auto map = FindStereoDepth(start_folder, trained[v].index)) {
+      const LossOfLight loss{renderer->RenderDepth(views[v], kSurfaceDepths.front()),
+                             renderer->RenderDepth(views[v], kSurfaceDepths.back())};
+      seen.confirmed_rays += UseConfirmedDepths(views[v].camera, *map, loss, depth);
+    }
+    seen.views.push_back({views[v].camera, views[v].cam_from_world, std::move(depth)});
     progress.Update(double(v + 1), trained[v].name);
   }
   return seen;

@@ -1,5 +1,6 @@
 // Where the rays of the training cameras are stopped in a field: where they have lost a third of
-// their light, or more of it if there is haze in front of the surfaces.
+// their light, or more of it if there is haze in front of the surfaces, or where depth maps of the
+// photos show a surface meanwhile.
 #pragma once
 
 #include "field/radiance_field.h"
@@ -9,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <vector>
@@ -25,11 +27,14 @@ double FindSurfaceDepth(TrainingRenderer& renderer, std::span<const RenderView> 
 struct SeenDepths {
   std::vector<SeenDepth> views;
   double optical_depth = 0;  // at which rays are stopped
-  nlohmann::json device;     // that rendered them
+  // The rays of all views, and those whose depths are confirmed ones (UseConfirmedDepths).
+  uint64_t rays = 0, confirmed_rays = 0;
+  nlohmann::json device;  // that rendered them
 };
 
 // One for each training view of the scene, from the camera that the run corrected if the field's
-// folder has corrections. Throws DataError for the scene's files, EnvironmentError without Vulkan.
+// folder has corrections, with the depths that photos confirm if the start was dense. Throws
+// DataError for the files of the scene and of the start, EnvironmentError without Vulkan.
 SeenDepths RenderSeenDepths(const RadianceField& field, const std::filesystem::path& scene_folder,
                             const std::filesystem::path& field_folder, const DeviceOptions& device);
 

@@ -83,6 +83,13 @@ LevelSet DensitySet(const RadianceField& stored, const FieldWorld& world,
                          kSurfaceOccupancy);
 }
 
+void ReportConfirmedDepths(const SeenDepths& seen, Stage& stage) {
+  stage.Count("confirmed_depths", seen.confirmed_rays);
+  if (seen.confirmed_rays == 0) return;
+  LogInfo("{:.0f} % of these rays lose their light where depth maps of the photos show a surface",
+          100 * double(seen.confirmed_rays) / double(seen.rays));
+}
+
 // Nothing where the level is chosen automatically and there are no cameras to see it.
 std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld& world,
                                    const SurfaceOptions& options, Stage& stage) {
@@ -98,6 +105,7 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld
     LogInfo("level: where the rays of {} training views have lost {:.0f} % of their light",
             views.size(), 100 * (1 - std::exp(-seen_depths.optical_depth)));
     stage.Note("optical_depth", seen_depths.optical_depth);
+    ReportConfirmedDepths(seen_depths, stage);
     stage.Device(seen_depths.device);
     const LevelSet all = MarchToOpacity(stored.mesh, views);
     if (options.close) return all;

@@ -31,7 +31,7 @@ std::vector<TrainedView> TrainedViews(const Scene& scene,
     const View& view = scene.views[size_t(v)];
     if (left_out.contains(view.name)) continue;
     const auto found = corrected.find(view.name);
-    views.push_back({view.name, view.image, scene.cameras[size_t(view.camera)],
+    views.push_back({uint32_t(v), view.name, view.image, scene.cameras[size_t(view.camera)],
                      found == corrected.end() ? view.cam_from_world : found->second});
   }
   if (views.empty()) {

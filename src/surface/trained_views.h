@@ -16,6 +16,7 @@ namespace tetrec {
 inline constexpr const char* kAfterASurfaceStop = "the surface will be extracted again";
 
 struct TrainedView {
+  uint32_t index = 0;  // into Scene::views
   std::string name;
   std::filesystem::path image;  // relative to the scene's folder
   Camera camera;
