@@ -54,8 +54,8 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
                  "(lambda of the DiffTetVR article); 0: none")
       ->check(tetrec::AtLeastZero());
   app.add_option("--quality-sharpness", options.quality.sharpness,
-                 "Sharpness of that regulariser (beta of the article): the larger, the fewer tets "
-                 "feel it, the flattest")
+                 "Sharpness of that regulariser (beta of the article): large values affect only "
+                 "the flattest tets")
       ->check(tetrec::AboveZero());
   app.add_option(
          "--final-rate-share", options.schedule.final_rate_share,
@@ -74,10 +74,10 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
                  "default 0.05 for photos and 0 for pictures with alpha. Surfaces that many photos "
                  "see are not pulled")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option(
-         "--jitter", options.jitter_px,
-         "Random offset of rays inside their share of a pixel: up to half of this part of it in "
-         "each direction")
+  app.add_option("--jitter", options.jitter_px,
+                 "Random offset of rays, as a part of their share of a pixel: 0 (always at its "
+                 "centre) to 1 "
+                 "(anywhere in it), or more")
       ->check(CLI::Range(0.0, 2.0));
   app.add_option("--subject-share", options.subject_share,
                  "Share of the rays drawn from pixels that show the subject")
@@ -169,8 +169,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       ->check(CLI::Range(0.0, 1.0));
   app.add_option(
          "--score-rays", options.score_rays_per_tet,
-         "Rays per tet that gather the errors for a refinement; squared errors are gathered "
-         "by at least 1")
+         "Rays per tet that gather the errors for a refinement; at least 1 for squared errors")
       ->check(tetrec::AboveZero());
   app.add_option(
          "--watched-views", options.watched_views,

@@ -79,8 +79,9 @@ int main(int argc, char** argv) {
                  "dense: longer side of the depth maps, at most the images' own [px]");
   app.add_option("--depth-neighbors", options.stereo.neighbors,
                  "dense: views that each view is matched with, 1 to 32");
-  app.add_option("--surface-depth", options.dense.surface_depth,
-                 "dense: first optical depth of surface points over their mean edge");
+  app.add_option(
+      "--surface-depth", options.dense.surface_depth,
+      "dense: density of surface points at the start, as optical depth over their mean edge");
   app.add_option("--layer-spacing", options.dense.layer_spacing,
                  "dense: distance of the layers from the points, in the points' spacing");
   app.add_option("--free-depth", options.dense.free_depth,

@@ -111,8 +111,10 @@ int StageCommand::Run(int argc, char** argv, const std::function<void(Stage&)>& 
       ->required()
       ->type_name("FOLDER")
       ->default_str("");
-  auto* resume = app_.add_flag("--resume", resume_,
-                               "Fail unless an earlier run with the same options can be continued");
+  auto* resume =
+      app_.add_flag("--resume", resume_,
+                    "Fail unless an earlier run with the same options is finished or can be "
+                    "continued");
   app_.add_flag("--force", force_,
                 "Start over, even if the folder is up to date or could be resumed")
       ->excludes(resume);

@@ -22,8 +22,8 @@ void OptimizeOptions::Check() const {
   if (!(time_limit_s >= 0)) fail("time_limit", time_limit_s, "at least 0 s");
   if (!HasLimit() && judging_pictures == JudgingPictures::kLearned) {
     throw UsageError(
-        "time_limit and 'iterations' are both 0 and judging_pictures is learned, so nothing ends "
-        "the run: set a limit, or judging_pictures kept");
+        "time_limit and 'iterations' are both 0 and 'judging_pictures' is learned, so nothing ends "
+        "the run: set a limit, or 'judging_pictures' kept");
   }
   if (renderer.deterministic && time_limit_s > 0) {
     throw UsageError(
