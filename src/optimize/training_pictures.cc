@@ -94,11 +94,15 @@ void TrainingPictures::GatherExposuresOfWholeViews(uint64_t iteration) {
       blocks.push_back(spare[begin + random.Below(uint32_t(end - begin))]);
     }
   }
-  TrainingBatch batch;
-  batch.blocks = blocks;
-  batch.background_srgb = background_srgb_;
-  batch.sums_exposures = true;
-  renderer_.Forward(batch);
+  // Colours that depend on the view take memory for each view of a batch.
+  const size_t of_batch = of_view * renderer_.Pace().views_per_batch;
+  for (size_t first = 0; first < blocks.size(); first += of_batch) {
+    TrainingBatch batch;
+    batch.blocks = std::span(blocks).subspan(first, std::min(of_batch, blocks.size() - first));
+    batch.background_srgb = background_srgb_;
+    batch.sums_exposures = true;
+    renderer_.Forward(batch);
+  }
 }
 
 // In the last part of a run all is learned. A few tiny pictures may have no tile that judges.
