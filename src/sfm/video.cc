@@ -11,7 +11,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
+#include <map>
 #include <numeric>
 #include <string>
 
@@ -27,36 +29,76 @@ constexpr int kTile = 15;
 // Containers of single video files. Playlists and the like, which name other files, are refused.
 constexpr const char* kContainers = "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpegts,mpeg";
 
-// Runs ffmpeg on the video; `outputs` follow the input. The names in them are relative to `folder`,
-// because ffmpeg finds patterns and protocols in paths.
-void RunFfmpeg(const fs::path& video, const fs::path& folder,
-               const std::vector<std::string>& outputs) {
-  const fs::path ffmpeg = FindProgram("ffmpeg");
-  if (ffmpeg.empty()) {
+// Runs ffmpeg or ffprobe on the video; `arguments` follow the input. The names in them are relative
+// to the working folder, because ffmpeg finds patterns and protocols in paths.
+void RunOnVideo(const std::string& program, const fs::path& video,
+                const std::vector<std::string>& arguments, const ChildOptions& options) {
+  const fs::path path = FindProgram(program);
+  if (path.empty()) {
     throw EnvironmentError(
-        "ffmpeg, which reads videos, is not in PATH; install it: "
-        "apt-get install --no-install-recommends ffmpeg");
+        fmt::format("{}, which reads videos, is not in PATH; install it: "
+                    "apt-get install --no-install-recommends ffmpeg",
+                    program));
   }
-  std::vector<std::string> arguments = {"-nostdin",
-                                        "-hide_banner",
-                                        "-loglevel",
-                                        "error",
-                                        "-protocol_whitelist",
-                                        "file",
-                                        "-format_whitelist",
-                                        kContainers,
-                                        "-i",
-                                        "file:" + fs::absolute(video).string()};
-  arguments.insert(arguments.end(), outputs.begin(), outputs.end());
-  ChildOptions options;
-  options.working_folder = folder;
-  const ChildResult result = RunChild(ffmpeg, arguments, options);
+  std::vector<std::string> all = {
+      "-hide_banner",        "-loglevel", "error",
+      "-protocol_whitelist", "file",      "-format_whitelist",
+      kContainers,           "-i",        "file:" + fs::absolute(video).string()};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  const ChildResult result = RunChild(path, all, options);
   if (result.exit_code != 0) {
     throw DataError(fmt::format(
         "{}: cannot be read as a video ({}); give a folder of photos, or a video such as MP4, MOV, "
         "MKV, WebM or AVI",
         video.string(), result.last_lines.empty() ? "no reason given" : result.last_lines.back()));
   }
+}
+
+// Writes `outputs`, whose names are relative to `folder`.
+void RunFfmpeg(const fs::path& video, const fs::path& folder, std::vector<std::string> outputs) {
+  ChildOptions options;
+  options.working_folder = folder;
+  outputs.insert(outputs.begin(), "-nostdin");
+  RunOnVideo("ffmpeg", video, outputs, options);
+}
+
+// What a video specifies of its colours, in ffmpeg's words ("unknown": nothing).
+struct VideoColors {
+  std::string matrix, transfer;
+  int width = 0, height = 0;
+};
+
+VideoColors ColorsOf(const fs::path& video) {
+  std::map<std::string, std::string> fields;
+  ChildOptions options;
+  options.on_line = [&](const std::string& line) {
+    const size_t equals = line.find('=');
+    if (equals != std::string::npos) fields[line.substr(0, equals)] = line.substr(equals + 1);
+  };
+  RunOnVideo(
+      "ffprobe", video,
+      {"-select_streams", "v:0", "-show_entries", "stream=width,height,color_space,color_transfer",
+       "-of", "default=noprint_wrappers=1"},
+      options);
+  return {fields["color_space"], fields["color_transfer"], std::atoi(fields["width"].c_str()),
+          std::atoi(fields["height"].c_str())};
+}
+
+// The filter that gives a frame the colours of a JPEG file: BT.601's matrix in the full range. By
+// itself ffmpeg changes only the range, and takes the matrix of a video that specifies none for
+// BT.601's; players take it for BT.709's if the video is larger than SD.
+std::string JpegColors(const VideoColors& colors) {
+  const bool is_larger_than_sd = colors.width >= 1280 || colors.height > 576;
+  const bool is_bt709 = colors.matrix == "unknown" && is_larger_than_sd;
+  return fmt::format("scale={}out_color_matrix=bt601:out_range=pc",
+                     is_bt709 ? "in_color_matrix=bt709:" : "");
+}
+
+void WarnOfHdr(const fs::path& video, const std::string& transfer) {
+  if (transfer != "smpte2084" && transfer != "arib-std-b67") return;
+  LogWarning(
+      "{}: is an HDR video ({}), whose colours will look flat; record without HDR, or convert it",
+      video.filename().string(), transfer == "smpte2084" ? "PQ" : "HLG");
 }
 
 std::vector<double> TilesOf(std::span<const uint8_t> grey) {
@@ -157,9 +199,12 @@ void WriteVideoFrames(const fs::path& video, size_t count, const fs::path& folde
   const std::vector<size_t> chosen = ChooseFrames(judged.sharpness, judged.motion, count);
   std::vector<std::string> terms;
   for (const size_t frame : chosen) terms.push_back(fmt::format("eq(n\\,{})", frame));
+  const VideoColors colors = ColorsOf(video);
+  WarnOfHdr(video, colors.transfer);
   RunFfmpeg(video, folder,
-            {"-an", "-vf", fmt::format("fps=10,select='{}'", fmt::join(terms, "+")), "-vsync",
-             "passthrough", "-q:v", "1", "-qmin", "1", "%06d.jpg"});
+            {"-an", "-vf",
+             fmt::format("fps=10,select='{}',{}", fmt::join(terms, "+"), JpegColors(colors)),
+             "-vsync", "passthrough", "-q:v", "1", "-qmin", "1", "%06d.jpg"});
   LogInfo("{}: {} of {} frames are taken, the sharpest of stretches with equal motion",
           video.filename().string(), chosen.size(), candidates);
 }

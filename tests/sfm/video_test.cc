@@ -2,10 +2,12 @@
 
 #include "core/child_process.h"
 #include "core/error.h"
+#include "core/log.h"
 #include "expect_error.h"
 #include "image/image.h"
 #include "scratch_folder.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,6 +15,7 @@ namespace tetrec {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 TEST(Video, EachStretchOfEqualMotionGivesItsSharpestFrame) {
   //                                 rest        |  quick
@@ -65,6 +68,70 @@ TEST(Video, FramesOfAVideoBecomePhotos) {
   }
   EXPECT_EQ(count, 5u);
   EXPECT_TRUE(std::filesystem::exists(folder / "frames/000001.jpg"));
+}
+
+// A still clip of three saturated stripes.
+struct StripesClip {
+  const char* size;
+  const char* matrix;    // of its pixels
+  const char* tag;       // of the file; empty: none
+  const char* transfer;  // of the file
+};
+
+std::filesystem::path WriteStripes(const StripesClip& clip, const ScratchFolder& folder) {
+  const auto stripe = [&](const char* color) {
+    return fmt::format("color=c={}:size={}:rate=10:duration=1", color, clip.size);
+  };
+  const std::filesystem::path video = folder / "clip.mp4";
+  std::vector<std::string> arguments = {"-loglevel", "error", "-y"};
+  for (const char* color : {"0xC82828", "0x28B43C", "0x323CD2"}) {
+    arguments.insert(arguments.end(), {"-f", "lavfi", "-i", stripe(color)});
+  }
+  arguments.insert(arguments.end(),
+                   {"-filter_complex",
+                    fmt::format("[0]format=gbrp[a];[1]format=gbrp[b];[2]format=gbrp[c];"
+                                "[a][b][c]vstack=inputs=3,scale=out_color_matrix={}:out_range=tv,"
+                                "format=yuv420p",
+                                clip.matrix)});
+  if (*clip.tag != 0) arguments.insert(arguments.end(), {"-colorspace", clip.tag});
+  if (*clip.transfer != 0) arguments.insert(arguments.end(), {"-color_trc", clip.transfer});
+  arguments.insert(arguments.end(), {"-c:v", "libx264", "-qp", "4", "file:" + video.string()});
+  EXPECT_EQ(RunChild(FindProgram("ffmpeg"), arguments, {}).exit_code, 0);
+  return video;
+}
+
+TEST(Video, FramesHaveTheColorsOfTheVideoWhateverItsMatrix) {
+  if (FindProgram("ffmpeg").empty()) GTEST_SKIP() << "ffmpeg is not installed (scripts/setup.sh)";
+  const StripesClip clips[] = {{"640x120", "bt709", "bt709", ""},
+                               {"640x120", "bt601", "smpte170m", ""},
+                               // What specifies no matrix is taken as players take it.
+                               {"640x120", "bt601", "", ""},
+                               {"1280x240", "bt709", "", ""}};
+  for (const StripesClip& clip : clips) {
+    SCOPED_TRACE(fmt::format("{} {} '{}'", clip.size, clip.matrix, clip.tag));
+    const ScratchFolder folder;
+    WriteVideoFrames(WriteStripes(clip, folder), 3, folder / "frames", folder / "scratch");
+    const Image frame = ReadImage(folder / "frames/000001.jpg");
+    const int expected[3][3] = {{200, 40, 40}, {40, 180, 60}, {50, 60, 210}};
+    for (int stripe = 0; stripe < 3; ++stripe) {
+      const uint8_t* pixel = frame.At(frame.width / 2, (2 * stripe + 1) * frame.height / 6);
+      // The other matrix is up to 30 levels off.
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(pixel[c], expected[stripe][c], 4) << stripe << c;
+    }
+  }
+}
+
+TEST(Video, HdrIsNamed) {
+  if (FindProgram("ffmpeg").empty()) GTEST_SKIP() << "ffmpeg is not installed (scripts/setup.sh)";
+  const ScratchFolder folder;
+  const auto warnings = [&](const char* transfer) {
+    TakeWarnings();
+    WriteVideoFrames(WriteStripes({"640x120", "bt709", "bt709", transfer}, folder), 3,
+                     folder / "frames", folder / "scratch");
+    return TakeWarnings();
+  };
+  EXPECT_THAT(warnings("arib-std-b67"), ElementsAre(HasSubstr("clip.mp4: is an HDR video (HLG)")));
+  EXPECT_THAT(warnings("bt709"), ElementsAre());
 }
 
 TEST(Video, WhatIsNoVideoIsRefused) {
