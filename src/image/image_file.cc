@@ -283,6 +283,12 @@ Image ReadImage(const std::filesystem::path& path, ExifRotation rotation,
   return DecodeImage(ReadBytes(path, kMaxFileBytes), path.string(), rotation, clipped_pixels);
 }
 
+bool IsDeepColorPng(std::span<const uint8_t> front) {
+  constexpr size_t kDepth = 24, kColorType = 25;  // of the header chunk, which is the first
+  return StartsWith(front, kPngSignature) && front.size() > kColorType && front[kDepth] == 16 &&
+         front[kColorType] != 0;
+}
+
 Image ReadPhoto(const std::filesystem::path& path, int* orientation) {
   const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
   const bool is_photo =

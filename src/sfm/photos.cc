@@ -25,8 +25,8 @@ namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
-// The quality of the JPEG files that COLMAP reads instead of TIFF files. The scene's pixels come
-// from the TIFF files themselves.
+// The quality of the JPEG files that COLMAP reads instead of TIFF files and PNG files of 16 bits.
+// The scene's pixels come from these files themselves.
 constexpr int kQualityForColmap = 98;
 constexpr uint64_t kMostBytesToConvert = uint64_t{1} << 31;
 
@@ -108,7 +108,7 @@ fs::path ConvertedFile(const fs::path& converted, const std::string& name,
   return converted / (key.substr(0, 24) + ".jpg");
 }
 
-void WriteTiffForColmap(const Image& image, const CameraNotes& notes, const fs::path& jpeg) {
+void WriteForColmap(const Image& image, const CameraNotes& notes, const fs::path& jpeg) {
   Image rgb = image;
   if (image.channels == 4) rgb = CompositeOver(image, 0, 0, 0);
   WriteBytes(jpeg, WithExif(EncodeJpeg(rgb, kQualityForColmap), notes));
@@ -119,10 +119,10 @@ Photo ReadAndConvert(const fs::path& folder, const std::string& name, const fs::
   Photo photo;
   photo.name = name;
   photo.file = photo.for_colmap = folder / name;
-  const std::vector<uint8_t> front = ReadFront(photo.file, 16);
-  const bool is_heic = IsHeic(front), is_tiff = IsTiff(front);
+  const std::vector<uint8_t> front = ReadFront(photo.file, 32);
+  const bool is_heic = IsHeic(front), is_tiff = IsTiff(front), is_deep_png = IsDeepColorPng(front);
   std::vector<uint8_t> bytes;
-  if (is_heic || is_tiff) {
+  if (is_heic || is_tiff || is_deep_png) {
     bytes = ReadBytes(photo.file, kMostBytesToConvert);
     photo.for_colmap = ConvertedFile(converted, name, bytes);
     fs::create_directories(converted);
@@ -137,8 +137,10 @@ Photo ReadAndConvert(const fs::path& folder, const std::string& name, const fs::
   const Image image = ReadPhoto(photo.file, &orientation);
   // A converted HEIC photo is upright, whatever orientation its copied EXIF specifies.
   if (!is_heic) photo.quarter_turns = QuarterTurnsOf(orientation);
-  if (is_tiff && !fs::exists(photo.for_colmap)) {
-    WriteTiffForColmap(image, CameraNotesOfTiff(bytes, photo.file.string()), photo.for_colmap);
+  if ((is_tiff || is_deep_png) && !fs::exists(photo.for_colmap)) {
+    const CameraNotes notes =
+        is_tiff ? CameraNotesOfTiff(bytes, photo.file.string()) : CameraNotes{};
+    WriteForColmap(image, notes, photo.for_colmap);
   }
   photo.width = image.width;
   photo.height = image.height;

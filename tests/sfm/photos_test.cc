@@ -198,6 +198,25 @@ TEST_F(PhotosTest, ColmapGetsAJpegInsteadOfATiff) {
   EXPECT_EQ(photos[1].for_colmap, fs::path(photos_) / "photo 00.png");
 }
 
+TEST_F(PhotosTest, ColmapGetsAJpegInsteadOfAColouredPngOfSixteenBits) {
+  const auto write = [&](const char* name, int type, double blue) {
+    const cv::Scalar color(blue, 5140, 7710, 65535);
+    ASSERT_TRUE(cv::imwrite((fs::path(photos_) / name).string(), cv::Mat(48, 64, type, color)));
+  };
+  fs::create_directories(photos_);
+  write("a.png", CV_16UC3, 2570);
+  write("b.png", CV_16UC4, 5140);
+  write("c.png", CV_16UC1, 5140);
+  const std::vector<Photo> photos = Find(0).photos;
+  ASSERT_EQ(photos.size(), 3u);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(photos[i].for_colmap.extension(), ".jpg");
+    EXPECT_NEAR(ReadImage(photos[i].for_colmap).At(3, 3)[0], 30, 2);
+    EXPECT_EQ(photos[i].file, fs::path(photos_) / photos[i].name) << "the pixels are its own";
+  }
+  EXPECT_EQ(photos[2].for_colmap, photos[2].file) << "COLMAP reads grey";
+}
+
 TEST_F(PhotosTest, PhotosAreFoundInFoldersAndSortedByName) {
   WritePhoto(fs::path(photos_) / "b/2.png", 10);
   WritePhoto(fs::path(photos_) / "b/1.PNG", 20);
