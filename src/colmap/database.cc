@@ -275,7 +275,7 @@ void ColmapDatabase::Append(const std::filesystem::path& other) {
       "DETACH other;");
 }
 
-void ColmapDatabase::NumberByName(bool camera_per_folder) {
+void ColmapDatabase::NumberByFileName(bool camera_per_folder) {
   TETREC_CHECK(MatchedPairs().empty() && VerifiedPairs().empty(), "images are matched already");
   RefuseFrames("main", file_.path);
   if (camera_per_folder) {
@@ -290,10 +290,12 @@ void ColmapDatabase::NumberByName(bool camera_per_folder) {
   Execute(
       "PRAGMA ignore_check_constraints = 1;"
       "BEGIN IMMEDIATE;"
-      "CREATE TEMP TABLE image_order AS SELECT image_id AS old, row_number() OVER (ORDER BY name) "
-      "  AS new FROM images;"
+      "CREATE TEMP TABLE files AS SELECT image_id, camera_id, name, "
+      "  substr(name, 1 + length(rtrim(name, replace(name, '/', '')))) AS file FROM images;"
+      "CREATE TEMP TABLE image_order AS SELECT image_id AS old, row_number() OVER "
+      "  (ORDER BY file, name) AS new FROM files;"
       "CREATE TEMP TABLE camera_order AS SELECT camera_id AS old, row_number() OVER "
-      "  (ORDER BY min(name)) AS new FROM images GROUP BY camera_id;"
+      "  (ORDER BY min(file), min(name)) AS new FROM files GROUP BY camera_id;"
       "DELETE FROM cameras WHERE camera_id NOT IN (SELECT old FROM camera_order);"
       "UPDATE images SET camera_id = (SELECT new FROM camera_order WHERE old = camera_id);"
       "UPDATE cameras SET camera_id = -(SELECT new FROM camera_order WHERE old = camera_id);"
@@ -304,7 +306,7 @@ void ColmapDatabase::NumberByName(bool camera_per_folder) {
       "UPDATE keypoints SET image_id = -image_id;"
       "UPDATE descriptors SET image_id = -(SELECT new FROM image_order WHERE old = image_id);"
       "UPDATE descriptors SET image_id = -image_id;"
-      "DROP TABLE image_order; DROP TABLE camera_order;"
+      "DROP TABLE files; DROP TABLE image_order; DROP TABLE camera_order;"
       "COMMIT;"
       "PRAGMA ignore_check_constraints = 0;");
 }

@@ -54,10 +54,11 @@ class ColmapDatabase {
   // have are copied, because versions after the tested one dropped some.
   void Append(const std::filesystem::path& other);
 
-  // Gives images and cameras ids in the order of the images' names, since the mapper's result
-  // depends on the ids. With `camera_per_folder` the images of one folder share the camera of the
-  // first by name. Requires that nothing is matched yet.
-  void NumberByName(bool camera_per_folder);
+  // Gives images and cameras ids in the order of the images' file names, whatever their folders:
+  // the mapper's result depends on the ids, and images with successive ids count as neighbours.
+  // With `camera_per_folder` the images of one folder share the camera of the first by name.
+  // Requires that nothing is matched yet.
+  void NumberByFileName(bool camera_per_folder);
 
   // Keeps the `count` features with the largest scales of every image, in their order, because
   // COLMAP's own limit is loose. Requires that nothing is matched yet.

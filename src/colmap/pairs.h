@@ -11,7 +11,7 @@ namespace tetrec {
 
 // kAuto: all pairs of a few images; of more, the pairs whose coarsest features match best (Wu,
 // "Towards linear-time incremental structure from motion", 2013) and neighbours in the order of
-// names.
+// ids.
 enum class PairChoice { kAuto, kExhaustive, kSequential };
 template <>
 inline constexpr auto kWords<PairChoice> =
@@ -19,7 +19,7 @@ inline constexpr auto kWords<PairChoice> =
                                      {PairChoice::kExhaustive, "exhaustive"},
                                      {PairChoice::kSequential, "sequential"}});
 
-// `images` in the order of their names.
+// `images` in the order of their ids.
 std::vector<ImagePair> ChoosePairs(const ColmapDatabase& database,
                                    const std::vector<DatabaseImage>& images, PairChoice choice);
 

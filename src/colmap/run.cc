@@ -259,7 +259,7 @@ void ExtractFeatures(const ColmapProgram& colmap, const fs::path& photos,
     // The database is closed before the file gets its name: only then is it complete.
     ColmapDatabase merged(half, colmap.version);
     for (size_t part = 1; part < part_count; ++part) merged.Append(part_files[part]);
-    merged.NumberByName(!options.camera_per_image);
+    merged.NumberByFileName(!options.camera_per_image);
     merged.KeepCoarsest(size_t(options.max_features));
     for (const DatabaseImage& image : merged.Images()) found.insert(image.name);
   }

@@ -32,10 +32,10 @@ struct ExtractOptions {
 };
 
 // Writes the features of `names` (relative to `photos`) into a new database, with ids in the order
-// of the names. One COLMAP process with one thread runs per core, on its own part of the names and
-// with its own database in `parts`, since several threads in one process give different descriptors
-// each time. A run that was killed continues from these databases. Throws DataError, which names an
-// image that was left out, and EnvironmentError for a full disk.
+// of the names of their files. One COLMAP process with one thread runs per core, on its own part of
+// the names and with its own database in `parts`, since several threads in one process give
+// different descriptors each time. A run that was killed continues from these databases. Throws
+// DataError, which names an image that was left out, and EnvironmentError for a full disk.
 void ExtractFeatures(const ColmapProgram& colmap, const std::filesystem::path& photos,
                      const std::vector<std::string>& names, const ExtractOptions& options,
                      const std::filesystem::path& parts, const std::filesystem::path& database);

@@ -31,8 +31,8 @@ namespace {
 constexpr size_t kPhotosForOpenCvModel = 8;
 constexpr int kMostFeatures = 100000;  // as SfmOptions::Check allows
 
-// COLMAP's view of the photos: links with plain names, in one folder per camera. The user's names
-// may contain spaces, which COLMAP's lists cannot.
+// COLMAP's view of the photos: links with plain names, in one folder per camera, whose file names
+// sort like the photos. The user's names may contain spaces, which COLMAP's lists cannot.
 struct LinkedPhotos {
   fs::path folder;
   fs::path masks;                  // NAME.png for each name; empty if there are none
@@ -102,7 +102,7 @@ std::string FeaturesKey(const std::vector<Photo>& photos, const LinkedPhotos& li
                         {"model", extract.camera_model},
                         {"per_image", extract.camera_per_image},
                         {"features", extract.max_features},
-                        {"format", 2}};  // 1: COLMAP's own number of features
+                        {"format", 3}};  // 2: numbered by camera first
   for (size_t i = 0; i < photos.size(); ++i)
     key["photos"].push_back({linked.names[i], photos[i].sha256});
   if (!linked.masks.empty()) {

@@ -15,7 +15,7 @@ namespace tetrec {
 // The ids of the photos whose features are searched again: those of `missing` and, for each of
 // them, the 10 photos with which it has the most matches and its 3 neighbours on each side in the
 // order of ids. If nothing was registered, all photos. Sorted.
-//   photos   the ids of all photos, in the order of names
+//   photos   the ids of all photos, ascending
 //   matches  raw matches of the pairs that were matched
 std::vector<uint32_t> ConcernedPhotos(const std::vector<uint32_t>& photos,
                                       const std::set<uint32_t>& missing,

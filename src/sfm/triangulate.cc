@@ -26,8 +26,8 @@ constexpr size_t kMinTrack = 3;
 constexpr double kMaxPointError_px = 2;
 constexpr int kMaxFeatures = 8192;  // per image; more than images of 800 px have
 
-// The training views as COLMAP sees them: images CAMERA/VIEW.png, numbered so that the names sort
-// like the views.
+// The training views as COLMAP sees them: images CAMERA/VIEW.png, whose file names sort like the
+// views.
 struct Photos {
   fs::path folder;
   std::vector<int> views;  // indices into Scene::views
@@ -43,17 +43,11 @@ Image ReadOpaque(const fs::path& path, Background background) {
 
 Photos WritePhotos(const fs::path& folder, const Scene& scene, const fs::path& into) {
   Photos photos{into, scene.ViewsOf(Split::kTrain), {}};
-  // Features are numbered by name, cameras by the name of their first image.
-  std::stable_sort(photos.views.begin(), photos.views.end(), [&](int a, int b) {
-    return scene.views[size_t(a)].camera < scene.views[size_t(b)].camera;
-  });
   fs::remove_all(into);
-  const size_t camera_digits = std::to_string(scene.cameras.size()).size(),
-               view_digits = std::to_string(scene.views.size()).size();
+  const size_t digits = std::to_string(scene.views.size()).size();
   for (const int view : photos.views) {
     const int camera = scene.views[size_t(view)].camera;
-    photos.names.push_back(
-        fmt::format("{:0{}}/{:0{}}.png", camera, camera_digits, view, view_digits));
+    photos.names.push_back(fmt::format("{}/{:0{}}.png", camera, view, digits));
     fs::create_directories((into / photos.names.back()).parent_path());
   }
   ParallelForEach(photos.views.size(), "", "nothing is kept", [&](size_t i) {

@@ -198,20 +198,24 @@ void MakeDatabase(const std::filesystem::path& path, const std::vector<std::stri
   sqlite3_close(db);
 }
 
-TEST(ColmapDatabase, ImagesAreNumberedByNameWithTheirFeatures) {
+TEST(ColmapDatabase, ImagesAreNumberedByFileNameWithTheirFeatures) {
   const ScratchFolder folder;
-  MakeDatabase(folder / "a.db", {"0/c", "1/a", "0/b"});
+  MakeDatabase(folder / "a.db", {"2/c", "10/a", "2/b", "10/d"});
   ColmapDatabase database(folder / "a.db");
-  database.NumberByName(true);
+  database.NumberByFileName(true);
   const std::vector<DatabaseImage> images = database.Images();
-  ASSERT_EQ(images.size(), 3u);
-  const std::vector<std::string> expected = {"0/b", "0/c", "1/a"};
-  for (size_t i = 0; i < 3; ++i) {
+  const std::vector<std::string> expected = {"10/a", "2/b", "2/c", "10/d"};
+  ASSERT_EQ(images.size(), expected.size());
+  for (size_t i = 0; i < expected.size(); ++i) {
     EXPECT_EQ(images[i].id, i + 1);
     EXPECT_EQ(images[i].name, expected[i]);
     EXPECT_EQ(images[i].features, 1u);
     EXPECT_EQ(database.ReadDescriptors(images[i].id)[0], uint8_t(expected[i].back()));
   }
+  // Each folder has one camera, the first that of the first image.
+  const char* cameras =
+      "SELECT sum(camera_id = 2 - (name LIKE '10/%')) * 10 + max(camera_id) FROM images";
+  EXPECT_EQ(NumberOf(folder / "a.db", cameras), 42);
 }
 
 TEST(ColmapDatabase, TheCoarsestFeaturesAreKeptInTheirOrder) {
@@ -296,7 +300,7 @@ TEST(ColmapDatabase, AppendedPartsAreOneDatabaseWhateverTheParts) {
   {
     ColmapDatabase database(folder / "a.db");
     database.Append(folder / "b.db");
-    database.NumberByName(true);
+    database.NumberByFileName(true);
     const std::vector<DatabaseImage> images = database.Images();
     ASSERT_EQ(images.size(), 4u);
     for (uint32_t i = 0; i < 4; ++i) {
@@ -327,7 +331,7 @@ TEST(ColmapDatabase, ColumnsThatBothDatabasesHaveAreAppended) {
     {
       ColmapDatabase database(a, "3.11.1");
       database.Append(b);
-      database.NumberByName(false);
+      database.NumberByFileName(false);
       const std::vector<DatabaseImage> images = database.Images();
       ASSERT_EQ(images.size(), 4u);
       for (uint32_t i = 0; i < 4; ++i) {
@@ -361,7 +365,7 @@ TEST(ColmapDatabase, TablesOfAnotherVersionAreEnvironmentErrorsThatNameIt) {
     ExpectError<EnvironmentError>([&] { call(database); }, {what, versions});
   };
   const auto append = [&](ColmapDatabase& database) { database.Append(b); };
-  const auto number = [](ColmapDatabase& database) { database.NumberByName(true); };
+  const auto number = [](ColmapDatabase& database) { database.NumberByFileName(true); };
   const std::string rename = "ALTER TABLE images RENAME COLUMN camera_id TO camera";
   refuse("", rename, append, "b.db: no column camera_id in the table images");
   refuse(rename, "", append, "a.db: no column camera_id in the table images");
@@ -385,7 +389,7 @@ TEST(ColmapDatabase, TablesOfAnotherVersionAreEnvironmentErrorsThatNameIt) {
   std::filesystem::remove(a);
   MakeDatabase(a, {"a"});
   RunSql(a, frames);
-  EXPECT_NO_THROW(ColmapDatabase(a).NumberByName(true));
+  EXPECT_NO_THROW(ColmapDatabase(a).NumberByFileName(true));
 }
 
 TEST(ColmapDatabase, OtherTablesThanTheTestedVersionsAreDamage) {

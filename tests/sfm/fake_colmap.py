@@ -55,6 +55,7 @@ def open_database(path):
 def extract(options):
     names = open(options["image_list_path"]).read().split()
     with open_database(options["database_path"]) as database:
+        folders = {}
         for i, name in enumerate(names):
             print(f"Processed file [{i + 1}/{len(names)}]")
             if not os.path.exists(os.path.join(options["image_path"], name)):
@@ -63,8 +64,10 @@ def extract(options):
             if masks and not os.path.exists(os.path.join(masks, name + ".png")):
                 sys.exit("no such mask: " + name)
             number, params = first_lens(options["ImageReader.camera_model"])
-            database.execute("INSERT OR IGNORE INTO cameras VALUES (1, ?, ?, ?, ?, 0)", (number, WIDTH, HEIGHT, params))
-            cursor = database.execute("INSERT INTO images (name, camera_id) VALUES (?, 1)", (name,))
+            camera = folders.setdefault(os.path.dirname(name), len(folders) + 1)
+            database.execute("INSERT OR IGNORE INTO cameras VALUES (?, ?, ?, ?, ?, 0)",
+                             (camera, number, WIDTH, HEIGHT, params))
+            cursor = database.execute("INSERT INTO images (name, camera_id) VALUES (?, ?)", (name, camera))
             database.execute("INSERT INTO keypoints VALUES (?, 0, 6, X'')", (cursor.lastrowid,))
             database.execute("INSERT INTO descriptors VALUES (?, 0, 128, X'')", (cursor.lastrowid,))
             if MODE == "rigs":

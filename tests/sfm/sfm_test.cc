@@ -2,6 +2,7 @@
 // stand-in runs that writes the same files.
 #include "sfm/sfm.h"
 
+#include "colmap/database.h"
 #include "colmap/run.h"
 #include "command/stage_command.h"
 #include "core/error.h"
@@ -23,6 +24,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
+#include <set>
 #include <thread>
 
 namespace tetrec {
@@ -185,6 +187,26 @@ TEST_F(SfmTest, OtherSizesAndSplitsReuseFeaturesMatchesAndModel) {
   ASSERT_EQ(Run("good").exit_code, 0);
   EXPECT_EQ(Calls("feature_extractor"), 2 * extractions);
   EXPECT_EQ(Calls("mapper"), 2u);
+}
+
+TEST_F(SfmTest, NeighboursAreThoseOfTheUsersOrderWhateverTheSizes) {
+  for (int i = 0; i < 40; ++i) {  // every third from another camera
+    WritePhoto(fs::path(photos_) / fmt::format("{:02}.png", i), 5 * i, i % 3 == 0 ? 48 : 64);
+  }
+  SfmOptions options;
+  options.matcher = PairChoice::kSequential;
+  EXPECT_EQ(Run("none", options).exit_code, 3);
+  fs::path database;
+  for (const fs::path& path : fs::recursive_directory_iterator(scene_)) {
+    if (path.filename() == "sequential.db") database = path;
+  }
+  const std::vector<DatabaseImage> images = ColmapDatabase(database).Images();
+  ASSERT_EQ(images.size(), 40u);
+  for (size_t i = 0; i < images.size(); ++i) {
+    EXPECT_EQ(fs::path(images[i].name).stem(), fmt::format("{:02}", i));
+  }
+  const std::set<ImagePair> pairs = ColmapDatabase(database).MatchedPairs();
+  for (uint32_t id = 1; id < 40; ++id) EXPECT_TRUE(pairs.contains({id, id + 1})) << id;
 }
 
 TEST_F(SfmTest, WhatColmapCallsSuccessIsJudged) {
