@@ -8,7 +8,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <numeric>
 
 namespace tetrec {
@@ -91,6 +94,44 @@ Bounds3 TrimmedBox(const std::vector<SubjectPoint>& points, const glm::dmat3& up
   return box;
 }
 
+// Points by cells of a grid, to find those near to a place.
+class PointCells {
+ public:
+  PointCells(const std::vector<glm::dvec3>& points, double reach) : reach_(reach) {
+    for (const glm::dvec3& point : points) cells_[CellOf(point)].push_back(point);
+  }
+
+  // Whether at least `count` points are within reach of the place.
+  bool HasWithinReach(const glm::dvec3& place, size_t count) const {
+    size_t found = 0;
+    const Cell middle = CellOf(place);
+    for (int neighbor = 0; neighbor < 27; ++neighbor) {
+      const auto cell = cells_.find({middle[0] + neighbor % 3 - 1, middle[1] + neighbor / 3 % 3 - 1,
+                                     middle[2] + neighbor / 9 - 1});
+      if (cell == cells_.end()) continue;
+      for (const glm::dvec3& point : cell->second) {
+        found += glm::distance(place, point) <= reach_;
+        if (found == count) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  using Cell = std::array<int64_t, 3>;
+
+  // A little longer than the reach, so that rounding hides no neighbour.
+  Cell CellOf(const glm::dvec3& point) const {
+    constexpr double kSide = 1.001, kFarthestCell = 1e18;
+    const glm::dvec3 cell = glm::floor(point / (kSide * reach_));
+    const glm::dvec3 near = glm::clamp(cell, -kFarthestCell, kFarthestCell);
+    return {int64_t(near.x), int64_t(near.y), int64_t(near.z)};
+  }
+
+  double reach_;
+  std::map<Cell, std::vector<glm::dvec3>> cells_;
+};
+
 // The box grown to the groups of points that nearly all views see.
 Bounds3 WithWellSeenGroups(const Bounds3& box, const std::vector<SubjectPoint>& points,
                            const glm::dmat3& upright_from_input, double reach) {
@@ -98,13 +139,10 @@ Bounds3 WithWellSeenGroups(const Bounds3& box, const std::vector<SubjectPoint>& 
   for (const auto& [point, nearly_all] : points) {
     if (nearly_all) well_seen.push_back(upright_from_input * point->position);
   }
+  const PointCells cells(well_seen, reach);
   Bounds3 grown = box;
   for (const glm::dvec3& p : well_seen) {
-    if (grown.Contains(p)) continue;
-    const auto group = std::count_if(well_seen.begin(), well_seen.end(), [&](const glm::dvec3& q) {
-      return glm::distance(p, q) <= reach;
-    });
-    if (size_t(group) >= kFewestInGroup) grown.Add(p);
+    if (!grown.Contains(p) && cells.HasWithinReach(p, kFewestInGroup)) grown.Add(p);
   }
   return grown;
 }

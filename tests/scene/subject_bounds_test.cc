@@ -78,6 +78,30 @@ TEST(Subject, AGroupOfPointsThatAllViewsSeeIsInsideHoweverSmall) {
   EXPECT_EQ(subject.outside, 0u);
 }
 
+// Wherever it is, and however it lies to the cells by which its points are found.
+TEST(Subject, AGroupOfFewerPointsIsAnOutlier) {
+  const Scene room = RoomScene();
+  const Subject before = FindSubject(room);
+  // Points within this distance are one group [world units, in which the box's side is 2].
+  const double reach = 0.05 / 1.1 * 2;
+  for (int direction = 0; direction < 24; ++direction) {
+    glm::dvec3 place(0.13 * (direction % 5 - 2));
+    const int axis = direction % 3;
+    place[axis] = (direction % 2 == 0 ? 1 : -1) * (before.bounds_in_world.max[axis] + 0.07);
+    for (const int count : {4, 5}) {
+      Scene scene = room;
+      for (int i = 0; i < count; ++i) {
+        ScenePoint point;
+        point.track_length = 3;
+        point.position = before.input_from_world *
+                         (place + 0.45 * reach * glm::dvec3(i % 2, i / 2 % 2, i == 4 ? 1 : i / 4));
+        scene.points.push_back(point);
+      }
+      EXPECT_EQ(FindSubject(scene).outside, count == 5 ? 0u : 4u) << direction;
+    }
+  }
+}
+
 TEST(Subject, GivenBoundsBecomeTheWorldAndKeepEveryPointOnItsPixel) {
   const Scene before = RoomScene();
   Scene found = before;
