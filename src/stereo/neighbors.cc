@@ -39,14 +39,26 @@ double PointScore(const glm::dvec3& first, const glm::dvec3& second, const glm::
   return AngleScore(std::acos(cosine)) * std::min(la, lb) / std::max(la, lb);
 }
 
-// From a camera's centre to the points that it sees; 0 if it sees none.
-double MedianDistance(const glm::dvec3& center, std::span<const glm::dvec3> points,
-                      std::span<const uint8_t> seen) {
+// What a view sees of the points.
+struct Sight {
+  glm::dvec3 center{0.0};
+  double median_distance = 0;  // from the centre to the points that it sees; 0 if it sees none
+  std::vector<uint8_t> seen;   // 1 or 0 for each of the points that pairs are judged by
+};
+
+// Pairs are judged by every `step`-th point. (A byte for each view and point could fill the
+// memory.)
+Sight SightOf(const StereoView& view, std::span<const glm::dvec3> points, size_t step) {
+  Sight sight;
+  sight.center = view.cam_from_world.Inverse().translation;
   std::vector<double> distances;
   for (size_t p = 0; p < points.size(); ++p) {
-    if (seen[p]) distances.push_back(glm::distance(center, points[p]));
+    const bool is_seen = Shows(view, points[p]);
+    if (is_seen) distances.push_back(glm::distance(sight.center, points[p]));
+    if (p % step == 0) sight.seen.push_back(is_seen ? 1 : 0);
   }
-  return distances.empty() ? 0 : Quantile(std::move(distances), 0.5);
+  if (!distances.empty()) sight.median_distance = Quantile(std::move(distances), 0.5);
+  return sight;
 }
 
 // The depths of a box's corners that are in front of the camera.
@@ -84,31 +96,30 @@ std::vector<glm::dvec3> OverlapPoints(const Scene& scene) {
 std::vector<std::vector<uint32_t>> ChooseNeighbors(std::span<const StereoView> views,
                                                    std::span<const glm::dvec3> points,
                                                    size_t count) {
-  std::vector<std::vector<uint8_t>> seen(views.size());
-  std::vector<glm::dvec3> centers(views.size());
-  for (size_t i = 0; i < views.size(); ++i) {
-    centers[i] = views[i].cam_from_world.Inverse().translation;
-    for (const glm::dvec3& point : points) seen[i].push_back(Shows(views[i], point) ? 1 : 0);
-  }
   // Of many points a share says the same.
   const size_t step = 1 + points.size() / 2000;
+  std::vector<Sight> sights(views.size());
+  ParallelFor(views.size(), 1, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) sights[i] = SightOf(views[i], points, step);
+  });
   std::vector<std::vector<uint32_t>> neighbors(views.size());
   ParallelFor(views.size(), 1, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       std::vector<std::pair<double, uint32_t>> scores;
       for (size_t j = 0; j < views.size(); ++j) {
         double score = 0;
-        for (size_t p = 0; p < points.size() && i != j; p += step) {
-          if (seen[i][p] && seen[j][p]) score += PointScore(centers[i], centers[j], points[p]);
+        for (size_t s = 0; s < sights[i].seen.size() && i != j; ++s) {
+          if (!sights[i].seen[s] || !sights[j].seen[s]) continue;
+          score += PointScore(sights[i].center, sights[j].center, points[s * step]);
         }
         if (score > 0) scores.emplace_back(-score, uint32_t(j));
       }
       std::sort(scores.begin(), scores.end());
-      const double one_place = kOnePlace * MedianDistance(centers[i], points, seen[i]);
-      std::vector<glm::dvec3> taken{centers[i]};
+      const double one_place = kOnePlace * sights[i].median_distance;
+      std::vector<glm::dvec3> taken{sights[i].center};
       for (const auto& [score, j] : scores) {
         if (neighbors[i].size() == count) break;
-        const glm::dvec3& center = centers[j];
+        const glm::dvec3& center = sights[j].center;
         const bool is_taken = std::ranges::any_of(taken, [&](const glm::dvec3& other) {
           return glm::distance(center, other) < one_place;
         });
