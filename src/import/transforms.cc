@@ -257,21 +257,35 @@ void HandleMissingFrames(const std::filesystem::path& folder, MissingPictures mi
                   fmt::join(std::begin(kExtensions), std::end(kExtensions), ", ")));
 }
 
-// The JSON file that lists an image, by the image's file (its name if that is missing).
-using ListedIn = std::unordered_map<std::string, std::string>;
+// The JSON file that lists an image, and the image's place among the pictures.
+struct Listed {
+  std::string json_file;
+  size_t picture = 0;
+};
+// By the image's file (its name if that is missing).
+using ListedImages = std::unordered_map<std::string, Listed>;
 
-// A view may be listed once.
-void AddPicture(const PosedPicture& picture, const std::filesystem::path& path, ListedIn& listed_in,
-                Dataset& set) {
+// A view may be listed once; but where the views for validation are among those for test, as some
+// programs write them, they are test views.
+void AddPicture(const PosedPicture& picture, const std::filesystem::path& path,
+                ListedImages& listed, Dataset& set) {
   const std::string json_file = path.filename().string();
   const std::string image = picture.file.empty() ? picture.name : picture.file.string();
-  const auto [other, is_new] = listed_in.emplace(image, json_file);
-  if (!is_new) {
+  const auto [other, is_new] = listed.emplace(image, Listed{json_file, set.pictures.size()});
+  if (is_new) {
+    set.pictures.push_back(picture);
+    return;
+  }
+  PosedPicture& earlier = set.pictures[other->second.picture];
+  const bool becomes_test = earlier.split == Split::kValidation && picture.split == Split::kTest &&
+                            other->second.json_file != json_file;
+  if (!becomes_test) {
     throw DataError(
         fmt::format("{}: image \"{}\" of {} is in {} already; a view may be listed only once",
-                    path.parent_path().string(), picture.name, json_file, other->second));
+                    path.parent_path().string(), picture.name, json_file, other->second.json_file));
   }
-  set.pictures.push_back(picture);
+  earlier = picture;
+  other->second.json_file = json_file;
 }
 
 // If some images differ only in their extensions, all names keep them.
@@ -386,7 +400,7 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder, MissingPictures m
   }
   Dataset set;
   set.has_split = true;
-  ListedIn listed_in;
+  ListedImages listed;
   Unused unused;
   for (const SplitFile& split_file : kSplitFiles) {
     const std::filesystem::path path = folder / split_file.name;
@@ -402,7 +416,7 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder, MissingPictures m
     const CheckedJson json(file, path);
     for (Frame& frame : ReadFrames(json, path, unused)) {
       frame.picture.split = split_file.split;
-      AddPicture(frame.picture, path, listed_in, set);
+      AddPicture(frame.picture, path, listed, set);
     }
     if (split_file.split == Split::kTrain) {
       set.box_in_input = ReadBox(json);
@@ -427,8 +441,8 @@ Dataset ReadTransforms(const std::filesystem::path& folder, MissingPictures miss
   Dataset set;
   for (const SplitList& list : kSplitLists) set.has_split |= json.Has(list.name);
   if (set.has_split) ApplySplitLists(json, path, frames);
-  ListedIn listed_in;
-  for (const Frame& frame : frames) AddPicture(frame.picture, path, listed_in, set);
+  ListedImages listed;
+  for (const Frame& frame : frames) AddPicture(frame.picture, path, listed, set);
   const bool has_training =
       std::any_of(set.pictures.begin(), set.pictures.end(),
                   [](const PosedPicture& picture) { return picture.split == Split::kTrain; });

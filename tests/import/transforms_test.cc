@@ -74,6 +74,38 @@ TEST(NerfSynthetic, ConvertsOpenGlAxes) {
   EXPECT_NEAR(pixel.y, 50 - 60 * 0.5 / 3, 1e-12);  // above the middle
 }
 
+TEST(NerfSynthetic, TakesViewsOfValidationAndTestForTestViews) {
+  const ScratchFolder folder;
+  WriteGoodSet(folder);
+  folder.Write("transforms_val.json", Transforms({"val/r_0.jpg", "test/r_0.png"}).dump());
+  const Dataset set = ReadNerfSynthetic(folder.path());
+  ASSERT_EQ(set.pictures.size(), 4u);
+  EXPECT_EQ(set.pictures[2].name, "val/r_0");
+  EXPECT_EQ(set.pictures[2].split, Split::kValidation);
+  EXPECT_EQ(set.pictures[3].name, "test/r_0");
+  EXPECT_EQ(set.pictures[3].split, Split::kTest);
+}
+
+TEST(NerfSynthetic, RefusesAViewThatIsListedTwice) {
+  struct Case {
+    const char* file;
+    std::vector<std::string> frames;
+    const char* message;
+  };
+  const Case cases[] = {
+      {"transforms_val.json", {"train/r_1"}, "is in transforms_train.json already"},
+      {"transforms_test.json", {"train/r_1"}, "is in transforms_train.json already"},
+      {"transforms_val.json", {"val/r_0", "val/r_0.jpg"}, "is in transforms_val.json already"},
+      {"transforms_test.json", {"val/r_0", "val/r_0.jpg"}, "is in transforms_test.json already"}};
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.message);
+    const ScratchFolder folder;
+    WriteGoodSet(folder);
+    folder.Write(c.file, Transforms(c.frames).dump());
+    ExpectError<DataError>([&] { ReadNerfSynthetic(folder.path()); }, {c.file, c.message});
+  }
+}
+
 TEST(NerfSynthetic, NotesMissingHeldOutSplits) {
   const ScratchFolder folder;
   WriteGoodSet(folder);
