@@ -192,7 +192,7 @@ std::vector<std::string> AddMasks(const fs::path& folder, std::vector<Photo>& ph
     kept.back().mask = masks[i];
     kept.back().mask_sha256 = facts[i].sha256;
   }
-  if (kept.size() < 2) {
+  if (kept.size() < kFewestPhotos) {
     throw DataError(
         fmt::format("{}: the masks of {} of {} photos leave no pixel (128 to 255 in a mask is "
                     "used): {}; white is what is used, perhaps they are inverted",

@@ -4,13 +4,14 @@
 #include "core/error.h"
 #include "core/option_range.h"
 #include "scene/subject_bounds.h"
+#include "sfm/photos.h"
 
 #include <fmt/format.h>
 
 namespace tetrec {
 
 void SfmOptions::Check() const {
-  CheckRange("frames", frames, 2, 2000);
+  CheckRange("frames", frames, int(kFewestPhotos), 2000);
   CheckRange("max-features", max_features, 100, 100000);
   CheckRange("retries", retries, 0, 3);
   if (!(max_unreadable >= 0 && max_unreadable < 1)) {

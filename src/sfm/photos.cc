@@ -159,10 +159,12 @@ PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable, const fs::
         "images to one of these",
         folder.string()));
   }
-  if (names.size() == 1) {
-    throw DataError(fmt::format(
-        "{}: contains only one photo ({}); take at least 3 of the same scene, better 20 or more",
-        folder.string(), names[0]));
+  if (names.size() < kFewestPhotos) {
+    throw DataError(
+        fmt::format("{}: contains only {} photo{} ({}); take at least {} of the same scene, better "
+                    "20 or more",
+                    folder.string(), names.size(), names.size() == 1 ? "" : "s", ShortList(names),
+                    kFewestPhotos));
   }
   std::vector<Photo> photos(names.size());
   std::vector<std::string> errors(names.size());
@@ -184,11 +186,11 @@ PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable, const fs::
     }
   }
   WarnOrRefuse(folder, found.unreadable, reasons, names.size(), max_unreadable);
-  if (found.photos.size() < 2) {
+  if (found.photos.size() < kFewestPhotos) {
     throw DataError(
-        fmt::format("{}: only {} of {} photos can be read; take at least 3 of the same scene, "
+        fmt::format("{}: only {} of {} photos can be read; take at least {} of the same scene, "
                     "better 20 or more",
-                    folder.string(), found.photos.size(), names.size()));
+                    folder.string(), found.photos.size(), names.size(), kFewestPhotos));
   }
   return found;
 }

@@ -1,11 +1,15 @@
 // The photos of a folder.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace tetrec {
+
+// The points of two photos are seen in two photos each, which JudgeModel always refuses.
+inline constexpr size_t kFewestPhotos = 3;
 
 struct Photo {
   std::string name;                  // relative to the folder, generic form
@@ -28,7 +32,7 @@ struct PhotoFolder {
 // contain; hidden files are ignored. Each is decoded once, and one warning names all that cannot be
 // read. TIFF, HEIC and coloured PNG of 16 bits, which COLMAP cannot read, become JPEG files in the
 // folder `converted`, where those of an earlier call are used again. Throws DataError if the
-// unreadable are more than `max_unreadable` of all files, for fewer than 2 files, and for names
+// unreadable are more than `max_unreadable` of all files, for fewer than 3 photos, and for names
 // that cannot be stored (StaysInside). `masks` may be a folder inside, whose images are no photos,
 // or empty.
 PhotoFolder FindPhotos(const std::filesystem::path& folder, double max_unreadable,

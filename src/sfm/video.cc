@@ -4,6 +4,7 @@
 #include "core/child_process.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "sfm/photos.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -192,11 +193,13 @@ void WriteVideoFrames(const fs::path& video, size_t count, const fs::path& folde
   if (candidates > kMostCandidates) {
     throw DataError(fmt::format("{}: is longer than 20 minutes; cut it", video.string()));
   }
-  if (candidates < 2) {
-    throw DataError(fmt::format("{}: has {} frames at 10 per second; give a longer video",
-                                video.string(), candidates));
-  }
   const std::vector<size_t> chosen = ChooseFrames(judged.sharpness, judged.motion, count);
+  if (chosen.size() < kFewestPhotos) {
+    throw DataError(
+        fmt::format("{}: gives only {} photos, of {} frames at 10 per second; give a longer video, "
+                    "in which the camera moves all the time",
+                    video.string(), chosen.size(), candidates));
+  }
   std::vector<std::string> terms;
   for (const size_t frame : chosen) terms.push_back(fmt::format("eq(n\\,{})", frame));
   const VideoColors colors = ColorsOf(video);

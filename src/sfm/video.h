@@ -21,8 +21,8 @@ double SharpnessOf(std::span<const uint8_t> grey, int width, int height);
 
 // Writes `count` frames of the video, fewer if it is short, as 000001.jpg and so on into `folder`,
 // which is made anew; ffmpeg decodes as a child process. `scratch` is a folder for a large
-// temporary file. Throws DataError (not a video, fewer than two frames, longer than 20 minutes) and
-// EnvironmentError (no ffmpeg).
+// temporary file. Throws DataError (not a video, fewer than three photos, longer than 20 minutes)
+// and EnvironmentError (no ffmpeg).
 void WriteVideoFrames(const std::filesystem::path& video, size_t count,
                       const std::filesystem::path& folder, const std::filesystem::path& scratch);
 

@@ -49,8 +49,11 @@ class BadInputTest(StageCase):
         self.assertTrue((scene / "scene.json").exists())
         self.assertEqual(sorted(path.name for path in scene.iterdir() if path.is_dir()), ["images"])
 
-    def test_sfm_of_one_photo(self):
-        self.assert_fails(self.run_stage("sfm", self.photos(1), "-o", self.folder / "out"), 3)
+    def test_sfm_of_one_photo_or_two(self):
+        photos = self.photos(1)
+        self.assert_fails(self.run_stage("sfm", photos, "-o", self.folder / "out"), 3, "only 1 photo (r_0.png)")
+        shutil.copy(photos / "r_0.png", photos / "r_1.png")
+        self.assert_fails(self.run_stage("sfm", photos, "-o", self.folder / "out"), 3, "only 2 photos", "at least 3")
 
     def test_sfm_of_photos_without_features_finds_no_model(self):
         result = self.run_stage("sfm", self.photos(4), "-o", self.folder / "out")

@@ -134,16 +134,17 @@ TEST_F(MasksTest, APhotoWhoseMaskLeavesNoPixelIsLeftOut) {
   WriteMask("b.png", 0, 64, 48, 127);
   WriteMask("c.png", 64);
   WriteMask("d.png", 0);
-  std::vector<Photo> photos = Photos({"a.jpg", "b.jpg", "c.jpg", "d.jpg"});
+  WriteMask("e.png", 0);
+  std::vector<Photo> photos = Photos({"a.jpg", "b.jpg", "c.jpg", "d.jpg", "e.jpg"});
   EXPECT_THAT(AddMasks(masks_, photos), ElementsAre("b.jpg", "c.jpg"));
   EXPECT_THAT(TakeWarnings(), ElementsAre(HasSubstr("left out: 2: b.jpg, c.jpg")));
-  ASSERT_EQ(photos.size(), 2u);
+  ASSERT_EQ(photos.size(), 3u);
   EXPECT_EQ(photos[1].name, "d.jpg");
   EXPECT_EQ(photos[1].mask, fs::path(masks_) / "d.png");
   EXPECT_EQ(photos[1].mask_sha256.size(), 64u);
-  photos = Photos({"a.jpg", "b.jpg", "c.jpg"});
+  photos = Photos({"a.jpg", "b.jpg", "c.jpg", "d.jpg"});
   ExpectError<DataError>([&] { AddMasks(masks_, photos); },
-                         {"the masks of 2 of 3 photos leave no pixel", "inverted"});
+                         {"the masks of 2 of 4 photos leave no pixel", "inverted"});
 }
 
 TEST_F(MasksTest, MasksThatHideNothingAreNoMasks) {

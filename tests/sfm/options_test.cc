@@ -22,6 +22,7 @@ TEST(SfmOptions, OutOfRangeAreUsageErrorsThatNameThem) {
   expect("max-size is 0", [](SfmOptions& o) { o.max_size = 0; });
   expect("max-unreadable is 1;", [](SfmOptions& o) { o.max_unreadable = 1; });
   expect("max-unreadable is nan", [](SfmOptions& o) { o.max_unreadable = NAN; });
+  expect("frames is 2", [](SfmOptions& o) { o.frames = 2; });
   expect("max-features is -1", [](SfmOptions& o) { o.max_features = -1; });
   expect("holdout is 1", [](SfmOptions& o) { o.holdout = 1; });
   expect("seed is -1", [](SfmOptions& o) { o.seed = -1; });

@@ -36,14 +36,20 @@ class PhotosTest : public ::testing::Test {
   const std::string photos_ = folder_ / "photos";
 };
 
-TEST_F(PhotosTest, FoldersWithoutPhotosOrWithOneAreRefused) {
+TEST_F(PhotosTest, FoldersWithoutPhotosOrWithFewerThanThreeAreRefused) {
   ExpectError<DataError>([&] { Find(0.25); }, {"is not a folder"});
   fs::create_directories(photos_);
   folder_.Write("photos/readme.txt", "no photo");
   folder_.Write("photos/.hidden.jpg", "no photo");
   ExpectError<DataError>([&] { Find(0.25); }, {"contains no photos"});
   WritePhotos(1);
-  ExpectError<DataError>([&] { Find(0.25); }, {"only one photo", "photo 00.png"});
+  ExpectError<DataError>([&] { Find(0.25); }, {"only 1 photo (", "photo 00.png"});
+  WritePhotos(2);
+  ExpectError<DataError>([&] { Find(0.25); },
+                         {"only 2 photos (photo 00.png, photo 01.png)", "at least 3"});
+  WritePhotos(3);
+  folder_.Write("photos/photo 02.png", "damaged");
+  ExpectError<DataError>([&] { Find(0.5); }, {"only 2 of 3 photos can be read", "at least 3"});
 }
 
 TEST_F(PhotosTest, PhotosInLinkedFoldersAreFound) {
@@ -60,7 +66,7 @@ TEST_F(PhotosTest, ImagesOfOtherKindsAreNamed) {
   folder_.Write("photos/b.WebP", "of a phone");
   folder_.Write("photos/notes.txt", "no photo");
   TakeWarnings();
-  ExpectError<DataError>([&] { Find(0.25); }, {"only one photo"});
+  ExpectError<DataError>([&] { Find(0.25); }, {"only 1 photo"});
   EXPECT_THAT(TakeWarnings(), ::testing::ElementsAre(::testing::AllOf(
                                   ::testing::HasSubstr("HEIC are left out: 1: b.WebP; convert"),
                                   ::testing::Not(::testing::HasSubstr("notes")))));

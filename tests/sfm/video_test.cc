@@ -121,6 +121,14 @@ TEST(Video, FramesHaveTheColorsOfTheVideoWhateverItsMatrix) {
   }
 }
 
+TEST(Video, AVideoThatGivesTwoPhotosIsRefused) {
+  if (FindProgram("ffmpeg").empty()) GTEST_SKIP() << "ffmpeg is not installed (scripts/setup.sh)";
+  const ScratchFolder folder;
+  const std::filesystem::path video = WriteStripes({"640x120", "bt709", "bt709", ""}, folder);
+  ExpectError<DataError>([&] { WriteVideoFrames(video, 2, folder / "frames", folder / "scratch"); },
+                         {"clip.mp4: gives only 2 photos, of 10 frames", "a longer video"});
+}
+
 TEST(Video, HdrIsNamed) {
   if (FindProgram("ffmpeg").empty()) GTEST_SKIP() << "ffmpeg is not installed (scripts/setup.sh)";
   const ScratchFolder folder;
