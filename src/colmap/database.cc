@@ -15,7 +15,7 @@
 namespace tetrec {
 namespace {
 
-constexpr uint64_t kMaxImageId = 2147483647;  // pair id = kMaxImageId * lower + higher
+constexpr uint64_t kMaxImageId = kMaxImages;  // pair id = kMaxImageId * lower + higher
 constexpr int kBusyWait_ms = 10000;
 
 constexpr const char* kMakeAgain = "; force a fresh run, which makes the database again";
@@ -311,7 +311,7 @@ void ColmapDatabase::NumberByFileName(bool camera_per_folder) {
       "PRAGMA ignore_check_constraints = 0;");
 }
 
-void ColmapDatabase::UseLens(LensModel model) {
+void ColmapDatabase::UseLens(LensModel model, size_t images) {
   struct Row {
     int64_t id = 0;
     LensModel model = LensModel::kUnknown;
@@ -319,7 +319,10 @@ void ColmapDatabase::UseLens(LensModel model) {
   };
   std::vector<Row> rows;
   {
-    Statement select(file_, database_.get(), "SELECT camera_id, model, params FROM cameras");
+    Statement select(file_, database_.get(),
+                     "SELECT camera_id, model, params FROM cameras WHERE (SELECT count(*) FROM "
+                     "images WHERE images.camera_id = cameras.camera_id) < ?");
+    select.Bind(1, int64_t(images));
     while (select.Step()) {
       Row row{select.Integer(0), LensModel(select.Integer(1)), {}};
       const std::vector<uint8_t> bytes = select.Blob(2);

@@ -25,6 +25,7 @@ struct DatabaseImage {
   uint64_t features = 0;
 };
 
+inline constexpr size_t kMaxImages = 2147483647;  // of a database
 using ImagePair = std::pair<uint32_t, uint32_t>;  // image ids, the lower first
 
 // A database and the version of COLMAP that wrote it, for messages.
@@ -68,10 +69,10 @@ class ColmapDatabase {
   // behind their own, so that matches stay valid. Returns the number of features added.
   uint64_t AppendFiner(const ColmapDatabase& richer);
 
-  // Gives every camera a lens of another model with its focal length and centre, and without
-  // distortion: what COLMAP starts from if features are extracted with that model. Matches stay.
-  // `model` is one of PINHOLE, RADIAL and OPENCV, or simpler.
-  void UseLens(LensModel model);
+  // Gives every camera of fewer than `images` images a lens of another model with its focal length
+  // and centre, and without distortion: what COLMAP starts from if features are extracted with that
+  // model. Matches stay. `model` is one of PINHOLE, RADIAL and OPENCV, or simpler.
+  void UseLens(LensModel model, size_t images = kMaxImages);
 
   // Removes matches and geometries of pairs, so that they are matched again.
   void ForgetPairs(const std::vector<ImagePair>& pairs);

@@ -27,7 +27,7 @@ namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
-// Photos per camera; fewer do not determine the four OPENCV distortion parameters well.
+// Photos of a camera; fewer do not determine the four OPENCV distortion parameters well.
 constexpr size_t kPhotosForOpenCvModel = 8;
 constexpr int kMostFeatures = 100000;  // as SfmOptions::Check allows
 
@@ -38,7 +38,7 @@ struct LinkedPhotos {
   fs::path masks;                  // NAME.png for each name; empty if there are none
   std::vector<std::string> names;  // in the order of the photos
   std::map<std::string, size_t> photo_of_name;
-  size_t cameras = 0;
+  std::vector<size_t> photos_of_camera;  // their number, for each camera
 };
 
 std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
@@ -51,7 +51,8 @@ std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
 
 LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
                         const fs::path& folder) {
-  LinkedPhotos linked{folder, {}, {}, {}, 0};
+  LinkedPhotos linked;
+  linked.folder = folder;
   fs::remove_all(folder);
   std::map<std::string, size_t> groups;
   for (const Photo& photo : photos) groups.emplace(CameraGroup(photo, sharing), groups.size());
@@ -61,11 +62,12 @@ LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
                     "sharing {}",
                     groups.size(), Name(CameraSharing::kAuto)));
   }
+  linked.photos_of_camera.resize(groups.size());
   const size_t digits = std::to_string(photos.size()).size();
   for (size_t i = 0; i < photos.size(); ++i) {
-    const std::string group = sharing == CameraSharing::kPerImage
-                                  ? "0"
-                                  : std::to_string(groups.at(CameraGroup(photos[i], sharing)));
+    const size_t camera = groups.at(CameraGroup(photos[i], sharing));
+    ++linked.photos_of_camera[camera];
+    const std::string group = sharing == CameraSharing::kPerImage ? "0" : std::to_string(camera);
     const std::string extension = photos[i].for_colmap.extension().string();
     const std::string name = fmt::format("{}/{:0{}}{}", group, i, digits, extension);
     fs::create_directories(folder / group);
@@ -73,7 +75,6 @@ LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
     linked.names.push_back(name);
     linked.photo_of_name[name] = i;
   }
-  linked.cameras = groups.size();
   return linked;
 }
 
@@ -91,9 +92,17 @@ void WriteColmapMasks(const std::vector<Photo>& photos, const fs::path& folder,
   linked.masks = folder;
 }
 
-SfmLens LensFor(const SfmOptions& options, size_t photos, size_t cameras) {
+// The cameras that took too few photos for the lens OPENCV.
+size_t CamerasOfFewPhotos(const LinkedPhotos& linked) {
+  return size_t(std::ranges::count_if(
+      linked.photos_of_camera, [](size_t photos) { return photos < kPhotosForOpenCvModel; }));
+}
+
+// Of the cameras that took the most photos.
+SfmLens LensFor(const SfmOptions& options, const LinkedPhotos& linked) {
   if (options.camera_model != SfmLens::kAuto) return options.camera_model;
-  return photos >= kPhotosForOpenCvModel * cameras ? SfmLens::kOpenCv : SfmLens::kSimpleRadial;
+  const bool all_took_few = CamerasOfFewPhotos(linked) == linked.photos_of_camera.size();
+  return all_took_few ? SfmLens::kSimpleRadial : SfmLens::kOpenCv;
 }
 
 std::string FeaturesKey(const std::vector<Photo>& photos, const LinkedPhotos& linked,
@@ -102,7 +111,7 @@ std::string FeaturesKey(const std::vector<Photo>& photos, const LinkedPhotos& li
                         {"model", extract.camera_model},
                         {"per_image", extract.camera_per_image},
                         {"features", extract.max_features},
-                        {"format", 3}};  // 2: numbered by camera first
+                        {"format", 3}};  // 2: numbered by camera first, one lens model for all
   for (size_t i = 0; i < photos.size(); ++i)
     key["photos"].push_back({linked.names[i], photos[i].sha256});
   if (!linked.masks.empty()) {
@@ -309,7 +318,7 @@ class PhotoMapper {
         colmap_(FindColmap(stage.folder() / "log.txt")),
         scratch_(stage.Scratch("work")),
         linked_(LinkPhotos(photos, options.camera_sharing, scratch_ / "photos")),
-        first_lens_(LensFor(options, photos.size(), linked_.cameras)) {
+        first_lens_(LensFor(options, linked_)) {
     LogInfo("COLMAP {}: {} photos", colmap_.version, photos.size());
     stage.Note("colmap", colmap_.version);
     WriteColmapMasks(photos, scratch_ / "masks", linked_);
@@ -321,6 +330,15 @@ class PhotoMapper {
   }
 
   SfmLens first_lens() const { return first_lens_; }
+
+  // Of all cameras, for the manifest.
+  std::string LensNote(SfmLens lens) const {
+    const size_t few = CamerasOfFewPhotos(linked_);
+    if (options_.camera_model != SfmLens::kAuto || lens != SfmLens::kOpenCv || few == 0)
+      return Name(lens);
+    return fmt::format("{}, of cameras with fewer than {} photos {}: {}", Name(lens),
+                       kPhotosForOpenCvModel, Name(SfmLens::kSimpleRadial), few);
+  }
 
   // From the cache as far as it has them.
   Mapping MapWith(SfmLens lens) {
@@ -349,8 +367,9 @@ class PhotoMapper {
   }
 
  private:
-  // The database with features and matches, by the first lens. No match depends on the lens: all
-  // begin without distortion and with the same focal length.
+  // The database with features and matches, by the first lens; cameras of few photos only have it
+  // if it was asked for. No match depends on the lens: all begin without distortion and with the
+  // same focal length.
   void FindMatches() {
     const fs::path features = cache_ / "features.db";
     matches_ = cache_ / fmt::format("{}.db", Name(options_.matcher));
@@ -359,7 +378,15 @@ class PhotoMapper {
       ExtractFeatures(colmap_, linked_.folder, linked_.names, extract_, cache_ / "parts", features);
       fs::remove_all(cache_ / "parts");
     }
-    if (!fs::exists(matches_)) CopyDatabase(features, matches_);
+    if (!fs::exists(matches_)) {
+      const fs::path half = matches_.string() + ".half";
+      CopyDatabase(features, half);
+      if (options_.camera_model == SfmLens::kAuto) {
+        ColmapDatabase(half, colmap_.version)
+            .UseLens(LensModel::kSimpleRadial, kPhotosForOpenCvModel);
+      }
+      fs::rename(half, matches_);
+    }
     CountSeconds("features", timer);
     timer = {};
     const MatchCounts matches = MatchFeatures(colmap_, matches_, options_.matcher, scratch_);
@@ -468,7 +495,7 @@ ColmapModel MapPhotos(const SfmOptions& options, const std::vector<Photo>& photo
   if (mapping.models > 0) stage.Count("models", mapping.models);
   stage.Count("retries", mapping.retries.size());
   stage.Note("retries", mapping.retries);
-  stage.Note("lens", Name(lens));
+  stage.Note("lens", mapper.LensNote(lens));
   return std::move(mapping.model);
 }
 

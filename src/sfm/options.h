@@ -20,8 +20,8 @@ inline constexpr auto kWords<CameraSharing> =
                                         {CameraSharing::kPerFolder, "per-folder"},
                                         {CameraSharing::kPerImage, "per-image"}});
 
-// The lens model that COLMAP fits. kAuto: OPENCV, or SIMPLE_RADIAL for few photos per camera; or a
-// simpler one where the photos do not determine that (MapPhotos).
+// The lens model that COLMAP fits. kAuto: for each camera OPENCV, or SIMPLE_RADIAL if it took few
+// photos; or a simpler one for all where the photos do not determine that (MapPhotos).
 enum class SfmLens { kAuto, kOpenCv, kRadial, kSimpleRadial, kPinhole, kSimplePinhole };
 template <>
 inline constexpr auto kWords<SfmLens> =

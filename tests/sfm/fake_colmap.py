@@ -135,11 +135,13 @@ def write_model(folder, names, point_count, shape="square", error=0.4):
 def map_scene(options):
     database = open_database(options["database_path"])
     names = [row[0] for row in database.execute("SELECT name FROM images ORDER BY image_id")]
-    lens = list(database.execute("SELECT model, params FROM cameras"))
+    lenses = list(database.execute("SELECT model, params FROM cameras ORDER BY camera_id"))
     known = {first_lens(name): name for name in MODELS}
-    if len(lens) != 1 or lens[0] not in known:
-        sys.exit("unexpected cameras: " + repr(lens))
-    is_opencv = known[lens[0]] == "OPENCV"
+    if not known.keys() >= set(lenses):
+        sys.exit("unexpected cameras: " + repr(lenses))
+    with open(os.environ["FAKE_COLMAP_CALLS"], "a") as calls:
+        calls.write("lenses " + " ".join(known[lens] for lens in lenses) + "\n")
+    is_opencv = known[lenses[0]] == "OPENCV"
     shape = "folded" if MODE == "folded" or (MODE == "bent" and is_opencv) else \
         "oblong" if MODE in ("oblong", "anamorphic") and is_opencv else "square"
     folder = os.path.join(options["output_path"], "0")

@@ -377,6 +377,21 @@ TEST_F(SfmTest, ALensThatFoldsOverIsReplacedByASimplerOne) {
   EXPECT_EQ(Lens(), "SIMPLE_RADIAL");
 }
 
+TEST_F(SfmTest, EachCameraGetsTheLensThatItsPhotosDetermine) {
+  for (int i = 0; i < 11; ++i) {
+    WritePhoto(fs::path(photos_) / fmt::format("{}/{:02}.png", i < 8 ? "many" : "few", i), 9 * i);
+  }
+  SfmOptions options;
+  options.camera_sharing = CameraSharing::kPerFolder;
+  ASSERT_EQ(Run("good", options).exit_code, 0);
+  EXPECT_EQ(Calls("lenses SIMPLE_RADIAL OPENCV\n"), 1u) << "the few are first by name";
+  EXPECT_EQ(Lens(), "OPENCV, of cameras with fewer than 8 photos SIMPLE_RADIAL: 1");
+  options.camera_model = SfmLens::kOpenCv;
+  ASSERT_EQ(Run("good", options, {"--force"}).exit_code, 0);
+  EXPECT_EQ(Calls("lenses OPENCV OPENCV\n"), 1u) << "as asked for";
+  EXPECT_EQ(Lens(), "OPENCV");
+}
+
 TEST_F(SfmTest, ALensOfOblongPixelsIsReplacedByASimplerOneThatFitsAsWell) {
   WritePhotos(12);
   const Outcome outcome = Run("oblong");
