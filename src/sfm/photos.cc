@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 namespace tetrec {
@@ -98,6 +99,20 @@ void WarnOrRefuse(const fs::path& folder, const std::vector<std::string>& unread
   }
   LogWarning("{} of {} photos cannot be read and are left out: {}", unreadable.size(), files,
              ShortList(reasons));
+}
+
+// One of two copies could be held out while the other is trained on, and so score too well.
+void LeaveOutCopies(std::vector<Photo>& photos) {
+  std::map<std::string, std::string> name_of_content;
+  std::vector<std::string> copies;
+  std::erase_if(photos, [&](const Photo& photo) {
+    const auto [first, is_new] = name_of_content.emplace(photo.sha256, photo.name);
+    if (!is_new) copies.push_back(fmt::format("{} (of {})", photo.name, first->second));
+    return !is_new;
+  });
+  if (copies.empty()) return;
+  LogWarning("photos that are exact copies of others are left out: {}: {}", copies.size(),
+             ShortList(copies));
 }
 
 // A name of its own for each photo of the folder and each content of it.
@@ -186,9 +201,11 @@ PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable, const fs::
     }
   }
   WarnOrRefuse(folder, found.unreadable, reasons, names.size(), max_unreadable);
+  LeaveOutCopies(found.photos);
   if (found.photos.size() < kFewestPhotos) {
     throw DataError(
-        fmt::format("{}: only {} of {} photos can be read; take at least {} of the same scene, "
+        fmt::format("{}: only {} of {} photos can be read and are no copies; take at least {} of "
+                    "the same scene, "
                     "better 20 or more",
                     folder.string(), found.photos.size(), names.size(), kFewestPhotos));
   }

@@ -25,16 +25,16 @@ struct Photo {
 
 struct PhotoFolder {
   std::vector<Photo> photos;            // sorted by name
-  std::vector<std::string> unreadable;  // names of those that were left out
+  std::vector<std::string> unreadable;  // names of those that cannot be read
 };
 
 // JPEG, PNG, TIFF and HEIC files in the folder and below, by their extensions and then by what they
-// contain; hidden files are ignored. Each is decoded once, and one warning names all that cannot be
-// read. TIFF, HEIC and coloured PNG of 16 bits, which COLMAP cannot read, become JPEG files in the
-// folder `converted`, where those of an earlier call are used again. Throws DataError if the
-// unreadable are more than `max_unreadable` of all files, for fewer than 3 photos, and for names
-// that cannot be stored (StaysInside). `masks` may be a folder inside, whose images are no photos,
-// or empty.
+// contain; hidden files are ignored. Each is decoded once; one warning names all that cannot be
+// read, and another those that are exact copies of others. TIFF, HEIC and coloured PNG of 16 bits,
+// which COLMAP cannot read, become JPEG files in the folder `converted`, where those of an earlier
+// call are used again. Throws DataError if the unreadable are more than `max_unreadable` of all
+// files, for fewer than 3 photos, and for names that cannot be stored (StaysInside). `masks` may be
+// a folder inside, whose images are no photos, or empty.
 PhotoFolder FindPhotos(const std::filesystem::path& folder, double max_unreadable,
                        const std::filesystem::path& converted,
                        const std::filesystem::path& masks = {});

@@ -50,11 +50,14 @@ TEST_F(PhotosTest, FoldersWithoutPhotosOrWithFewerThanThreeAreRefused) {
   WritePhotos(3);
   folder_.Write("photos/photo 02.png", "damaged");
   ExpectError<DataError>([&] { Find(0.5); }, {"only 2 of 3 photos can be read", "at least 3"});
+  fs::copy_file(photos_ + "/photo 01.png", photos_ + "/photo 03.png");
+  ExpectError<DataError>([&] { Find(0.5); },
+                         {"only 2 of 4 photos can be read and are no copies", "at least 3"});
 }
 
 TEST_F(PhotosTest, PhotosInLinkedFoldersAreFound) {
   WriteNumberedPhotos(folder_ / "elsewhere", 3);
-  WritePhotos(1);
+  WritePhoto(fs::path(photos_) / "photo 00.png", 200);
   fs::create_directory_symlink("../elsewhere", fs::path(photos_) / "day2");
   const PhotoFolder found = Find(0.25);
   ASSERT_EQ(found.photos.size(), 4u);
@@ -113,6 +116,21 @@ TEST_F(PhotosTest, FewUnreadablePhotosAreLeftOutWithOneWarning) {
                   ::testing::HasSubstr("letter.jpg: not a photo that can be read; expected JPEG, "
                                        "PNG, TIFF or HEIC"))));
   ExpectError<DataError>([&] { Find(0.24); }, {"1 of 4", "max-unreadable is 0.24"});
+}
+
+TEST_F(PhotosTest, CopiesAreLeftOutWithOneWarning) {
+  WritePhotos(3);
+  fs::copy_file(photos_ + "/photo 01.png", photos_ + "/photo 01 (copy).png");
+  fs::copy_file(photos_ + "/photo 01.png", photos_ + "/z.png");
+  TakeWarnings();
+  const PhotoFolder found = Find(0.25);
+  ASSERT_EQ(found.photos.size(), 3u);
+  EXPECT_EQ(found.photos[1].name, "photo 01 (copy).png") << "the first by name stays";
+  EXPECT_TRUE(found.unreadable.empty());
+  EXPECT_THAT(TakeWarnings(),
+              ::testing::ElementsAre(::testing::HasSubstr(
+                  "copies of others are left out: 2: photo 01.png (of photo 01 (copy).png), "
+                  "z.png (of photo 01 (copy).png)")));
 }
 
 TEST_F(PhotosTest, TheRemedyOffersOnlyWhatTheStageReads) {
