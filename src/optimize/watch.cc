@@ -5,6 +5,7 @@
 #include "image/psnr.h"
 #include "optimize/training_set.h"
 #include "render/picture.h"
+#include "render/target_image.h"
 
 #include <algorithm>
 #include <optional>
@@ -72,7 +73,7 @@ double WatchPsnr(const WatchedViews& watched, int stride) {
   for (int view : watched.views) {
     const Image stored = Thinned(ReadImage(watched.scene_folder / scene.views[view].image), stride);
     const bool is_masked = scene.has_masks && stored.channels == 4;
-    const Image truth = OverBackground(stored, scene.background);
+    const Image truth = TruthOf(stored, scene.has_masks, scene.background);
     const Image picture = ToPicture(
         RenderThinned(watched.renderer, MakeRenderView(scene, view), stride), scene.background);
     const std::optional<double> mse = is_masked

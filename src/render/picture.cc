@@ -23,12 +23,6 @@ Image ToPicture(const RenderedImage& rendered, Background background) {
   return image;
 }
 
-Image OverBackground(const Image& image, Background background) {
-  if (image.channels == 3) return image;
-  const uint8_t level = background == Background::kWhite ? 255 : 0;
-  return CompositeOver(image, level, level, level);
-}
-
 Image MaskOf(const Image& rgba) {
   Image mask{rgba.width, rgba.height, 3, {}};
   for (size_t i = 0; i < rgba.pixels.size(); i += 4) {

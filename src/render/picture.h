@@ -13,9 +13,6 @@ glm::vec3 BackgroundColor(Background background);
 // Composited over the background, clamped to [0, 1], rounded to 8 bits. RGB.
 Image ToPicture(const RenderedImage& rendered, Background background);
 
-// A ground-truth image (RGB, or RGBA with straight alpha) over the same background. RGB.
-Image OverBackground(const Image& image, Background background);
-
 // The alpha of a ground-truth image as a grey RGB image, which selects the subject, or the pixels
 // that count (Scene::has_masks).
 Image MaskOf(const Image& rgba);

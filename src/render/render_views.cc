@@ -183,7 +183,7 @@ void RunRenderViews(const RenderViewsOptions& options, Stage& stage) {
     WriteNormalMap(*entry.normals, Rotated(glm::transpose(view.cam_from_world.rotation),
                                            NormalsOf(depth, seen_from.camera)));
     WriteImage(entry.render, ToPicture(rendered, background));
-    WriteImage(entry.truth, OverBackground(truth, background));
+    WriteImage(entry.truth, TruthOf(truth, scene.has_masks, background));
     if (has_mask) {
       const fs::path mask = stage.folder() / mask_folder / file;
       WriteImage(mask, MaskOf(truth));

@@ -1,7 +1,7 @@
 // What a view should show, made from a stored image.
 #include "render/target_image.h"
 
-#include "scene/scene.h"
+#include <algorithm>
 
 namespace tetrec {
 namespace {
@@ -29,10 +29,28 @@ TargetImage Premultiply(const Image& image) {
   return target;
 }
 
+Image OverBackground(const Image& image, Background background) {
+  if (image.channels == 3) return image;
+  const uint8_t level = background == Background::kWhite ? 255 : 0;
+  return CompositeOver(image, level, level, level);
+}
+
 }  // namespace
 
 TargetImage TargetOf(const Image& image, bool has_masks) {
   return has_masks && image.channels == 4 ? LeaveOutUnseen(image) : Premultiply(image);
+}
+
+Image TruthOf(const Image& image, bool has_masks, Background background) {
+  Image truth = OverBackground(image, background);
+  if (!has_masks || image.channels != 4) return truth;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const uint8_t* stored = image.At(x, y);
+      if (stored[3] >= kSeenAlpha) std::copy_n(stored, 3, truth.At(x, y));
+    }
+  }
+  return truth;
 }
 
 }  // namespace tetrec

@@ -8,6 +8,7 @@
 #include "mesh/locate.h"
 #include "render/create_renderer.h"
 #include "render/picture.h"
+#include "render/target_image.h"
 
 #include <algorithm>
 #include <cmath>
@@ -257,7 +258,7 @@ std::optional<Image> PaintPhoto(const ShownScene& scene, const PictureRequest& r
                                 const std::function<bool()>& give_up) {
   const std::optional<Image> photo = PhotoOf(scene, request, request.from.camera, give_up);
   if (!photo) return std::nullopt;
-  return OverBackground(*photo, scene.scene.background);
+  return TruthOf(*photo, scene.scene.has_masks, scene.scene.background);
 }
 
 // What the photo shows of the field; neutral for photos whose exposure was not estimated.
@@ -271,7 +272,7 @@ PhotoExposure ExposureOf(const ShownField& shown, const std::string& photo) {
 // The mean absolute difference over the channels, of images of the camera's size.
 std::optional<Image> PaintDifference(const Image& photo, const Image& rendered, const Scene& scene,
                                      const Camera& camera, const std::function<bool()>& give_up) {
-  const Image truth = OverBackground(photo, scene.background);
+  const Image truth = TruthOf(photo, scene.has_masks, scene.background);
   return PaintRows(camera, give_up, [&](Image& image, int y) {
     for (int x = 0; x < image.width; ++x) {
       if (scene.has_masks && photo.channels == 4 && photo.At(x, y)[3] < kSeenAlpha) {

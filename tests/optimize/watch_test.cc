@@ -67,6 +67,27 @@ TEST(WatchPsnr, ComparesTheSamePixelsOfPhotosAndPictures) {
   for (const int stride : {2, 3, 5}) EXPECT_GT(WatchPsnr(box.watched, stride), 60.0) << stride;
 }
 
+// The mask is grey on the left, and hides the right, where the photo is of another colour.
+TEST(WatchPsnr, AGreyMaskDarkensNoPhoto) {
+  WatchedBox box;
+  box.scene.has_masks = true;
+  for (const View& view : box.scene.views) {
+    const Image photo = ReadImage(box.folder / view.image);
+    Image masked = MakeImage(photo.width, photo.height, 4);
+    for (int y = 0; y < photo.height; ++y) {
+      for (int x = 0; x < photo.width; ++x) {
+        const bool is_hidden = 2 * x > photo.width;
+        for (int c = 0; c < 3; ++c) {
+          masked.At(x, y)[c] = is_hidden ? uint8_t(255 - photo.At(x, y)[c]) : photo.At(x, y)[c];
+        }
+        masked.At(x, y)[3] = is_hidden ? kSeenAlpha - 1 : kSeenAlpha;
+      }
+    }
+    WriteImage(box.folder / view.image, masked);
+  }
+  EXPECT_EQ(WatchPsnr(box.watched), kPsnrCap_db);
+}
+
 TEST(WatchPsnr, IsNearThatOfAllPixels) {
   const WatchedBox box;
   box.renderer->SetField(WavyBox(0.2, 20.0f));

@@ -126,7 +126,8 @@ def write_tiny_dataset(folder, train=40, validation=2, test=4, turned_rad=0.0, p
 
 
 def write_tiny_photos(folder):
-    """Writes the ball in front of black; a mask hides a magenta quarter of every image."""
+    """Writes the ball in front of black; a mask hides a magenta quarter of every image, and is grey elsewhere,
+    which counts like white."""
     write_tiny_dataset(folder)
     (folder / "masks").mkdir()
     number = 0
@@ -143,7 +144,7 @@ def write_tiny_photos(folder):
                 hidden = 2 * y // SIZE * 2 + 2 * x // SIZE == number % 4
                 rgba += (b"\xff\0\xff" if hidden else
                          bytes(c * alpha // 255 for c in color)) + b"\xff"
-                mask += bytes(3 * [0 if hidden else 255]) + b"\xff"
+                mask += bytes(3 * [0 if hidden else 160]) + b"\xff"
             number += 5
             write_png(folder / split / f"r_{i}.png", SIZE, SIZE, rgba)
             frame["mask_path"] = f"masks/{split}_{i}.png"

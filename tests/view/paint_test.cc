@@ -122,6 +122,27 @@ TEST(Paint, TheErrorOfAPhotoLeavesItsExposureOut) {
   EXPECT_EQ(PaintNow(exposed, scene, color).pixels, PaintNow(plain, scene, color).pixels);
 }
 
+// The mask is grey on the left and hides the right.
+TEST(Paint, AGreyMaskDarkensNeitherThePhotoNorItsError) {
+  const ScratchFolder folder;
+  ShownScene scene = SceneWithPhoto(folder, kColor);
+  scene.scene.has_masks = true;
+  Image masked = MakeImage(kWidth, kHeight, 4);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      for (int c = 0; c < 3; ++c) masked.At(x, y)[c] = uint8_t(std::lround(255 * kColor[c]));
+      masked.At(x, y)[3] = 2 * x < kWidth ? kSeenAlpha + 20 : kSeenAlpha - 20;
+    }
+  }
+  WriteImage(folder / "a.png", masked);
+  ShownField field = MakeShownField(OpaqueBox(), Reference());
+  const Image photo = PaintNow(field, scene, RequestOf(PictureMode::kPhoto, scene.scene, 1));
+  EXPECT_EQ(ShareNear(photo, kColor, 2), 0.5);
+  const Image error = PaintNow(field, scene, RequestOf(PictureMode::kError, scene.scene, 1));
+  EXPECT_EQ(ShareNear(error, glm::dvec3(0), 3 * 4 + 1), 0.5);
+  EXPECT_EQ(ShareNear(error, glm::dvec3(0.5), 1), 0.5);
+}
+
 TEST(Paint, AnEnlargedPhotoHasNoHardPixels) {
   const ScratchFolder folder;
   const ShownScene scene = SceneWithPhoto(folder, kColor);
