@@ -9,7 +9,7 @@
 int main(int argc, char** argv) {
   tetrec::EvaluateOptions options;
   tetrec::StageCommand command(
-      "evaluate", 7,
+      "evaluate", 8,
       "Measures the quality of rendered views (PSNR, SSIM) and of a surface (accuracy, "
       "completeness, F-score), and writes metrics.json and a self-contained report.html.\n"
       "Example: tetrec-evaluate RUN/4_views RUN/5_surface -o RUN/6_report");
@@ -31,7 +31,9 @@ int main(int argc, char** argv) {
       app.add_option(
              "--ground-truth-bounds", options.ground_truth_bounds,
              "XMIN YMIN ZMIN XMAX YMAX ZMAX: compare only inside this box, in the true mesh's "
-             "units. Default: its bounding box, enlarged by 5 %")
+             "units. Default: its bounding box, enlarged by 5 %, along thin sides by 5 % of those "
+             "of a "
+             "cube of its diagonal")
           ->expected(6)
           ->needs("--ground-truth");
   bounds->default_str("");

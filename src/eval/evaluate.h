@@ -12,7 +12,7 @@ struct EvaluateOptions {
   size_t surface_samples = 200000;  // points on each surface
   uint64_t seed = 1;
   // xmin ymin zmin xmax ymax zmax [units of the ground truth]; empty: the bounding box of the
-  // ground truth, grown by 5 %.
+  // ground truth, grown as SurfaceScoreOptions::bounds says.
   std::vector<double> ground_truth_bounds;
 
   void Check() const;  // throws UsageError naming the option and its value

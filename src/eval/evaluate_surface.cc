@@ -129,6 +129,14 @@ void CompareWithTruth(const TriangleMesh& surface, const Similarity3& input_from
   const TriangleMesh truth = ReadTriangleMesh(stage.Input("ground-truth"));
   result.scores = CompareSurfaces(Transformed(surface, truth_from_surface), truth, score_options);
   const SurfaceScores& scores = *result.scores;
+  if (scores.reconstruction_samples == 0) {
+    const glm::dvec3 &low = scores.crop.min, &high = scores.crop.max;
+    Warn(warnings,
+         fmt::format("no part of the surface is inside the scored box, from {:.4g},{:.4g},{:.4g} "
+                     "to {:.4g},{:.4g},{:.4g} in the true mesh's coordinates, so that its F-score "
+                     "is 0; check --cameras and --ground-truth-bounds",
+                     low.x, low.y, low.z, high.x, high.y, high.z));
+  }
   LogInfo(
       "surface: F-score {:.4f} (precision {:.4f}, recall {:.4f}) at {:.4g}, diagonal {:.4g}; "
       "normals "
@@ -163,24 +171,25 @@ json AtDistancesJson(const SurfaceScores& s) {
 }
 
 json ScoresJson(const SurfaceScores& s, const EvaluateOptions& options) {
-  return {
-      {"f_score", s.f_score},
-      {"precision", s.precision},
-      {"recall", s.recall},
-      {"accuracy", Finite(s.accuracy)},
-      {"completeness", Finite(s.completeness)},
-      {"chamfer", Finite(s.chamfer)},
-      {"threshold", s.threshold},
-      {"threshold_percent_of_diagonal", options.threshold_percent},
-      {"at_thresholds", AtDistancesJson(s)},
-      {"normal_angle_deg", Finite(s.normal_angle_deg)},
-      {"diagonal", s.diagonal},
-      {"bounds_min", ToJson(s.crop.min)},
-      {"bounds_max", ToJson(s.crop.max)},
-      {"bounds_from", options.ground_truth_bounds.empty() ? "the truth's bounding box grown by 5 %"
-                                                          : "--ground-truth-bounds"},
-      {"reconstruction_samples", s.reconstruction_samples},
-      {"ground_truth_samples", s.truth_samples}};
+  return {{"f_score", s.f_score},
+          {"precision", s.precision},
+          {"recall", s.recall},
+          {"accuracy", Finite(s.accuracy)},
+          {"completeness", Finite(s.completeness)},
+          {"chamfer", Finite(s.chamfer)},
+          {"threshold", s.threshold},
+          {"threshold_percent_of_diagonal", options.threshold_percent},
+          {"at_thresholds", AtDistancesJson(s)},
+          {"normal_angle_deg", Finite(s.normal_angle_deg)},
+          {"diagonal", s.diagonal},
+          {"bounds_min", ToJson(s.crop.min)},
+          {"bounds_max", ToJson(s.crop.max)},
+          {"bounds_from", options.ground_truth_bounds.empty()
+                              ? "the truth's bounding box grown by 5 %, along thin "
+                                "sides by 5 % of a cube of its diagonal"
+                              : "--ground-truth-bounds"},
+          {"reconstruction_samples", s.reconstruction_samples},
+          {"ground_truth_samples", s.truth_samples}};
 }
 
 }  // namespace

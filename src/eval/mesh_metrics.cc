@@ -15,7 +15,7 @@
 namespace tetrec {
 namespace {
 
-constexpr double kCropGrowth = 1.05;
+constexpr double kCropGrowth = 0.05;  // share of the sides of the truth's bounding box
 constexpr size_t kNearestSamples = 16;
 
 struct Triangle {
@@ -93,6 +93,14 @@ glm::dvec3 NormalOf(const TriangleMesh& mesh, size_t index) {
 struct OrientedSamples {
   std::vector<glm::dvec3> positions, normals;
 };
+
+// The box grows along a thin side as along those of a cube of its diagonal; otherwise hardly
+// anything would be inside the box of a relief, and nothing inside that of a flat truth.
+Bounds3 DefaultCrop(const Bounds3& truth) {
+  const glm::dvec3 sides = glm::max(truth.Size(), glm::dvec3(truth.Diagonal() / std::sqrt(3.0)));
+  const glm::dvec3 margin = 0.5 * kCropGrowth * sides;
+  return {truth.min - margin, truth.max + margin};
+}
 
 OrientedSamples SamplesInside(const TriangleMesh& mesh, const Bounds3& box,
                               const SurfaceScoreOptions& options, uint64_t seed) {
@@ -226,7 +234,7 @@ SurfaceScores CompareSurfaces(const TriangleMesh& reconstruction, const Triangle
     for (int i = 0; i < 3; ++i) truth_bounds.Add(glm::dvec3(truth.positions[triangle[i]]));
   }
   SurfaceScores scores;
-  scores.crop = options.bounds ? *options.bounds : truth_bounds.Scaled(kCropGrowth);
+  scores.crop = options.bounds ? *options.bounds : DefaultCrop(truth_bounds);
   const Bounds3 judged{glm::max(truth_bounds.min, scores.crop.min),
                        glm::min(truth_bounds.max, scores.crop.max)};
   const OrientedSamples truth_samples = SamplesInside(truth, scores.crop, options, options.seed);

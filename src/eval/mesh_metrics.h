@@ -38,7 +38,8 @@ struct SurfaceScoreOptions {
   size_t samples = 200000;  // points on each surface
   uint64_t seed = 1;
   // Only the parts of both surfaces inside are scored [units of the truth]. Default: the truth's
-  // bounding box, grown by 5 % of its size, so that a table far below does not count.
+  // bounding box, so that a table far below does not count, grown by 5 % of its sides; of sides
+  // that are thinner than a cube's of the same diagonal, by 5 % of the cube's.
   std::optional<Bounds3> bounds;
 };
 

@@ -99,6 +99,30 @@ TEST(MeshMetrics, HalfOfThePlaneHasFullPrecisionAndHalfTheRecall) {
   EXPECT_NEAR(scores.f_score, 2 * recall / (1 + recall), 0.01);
 }
 
+TEST(MeshMetrics, AFlatTruthAndAReliefLeaveRoomBesideThem) {
+  // Diagonal sqrt(2), threshold 0.01414; a cube of this diagonal grows by 0.0204 on each side.
+  for (const double shift : {-0.013, 0.013, 0.019}) {
+    const SurfaceScores scores = CompareSurfaces(Plane(7, 1, shift), Plane(10, 1, 0), FewSamples());
+    EXPECT_EQ(scores.reconstruction_samples, 20000u) << shift;
+    EXPECT_EQ(scores.f_score, shift < 0.01414 ? 1 : 0) << shift;
+  }
+  TriangleMesh relief = TestSphere(20, 1);
+  for (glm::vec3& position : relief.positions) position.z *= 0.01f;
+  const SurfaceScores scores = CompareSurfaces(relief, relief, FewSamples());
+  const double cube_side = scores.diagonal / std::sqrt(3.0);
+  EXPECT_NEAR(scores.crop.max.z, 0.01 + 0.025 * cube_side, 1e-6);
+  EXPECT_NEAR(scores.crop.min.x, -1 - 0.025 * 2, 1e-2);
+}
+
+TEST(MeshMetrics, ABoxWithoutThinSidesGrowsByAFixedShare) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
+  mesh.triangles = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}};
+  const Bounds3 crop = CompareSurfaces(mesh, mesh, FewSamples()).crop;
+  EXPECT_LT(glm::distance(crop.min, glm::dvec3(-0.05)), 1e-12);
+  EXPECT_LT(glm::distance(crop.max, glm::dvec3(2.05)), 1e-12);
+}
+
 TEST(MeshMetrics, EachDistanceHasItsOwnScore) {
   SurfaceScoreOptions options = FewSamples();
   options.bounds = Bounds3{glm::dvec3(-1), glm::dvec3(2)};

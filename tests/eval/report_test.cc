@@ -298,18 +298,26 @@ TEST(Report, ASurfaceIsJudgedInItsOwnFrame) {
   const TriangleMesh truth = Transformed(TestSphere(40, 1), {1, glm::dmat3(1.0), {0, 0, 0.5}});
   WriteTriangleMeshPly(folder / "truth.ply", truth);
   WriteTriangleMeshPly(folder / "5_surface/surface.ply", Transformed(truth, surface_from_input));
-  const auto score = [&](const nlohmann::json& notes) {
+  const auto evaluate = [&](const nlohmann::json& notes) {
     WriteFakeManifest(folder / "5_surface", "surface", "../3_field", {"surface.ply"},
                       {{"notes", notes}});
     const ChildResult result = RunEvaluate(
         {folder / "4_views", folder / "5_surface", "-o", folder / "6_report", "--ground-truth",
          folder / "truth.ply", "--surface-samples", "5000", "--force"});
     EXPECT_EQ(result.exit_code, 0) << ::testing::PrintToString(result.last_lines);
-    return ReadJson(folder / "6_report/metrics.json")["surface"]["ground_truth"]["f_score"];
+    return ReadJson(folder / "6_report/metrics.json");
   };
+  const auto f_score = [](const nlohmann::json& metrics) {
+    return metrics["surface"]["ground_truth"]["f_score"];
+  };
+  const char* warning = "no part of the surface is inside the scored box, from -1.05,";
   const nlohmann::json input_from_surface = ToJson(surface_from_input.Inverse());
-  EXPECT_EQ(score({{"input_from_surface", input_from_surface}}), 1.0);
-  EXPECT_EQ(score(nlohmann::json::object()), 0.0);
+  const nlohmann::json right = evaluate({{"input_from_surface", input_from_surface}});
+  EXPECT_EQ(f_score(right), 1.0);
+  EXPECT_THAT(right["warnings"].dump(), Not(HasSubstr(warning)));
+  const nlohmann::json wrong = evaluate(nlohmann::json::object());
+  EXPECT_EQ(f_score(wrong), 0.0);
+  EXPECT_THAT(wrong["warnings"].dump(), HasSubstr(warning));
 }
 
 TEST(Report, ASurfaceOfAnotherFieldThanTheViewsIsAWarning) {
