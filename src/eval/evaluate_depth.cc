@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "core/quantile.h"
 #include "eval/find_view.h"
 #include "eval/metrics_json.h"
 #include "eval/true_depth.h"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace tetrec {
 namespace {
@@ -36,32 +38,37 @@ std::vector<JudgedView> JudgedViews(const RenderedViews& rendered, const Scene& 
   return judged;
 }
 
-std::vector<DepthMap> ReadMaps(const std::vector<JudgedView>& views) {
-  std::vector<DepthMap> maps;
-  for (const JudgedView& view : views) {
-    maps.push_back(ReadDepthMap(view.depth));
-    if (maps.back().width == view.camera->width && maps.back().height == view.camera->height) {
-      continue;
-    }
+DepthMap ReadRendered(const JudgedView& view) {
+  DepthMap map = ReadDepthMap(view.depth);
+  if (map.width != view.camera->width || map.height != view.camera->height) {
     throw DataError(fmt::format("{}: is {}x{} px, but the view's camera {}x{}; render it again",
-                                view.depth.string(), maps.back().width, maps.back().height,
-                                view.camera->width, view.camera->height));
+                                view.depth.string(), map.width, map.height, view.camera->width,
+                                view.camera->height));
   }
-  return maps;
+  return map;
 }
 
-std::vector<DepthMap> MapsOfMesh(const std::vector<JudgedView>& views,
-                                 const std::filesystem::path& mesh_file,
-                                 const Similarity3& truth_from_world,
-                                 const Bounds3& bounds_in_truth,
-                                 std::vector<std::string>& warnings) {
+DepthErrors ErrorsByMaps(const std::vector<JudgedView>& views, const std::filesystem::path& folder,
+                         double world_from_input_scale) {
+  DepthErrors errors;
+  for (const JudgedView& view : views) {
+    errors.Add(ReadRendered(view),
+               ReadNerfDepth(folder, view.view->name, *view.camera, world_from_input_scale));
+  }
+  return errors;
+}
+
+DepthErrors ErrorsByMesh(const std::vector<JudgedView>& views,
+                         const std::filesystem::path& mesh_file,
+                         const Similarity3& truth_from_world, const Bounds3& bounds_in_truth,
+                         std::vector<std::string>& warnings) {
   const TriangleMesh mesh = ReadTriangleMesh(mesh_file);
-  std::vector<DepthMap> maps;
+  DepthErrors errors;
   size_t cut = 0;
   for (const JudgedView& view : views) {
-    MeshDepth depth = DepthOfMesh(mesh, truth_from_world, bounds_in_truth, *view.camera,
-                                  view.view->cam_from_world);
-    maps.push_back(std::move(depth.map));
+    const MeshDepth depth = DepthOfMesh(mesh, truth_from_world, bounds_in_truth, *view.camera,
+                                        view.view->cam_from_world);
+    errors.Add(ReadRendered(view), depth.map);
     cut += depth.cut_triangles;
   }
   if (cut > 0) {
@@ -69,39 +76,38 @@ std::vector<DepthMap> MapsOfMesh(const std::vector<JudgedView>& views,
                                "out of its true depth",
                                cut));
   }
-  return maps;
+  return errors;
 }
 
 }  // namespace
 
-std::optional<DepthScores> ScoreDepths(std::span<const DepthMap> rendered,
-                                       std::span<const DepthMap> truth, double diagonal) {
-  TETREC_CHECK(rendered.size() == truth.size(), "one true depth map per view");
+void DepthErrors::Add(const DepthMap& rendered, const DepthMap& truth) {
+  if (rendered.depth.size() != truth.depth.size()) {
+    throw DataError("a rendered depth map and its truth differ in size");
+  }
+  const size_t before = errors_.size();
+  for (size_t pixel = 0; pixel < truth.depth.size(); ++pixel) {
+    const float want = truth.depth[pixel], got = rendered.depth[pixel];
+    if (want == kNoDepth) continue;
+    missing_ += got == kNoDepth;
+    errors_.push_back(got == kNoDepth ? std::numeric_limits<double>::infinity()
+                                      : std::abs(double(got) - double(want)));
+  }
+  views_ += errors_.size() > before;
+}
+
+std::optional<DepthScores> DepthErrors::Score(double diagonal) && {
+  const size_t pixels = errors_.size();
+  if (pixels == 0) return std::nullopt;
+  const auto near = std::count_if(errors_.begin(), errors_.end(),
+                                  [&](double error) { return error <= kNear * diagonal; });
   DepthScores scores;
   scores.diagonal = diagonal;
-  std::vector<double> errors;
-  for (size_t i = 0; i < truth.size(); ++i) {
-    const size_t before = errors.size();
-    if (rendered[i].depth.size() != truth[i].depth.size()) {
-      throw DataError("a rendered depth map and its truth differ in size");
-    }
-    for (size_t pixel = 0; pixel < truth[i].depth.size(); ++pixel) {
-      const float want = truth[i].depth[pixel], got = rendered[i].depth[pixel];
-      if (want == kNoDepth) continue;
-      scores.missing += got == kNoDepth;
-      errors.push_back(got == kNoDepth ? std::numeric_limits<double>::infinity()
-                                       : std::abs(double(got) - double(want)));
-    }
-    scores.views += errors.size() > before;
-  }
-  if (errors.empty()) return std::nullopt;
-  scores.pixels = errors.size();
-  const auto near = std::count_if(errors.begin(), errors.end(),
-                                  [&](double error) { return error <= kNear * diagonal; });
-  scores.share_within_1_percent = double(near) / double(errors.size());
-  const auto middle = errors.begin() + std::ptrdiff_t(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  scores.median = *middle;
+  scores.views = views_;
+  scores.pixels = pixels;
+  scores.missing = missing_;
+  scores.share_within_1_percent = double(near) / double(pixels);
+  scores.median = ValueOfRank(std::move(errors_), pixels / 2);
   return scores;
 }
 
@@ -118,24 +124,19 @@ std::optional<DepthScores> EvaluateDepth(const RenderedViews& rendered,
          "the views were rendered without depth maps, which are not judged; render them again");
     return std::nullopt;
   }
-  const std::vector<DepthMap> maps = ReadMaps(views);
   std::optional<DepthScores> scores;
   if (has_maps) {
-    std::vector<DepthMap> truth;
-    for (const JudgedView& view : views) {
-      truth.push_back(ReadNerfDepth(stage.Input("depth-maps"), view.view->name, *view.camera,
-                                    1 / scene->input_from_world.scale));
-    }
-    scores = ScoreDepths(maps, truth, glm::length(scene->subject_bounds.Size()));
+    scores = ErrorsByMaps(views, stage.Input("depth-maps"), 1 / scene->input_from_world.scale)
+                 .Score(glm::length(scene->subject_bounds.Size()));
     if (scores) scores->truth = "the data set's depth maps";
   } else {
     Similarity3 truth_from_world = scene->input_from_world;
     if (surface->alignment) {
       truth_from_world = surface->alignment->truth_from_input * truth_from_world;
     }
-    const std::vector<DepthMap> truth = MapsOfMesh(
-        views, stage.Input("ground-truth"), truth_from_world, surface->scores->crop, warnings);
-    scores = ScoreDepths(maps, truth, surface->scores->diagonal / truth_from_world.scale);
+    scores = ErrorsByMesh(views, stage.Input("ground-truth"), truth_from_world,
+                          surface->scores->crop, warnings)
+                 .Score(surface->scores->diagonal / truth_from_world.scale);
     if (scores) scores->truth = "the true mesh inside the scored box";
   }
   if (!scores) {

@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -26,10 +25,18 @@ struct DepthScores {
   double share_within_1_percent = 0;  // of the pixels, with an error up to 1 % of the diagonal
 };
 
-// `rendered` and `truth` are of the same views, pixel by pixel. Nothing if no true depth is known.
-// Throws DataError if sizes differ.
-std::optional<DepthScores> ScoreDepths(std::span<const DepthMap> rendered,
-                                       std::span<const DepthMap> truth, double diagonal);
+// Gathers the errors of one view after another, so that no more than one view's maps are in memory.
+class DepthErrors {
+ public:
+  // Both maps are of one view. Throws DataError if their sizes differ.
+  void Add(const DepthMap& rendered, const DepthMap& truth);
+  // Nothing if no true depth is known.
+  std::optional<DepthScores> Score(double diagonal) &&;
+
+ private:
+  std::vector<double> errors_;  // of all pixels whose true depth is known
+  size_t views_ = 0, missing_ = 0;
+};
 
 // Judges the rendered depth maps by the stage's input "ground-truth" (the mesh, in the frame and
 // the box by which `surface` was judged) or "depth-maps" (of NeRF-synthetic data sets). Nothing

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/progress.h"
+#include "core/quantile.h"
 #include "eval/find_view.h"
 #include "eval/metrics_json.h"
 #include "eval/true_normals.h"
@@ -14,6 +15,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 namespace tetrec {
 namespace {
@@ -25,36 +27,33 @@ double AngleDeg(const glm::vec3& a, const glm::vec3& b) {
 
 }  // namespace
 
-std::optional<NormalScores> ScoreNormals(std::span<const NormalMap> rendered,
-                                         std::span<const NormalMap> truth) {
-  TETREC_CHECK(rendered.size() == truth.size(), "one true normal map per view");
-  constexpr glm::vec3 kNone(0.0f);
-  NormalScores scores;
-  std::vector<double> angles;
-  for (size_t i = 0; i < truth.size(); ++i) {
-    const size_t before = angles.size();
-    if (rendered[i].width != truth[i].width || rendered[i].height != truth[i].height) {
-      throw DataError("a rendered normal map and its truth differ in size; render it again");
-    }
-    for (size_t pixel = 0; pixel < truth[i].normal.size(); ++pixel) {
-      const glm::vec3 &want = truth[i].normal[pixel], &got = rendered[i].normal[pixel];
-      if (want == kNone) continue;
-      if (got == kNone) {
-        ++scores.missing;
-      } else {
-        angles.push_back(AngleDeg(got, want));
-      }
-    }
-    scores.views += angles.size() > before;
+void NormalAngles::Add(const NormalMap& rendered, const NormalMap& truth) {
+  if (rendered.width != truth.width || rendered.height != truth.height) {
+    throw DataError("a rendered normal map and its truth differ in size; render it again");
   }
-  if (angles.empty()) return std::nullopt;
-  scores.pixels = angles.size();
-  scores.mean_angle_deg =
-      std::accumulate(angles.begin(), angles.end(), 0.0) / double(angles.size());
-  const auto middle = angles.begin() + std::ptrdiff_t(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  scores.median_angle_deg = *middle;
-  return scores;
+  constexpr glm::vec3 kNone(0.0f);
+  const size_t before = angles_deg_.size();
+  for (size_t pixel = 0; pixel < truth.normal.size(); ++pixel) {
+    const glm::vec3 &want = truth.normal[pixel], &got = rendered.normal[pixel];
+    if (want == kNone) continue;
+    if (got == kNone) {
+      ++missing_;
+    } else {
+      angles_deg_.push_back(AngleDeg(got, want));
+    }
+  }
+  views_ += angles_deg_.size() > before;
+}
+
+std::optional<NormalScores> NormalAngles::Score() && {
+  const size_t pixels = angles_deg_.size();
+  if (pixels == 0) return std::nullopt;
+  const double sum = std::accumulate(angles_deg_.begin(), angles_deg_.end(), 0.0);
+  return NormalScores{.views = views_,
+                      .pixels = pixels,
+                      .missing = missing_,
+                      .mean_angle_deg = sum / double(pixels),
+                      .median_angle_deg = ValueOfRank(std::move(angles_deg_), pixels / 2)};
 }
 
 std::optional<NormalScores> EvaluateNormals(const RenderedViews& rendered,
@@ -62,29 +61,31 @@ std::optional<NormalScores> EvaluateNormals(const RenderedViews& rendered,
                                             std::vector<std::string>& warnings) {
   if (!scene || !stage.HasInput("depth-maps")) return std::nullopt;
   const glm::dmat3& input_from_world = scene->input_from_world.rotation;
-  std::vector<NormalMap> maps, truth;
+  NormalAngles angles;
+  bool has_maps = false;
   for (const RenderedView& entry : rendered.views) {
     const View* view = FindView(*scene, entry.name);
     if (view == nullptr || !entry.normals) continue;
     const Camera& camera = scene->cameras[size_t(view->camera)];
     const glm::dmat3 input_from_cam =
         input_from_world * glm::transpose(view->cam_from_world.rotation);
+    NormalMap truth;
     try {
-      truth.push_back(
-          ReadNerfNormals(stage.Input("depth-maps"), view->name, camera, input_from_cam));
+      truth = ReadNerfNormals(stage.Input("depth-maps"), view->name, camera, input_from_cam);
     } catch (const DataError& error) {
       Warn(warnings, fmt::format("normals are not judged: {}", error.what()));
       return std::nullopt;
     }
-    maps.push_back(Rotated(input_from_world, ReadNormalMap(*entry.normals)));
+    angles.Add(Rotated(input_from_world, ReadNormalMap(*entry.normals)), truth);
+    has_maps = true;
   }
-  if (maps.empty()) {
+  if (!has_maps) {
     Warn(warnings,
          "the views were rendered without normal maps, which are not judged; render "
          "them again");
     return std::nullopt;
   }
-  const std::optional<NormalScores> scores = ScoreNormals(maps, truth);
+  const std::optional<NormalScores> scores = std::move(angles).Score();
   if (!scores) {
     Warn(warnings, "no view shows a true normal, so that no normals are judged");
     return scores;

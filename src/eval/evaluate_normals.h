@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -22,10 +21,18 @@ struct NormalScores {
   double mean_angle_deg = 0, median_angle_deg = 0;
 };
 
-// `rendered` and `truth` are of the same views, pixel by pixel. Nothing if no pixel has both.
-// Throws DataError if sizes differ.
-std::optional<NormalScores> ScoreNormals(std::span<const NormalMap> rendered,
-                                         std::span<const NormalMap> truth);
+// Gathers the angles of one view after another, so that no more than one view's maps are in memory.
+class NormalAngles {
+ public:
+  // Both maps are of one view. Throws DataError if their sizes differ.
+  void Add(const NormalMap& rendered, const NormalMap& truth);
+  // Nothing if no pixel has both.
+  std::optional<NormalScores> Score() &&;
+
+ private:
+  std::vector<double> angles_deg_;  // of all pixels that have both
+  size_t views_ = 0, missing_ = 0;
+};
 
 // Judges the rendered normal maps by those of the stage's input "depth-maps" (a NeRF-synthetic data
 // set). Nothing without it, without normal maps on either side, or without the run's scene.

@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace tetrec {
 namespace {
@@ -117,21 +119,47 @@ TEST(NerfDepth, APlaneIsFoundAtItsDepthAtHalfTheSize) {
                          {"r_2_depth_", "test/r_2"});
 }
 
-TEST(ScoreDepths, MissingSurfacesCountAsInfinitelyWrong) {
+std::optional<DepthScores> DepthScoreOf(const DepthMap& rendered, const DepthMap& truth) {
+  DepthErrors errors;
+  errors.Add(rendered, truth);
+  return std::move(errors).Score(2);
+}
+
+TEST(DepthErrors, MissingSurfacesCountAsInfinitelyWrong) {
   DepthMap truth = MakeDepthMap(5, 1), rendered = truth;
   truth.depth = {1, 1, 1, 1, kNoDepth};
   rendered.depth = {1.1f, 0.98f, 1, kNoDepth, 7};
-  const auto scores = ScoreDepths(std::vector{rendered}, std::vector{truth}, 2);
+  const auto scores = DepthScoreOf(rendered, truth);
   ASSERT_TRUE(scores);
   EXPECT_EQ(scores->pixels, 4u);  // without the one whose truth is unknown
   EXPECT_EQ(scores->missing, 1u);
   EXPECT_NEAR(scores->median, 0.1, 1e-6);  // of 0, 0.02, 0.1 and infinity, the upper middle
   EXPECT_DOUBLE_EQ(scores->share_within_1_percent, 0.5);  // up to 0.02
   rendered.depth = {1, kNoDepth, kNoDepth, kNoDepth, 7};
-  const auto mostly_missing = ScoreDepths(std::vector{rendered}, std::vector{truth}, 2);
+  const auto mostly_missing = DepthScoreOf(rendered, truth);
   EXPECT_TRUE(DepthJson(*mostly_missing)["median_error_percent_of_diagonal"].is_null());
   truth.depth.assign(5, kNoDepth);
-  EXPECT_FALSE(ScoreDepths(std::vector{rendered}, std::vector{truth}, 2));
+  EXPECT_FALSE(DepthScoreOf(rendered, truth));
+  ExpectError<DataError>([&] { DepthScoreOf(MakeDepthMap(4, 1), truth); }, {"size"});
+}
+
+TEST(DepthErrors, ArePooledOverTheViewsThatShowTheTruth) {
+  DepthErrors errors;
+  DepthMap truth = MakeDepthMap(3, 1), rendered = truth;
+  truth.depth = {1, 1, 1};
+  rendered.depth = {1, 1.25f, kNoDepth};
+  errors.Add(rendered, truth);
+  errors.Add(rendered, MakeDepthMap(3, 1));  // the truth is outside of this one's picture
+  truth.depth = {2, kNoDepth, 2};
+  rendered.depth = {1.5f, 1, 1};
+  errors.Add(rendered, truth);
+  const auto scores = std::move(errors).Score(2);
+  ASSERT_TRUE(scores);
+  EXPECT_EQ(scores->views, 2u);
+  EXPECT_EQ(scores->pixels, 5u);
+  EXPECT_EQ(scores->missing, 1u);
+  EXPECT_EQ(scores->median, 0.5);  // of 0, 0.25, 0.5, 1 and infinity
+  EXPECT_EQ(scores->share_within_1_percent, 0.2);
 }
 
 std::vector<ViewScore> ScoresOf(const std::vector<double>& psnrs) {

@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace tetrec {
 namespace {
@@ -75,12 +77,18 @@ TEST(NerfNormals, EdgesAndWhatFacesAwayAreUnknown) {
             glm::vec3(0.0f));
 }
 
-TEST(ScoreNormals, AnglesAreOfPixelsThatHaveBoth) {
+std::optional<NormalScores> NormalScoreOf(const NormalMap& rendered, const NormalMap& truth) {
+  NormalAngles angles;
+  angles.Add(rendered, truth);
+  return std::move(angles).Score();
+}
+
+TEST(NormalAngles, AreOfPixelsThatHaveBoth) {
   NormalMap truth = MakeNormalMap(5, 1), rendered = truth;
   const glm::vec3 up(0, 0, 1), side(1, 0, 0), none(0.0f);
   truth.normal = {up, up, up, up, none};
   rendered.normal = {up, side, up, none, side};
-  const auto scores = ScoreNormals(std::vector{rendered}, std::vector{truth});
+  const auto scores = NormalScoreOf(rendered, truth);
   ASSERT_TRUE(scores);
   EXPECT_EQ(scores->pixels, 3u);
   EXPECT_EQ(scores->missing, 1u);
@@ -88,9 +96,26 @@ TEST(ScoreNormals, AnglesAreOfPixelsThatHaveBoth) {
   EXPECT_NEAR(scores->mean_angle_deg, 30, 1e-9);
   EXPECT_NEAR(scores->median_angle_deg, 0, 1e-9);
   EXPECT_EQ(NormalsJson(*scores)["pixels"], 3);
-  EXPECT_FALSE(ScoreNormals(std::vector{MakeNormalMap(5, 1)}, std::vector{truth}));
-  ExpectError<DataError>(
-      [&] { ScoreNormals(std::vector{MakeNormalMap(1, 5)}, std::vector{truth}); }, {"size"});
+  EXPECT_FALSE(NormalScoreOf(MakeNormalMap(5, 1), truth));
+  ExpectError<DataError>([&] { NormalScoreOf(MakeNormalMap(1, 5), truth); }, {"size"});
+}
+
+TEST(NormalAngles, ArePooledOverTheViewsThatHaveAny) {
+  NormalMap truth = MakeNormalMap(2, 1), rendered = truth;
+  const glm::vec3 up(0, 0, 1), side(1, 0, 0);
+  NormalAngles angles;
+  truth.normal = {up, up};
+  rendered.normal = {up, side};
+  angles.Add(rendered, truth);
+  angles.Add(MakeNormalMap(2, 1), truth);
+  angles.Add(rendered, rendered);
+  const auto scores = std::move(angles).Score();
+  ASSERT_TRUE(scores);
+  EXPECT_EQ(scores->views, 2u);
+  EXPECT_EQ(scores->pixels, 4u);
+  EXPECT_EQ(scores->missing, 2u);
+  EXPECT_NEAR(scores->mean_angle_deg, 22.5, 1e-9);
+  EXPECT_NEAR(scores->median_angle_deg, 0, 1e-9);
 }
 
 }  // namespace
