@@ -22,6 +22,8 @@ std::string MakeToken() {
 }
 
 bool IsLoopbackHost(const std::string& host, int port) {
+  // Browsers leave out the port of HTTP.
+  if (port == 80 && (host == "127.0.0.1" || host == "localhost")) return true;
   return host == fmt::format("127.0.0.1:{}", port) || host == fmt::format("localhost:{}", port);
 }
 

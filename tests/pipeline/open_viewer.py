@@ -56,6 +56,25 @@ def drag(browser, canvas):
     return times
 
 
+def fall_silent(browser):
+    """The page's message while the server does not answer, once it has noticed; then that it is gone."""
+    message = browser.find_element(By.CSS_SELECTOR, "[role=status]")
+
+    def wait_for(is_right):
+        deadline = time.monotonic() + WAIT_S
+        while not is_right(message.text):
+            if time.monotonic() > deadline:
+                raise TimeoutError("the message is still: " + message.text)
+            time.sleep(0.05)
+        return message.text
+
+    browser.execute_script("window.realFetch = fetch; window.fetch = () => Promise.reject(new TypeError())")
+    silence = wait_for(bool)
+    browser.execute_script("window.fetch = window.realFetch")
+    wait_for(lambda text: not text)
+    return silence
+
+
 def look(page, width, scheme, screenshots):
     browser = start(width)
     try:
@@ -88,8 +107,15 @@ def look(page, width, scheme, screenshots):
                 browser.save_screenshot(str(screenshots / f"viewer_{width}_{mode.split()[-1]}.png"))
         canvas.send_keys("n")  # from photo to photo: no request on the way may be refused (console)
         take_picture()
+        # The button that was clicked has the focus, and keys work there, too.
+        browser.find_element(By.NAME, "next").click()
+        take_picture()
+        for key in ("n", Keys.SPACE, Keys.ARROW_LEFT):  # Space presses the button
+            browser.switch_to.active_element.send_keys(key)
+            take_picture()
+        silence = fall_silent(browser)
         return {
-            "pictures": pictures, "draft_ms": times,
+            "pictures": pictures, "draft_ms": times, "silence": silence,
             "message": browser.find_element(By.CSS_SELECTOR, "[role=status]").text,
             "too_wide_px": browser.execute_script(
                 "return document.documentElement.scrollWidth - innerWidth"),

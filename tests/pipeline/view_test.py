@@ -192,3 +192,4 @@ class ViewTest(StageCase):
                 self.assertGreater(min(colors for _, colors in page["pictures"]), 8)
                 self.assertTrue(page["draft_ms"])  # a drag is answered by smaller pictures
                 self.assertLessEqual(page["too_wide_px"], 0)
+                self.assertIn("does not answer", page["silence"])

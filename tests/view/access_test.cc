@@ -39,5 +39,14 @@ TEST(Access, OnlyLoopbackHostsWithThePortAreServed) {
   }
 }
 
+TEST(Access, ThePortOfHttpMayBeLeftOut) {
+  for (const char* host : {"127.0.0.1", "localhost", "127.0.0.1:80", "localhost:80"}) {
+    EXPECT_TRUE(IsLoopbackHost(host, 80)) << host;
+  }
+  for (const char* host : {"", "evil.example", "127.0.0.1:8080", "127.0.0.1:"}) {
+    EXPECT_FALSE(IsLoopbackHost(host, 80)) << host;
+  }
+}
+
 }  // namespace
 }  // namespace tetrec

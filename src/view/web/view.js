@@ -6,6 +6,7 @@ const message = document.querySelector('[role=status]');
 const context = canvas.getContext('2d');
 const kDraftMs = 90, kRestMs = 180, kFlightMs = 700, kFewestPixels = 3000;
 const kPhotoModes = ['photo', 'error'];
+const kSilence = 'The viewer does not answer; is tetrec-view still running?';
 const kLegends = {
   color: '', photo: '', slice: 'a plane across the view; grey: tets without density',
   depth: 'bright: near', normals: 'red: right, green: up, blue: to the camera',
@@ -91,7 +92,7 @@ async function fetchWanted() {
       say(await answer.text());
     }
   } catch (error) {
-    say('The viewer does not answer; is tetrec-view still running?');
+    say(kSilence);
   }
   if (number !== newest) return;
   isBusy = false;
@@ -237,7 +238,8 @@ const keys = {
   n: () => flyToNeighbor(1), p: () => flyToNeighbor(-1), h: () => fly(home)
 };
 addEventListener('keydown', event => {
-  const isField = event.target.closest('select, input, button');
+  // Of these keys, a button that was clicked needs none.
+  const isField = event.target.closest('select, input');
   // Letters are upper case with Shift or Caps Lock.
   const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
   if (!scene || !action || isField || event.ctrlKey || event.altKey || event.metaKey) return;
@@ -281,14 +283,14 @@ async function refresh() {
     if (status.scene !== scene.number) {
       takeScene(await (await fetch('scene')).json());
       move();
-    } else if (status.loaded !== loaded && loaded) {
-      ask(false);
+    } else if ((status.loaded !== loaded && loaded) || message.textContent === kSilence) {
+      ask(false);  // clears the message, too
     }
     loaded = status.loaded;
     document.body.dataset.loaded = loaded;
     if (status.problem) say('Still the last field: ' + status.problem);
   } catch (error) {
-    say('The viewer does not answer; is tetrec-view still running?');
+    say(kSilence);
   }
   setTimeout(refresh, document.hidden ? 10000 : 2000);
 }
