@@ -45,23 +45,21 @@ void WriteSurface(const TexturedMesh& surface, const ExportOptions& options, Sta
   if (glb) WriteTriangleMeshGlb(stage.Output("surface.glb"), turned, surface.texture);
 }
 
+bool WantsField(const ExportOptions& options) {
+  return Contains(options, ExportFormat::kVtu) || Contains(options, ExportFormat::kMedit) ||
+         Contains(options, ExportFormat::kGmsh);
+}
+
 void WriteField(const RadianceField& field_in_world, const Similarity3& export_from_world,
                 const ExportOptions& options, Stage& stage) {
-  const bool vtu = Contains(options, ExportFormat::kVtu),
-             medit = Contains(options, ExportFormat::kMedit),
-             gmsh = Contains(options, ExportFormat::kGmsh);
-  if (!vtu && !medit && !gmsh) return;
+  if (!WantsField(options)) return;
   const RadianceField field = MovedForExport(field_in_world, export_from_world, options.Crop());
   LogInfo("field: {} of {} tets are exported", WithThousands(field.mesh.tets.size()),
           WithThousands(field_in_world.mesh.tets.size()));
   stage.Count("exported_tets", field.mesh.tets.size());
-  if (field.mesh.tets.empty()) {
-    throw DataError(fmt::format("no tet of the field is inside the crop {}; choose a larger box",
-                                fmt::join(options.crop, ",")));
-  }
-  if (vtu) WriteVtu(stage.Output("field.vtu"), field);
-  if (medit) WriteMedit(stage.Output("field.mesh"), field.mesh);
-  if (gmsh) WriteGmsh(stage.Output("field.msh"), field);
+  if (Contains(options, ExportFormat::kVtu)) WriteVtu(stage.Output("field.vtu"), field);
+  if (Contains(options, ExportFormat::kMedit)) WriteMedit(stage.Output("field.mesh"), field.mesh);
+  if (Contains(options, ExportFormat::kGmsh)) WriteGmsh(stage.Output("field.msh"), field);
 }
 
 }  // namespace
@@ -122,6 +120,25 @@ void CheckFloatsSuffice(const ExportOptions& options, const Similarity3& input_f
       "{:.6g},{:.6g},{:.6g}, for files of 32-bit floats; leave out --coordinates input and apply "
       "input_from_surface of manifest.json",
       exported.Diagonal(), exported.Center().x, exported.Center().y, exported.Center().z));
+}
+
+void CheckCropHasTets(const ExportOptions& options, const Similarity3& input_from_world,
+                      const TetMesh& mesh_in_world) {
+  const std::optional<Bounds3> crop = options.Crop();
+  if (!crop || !WantsField(options)) return;
+  const Similarity3 export_from_world = ExportFromWorld(options, input_from_world);
+  const auto is_inside = [&](const glm::uvec4& tet) {
+    for (int i = 0; i < 4; ++i) {
+      const glm::dvec3 corner(mesh_in_world.positions[tet[i]]);
+      if (!crop->Contains(export_from_world * corner)) return false;
+    }
+    return true;
+  };
+  if (std::any_of(mesh_in_world.tets.begin(), mesh_in_world.tets.end(), is_inside)) return;
+  throw DataError(
+      fmt::format("no whole tet of the field is inside the crop {}; choose a larger box, or none "
+                  "of vtu, mesh and msh as formats",
+                  fmt::join(options.crop, ",")));
 }
 
 void WriteExports(const TexturedMesh& surface, const RadianceField& field_in_world,

@@ -61,10 +61,13 @@ Similarity3 YUpFromExport(const ExportOptions& options);
 void CheckFloatsSuffice(const ExportOptions& options, const Similarity3& input_from_world,
                         const Bounds3& subject_in_world);
 
+// Throws DataError if a format of fields is asked for and the crop contains no tet as a whole.
+void CheckCropHasTets(const ExportOptions& options, const Similarity3& input_from_world,
+                      const TetMesh& mesh_in_world);
+
 // Writes the surface, which is in the frame of ExportFromWorld, and the field, which is still in
 // the world, in the formats of the options, as outputs of the stage. Notes in the manifest
 // "coordinates", and "input_from_surface", the way from surface.ply to the input's coordinates.
-// Throws DataError if a field's format is asked for and no tet is inside the crop.
 void WriteExports(const TexturedMesh& surface, const RadianceField& field_in_world,
                   const Similarity3& input_from_world, const ExportOptions& options, Stage& stage);
 

@@ -310,6 +310,7 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
   }
   const FieldWorld world = ReadFieldWorld(stage.Input("field") / kFieldWorldFile);
   CheckFloatsSuffice(options.exports, world.input_from_world, world.subject_bounds);
+  CheckCropHasTets(options.exports, world.input_from_world, stored.mesh);
   const Timer timer;
   LevelSet set = ChosenSet(stored, world, options, stage);
   const size_t triangles = set.triangles.size();

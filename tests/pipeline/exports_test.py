@@ -99,6 +99,11 @@ class ExportsTest(StageCase):
 
         self.assert_fails(self.run_stage("surface", field, "-o", self.folder / "x", "--crop", "8,8,8,9,9,9"),
                           3, "crop")
+        # A slice contains part of the surface, but no whole tet: this is known before the work begins.
+        slice_ = self.run_stage("surface", field, "-o", self.folder / "x", "--formats", "vtu",
+                                "--crop", f"-9,-9,0,9,9,{0.001 * radius}")
+        self.assert_fails(slice_, 3, "no whole tet", "crop")
+        self.assertNotIn("level set", slice_.stderr)
         # Without a texture, or without the photos that it would be made from.
         plain = self.folder / "plain"
         self.assert_done(self.run_stage("surface", field, "-o", plain, "--texture", "off"))

@@ -12,6 +12,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace tetrec {
 namespace {
@@ -179,6 +181,28 @@ TEST(ExportFrame, CoordinatesThatAreTooLargeForFloatsAreRefused) {
   CheckFloatsSuffice({}, input_from_world, subject);
   CheckFloatsSuffice({.coordinates = ExportCoordinates::kInput},
                      {1.0, glm::dmat3(1.0), {400, 540, 300}}, subject);
+}
+
+TEST(ExportCrop, ABoxWithoutAWholeTetIsRefusedForFields) {
+  TetMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.tets = {{0, 1, 2, 3}};
+  const Similarity3 input_from_world{2, glm::dmat3(1.0), {10, 0, 0}};
+  const auto check = [&](std::vector<ExportFormat> formats, std::vector<double> crop) {
+    CheckCropHasTets({.formats = std::move(formats),
+                      .coordinates = ExportCoordinates::kInput,
+                      .crop = std::move(crop)},
+                     input_from_world, mesh);
+  };
+  const std::vector<double> whole = {10, 0, 0, 12, 2, 2}, part = {10, 0, 0, 11.9, 2, 2};
+  for (const ExportFormat format :
+       {ExportFormat::kVtu, ExportFormat::kMedit, ExportFormat::kGmsh}) {
+    check({format}, whole);
+    check({format}, {});
+    ExpectError<DataError>([&] { check({format}, part); },
+                           {"no whole tet", "10,0,0,11.9,2,2", "larger box"});
+  }
+  check({ExportFormat::kPly}, part);  // of a surface, parts of triangles are enough
 }
 
 TEST(ExportOptions, RefusesWhatMakesNoSense) {
