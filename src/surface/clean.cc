@@ -78,6 +78,16 @@ std::map<uint32_t, Piece> MeasurePieces(const TriangleMesh& mesh,
   return pieces;
 }
 
+std::map<uint32_t, Piece> FindPieces(const TriangleMesh& mesh,
+                                     const std::vector<uint32_t>& piece_of_vertex,
+                                     const std::vector<glm::dvec3>& cameras) {
+  std::map<uint32_t, Piece> pieces = MeasurePieces(mesh, piece_of_vertex);
+  for (const glm::dvec3& camera : cameras) {
+    MarkPiecesAround(camera, mesh, piece_of_vertex, pieces);
+  }
+  return pieces;
+}
+
 // The marked vertices and the triangles between them, in their order.
 TriangleMesh KeepVertices(const TriangleMesh& mesh, const std::vector<uint8_t>& marks) {
   TriangleMesh kept;
@@ -100,10 +110,7 @@ TriangleMesh KeepVertices(const TriangleMesh& mesh, const std::vector<uint8_t>& 
 CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& options,
                             const TriangleMesh* main_part) {
   const std::vector<uint32_t> piece_of_vertex = PieceOfVertex(mesh);
-  std::map<uint32_t, Piece> pieces = MeasurePieces(mesh, piece_of_vertex);
-  for (const glm::dvec3& camera : options.cameras) {
-    MarkPiecesAround(camera, mesh, piece_of_vertex, pieces);
-  }
+  const std::map<uint32_t, Piece> pieces = FindPieces(mesh, piece_of_vertex, options.cameras);
   CleanResult result;
   result.components = pieces.size();
   const auto is_cavity = [&](const Piece& p) {
@@ -116,9 +123,10 @@ CleanResult KeepLargePieces(const TriangleMesh& mesh, const CleanOptions& option
     }
     return largest;
   };
-  const double largest = main_part == nullptr
-                             ? largest_of(pieces)
-                             : largest_of(MeasurePieces(*main_part, PieceOfVertex(*main_part)));
+  const double largest =
+      main_part == nullptr
+          ? largest_of(pieces)
+          : largest_of(FindPieces(*main_part, PieceOfVertex(*main_part), options.cameras));
   std::vector<uint8_t> is_kept(mesh.positions.size(), 0);
   for (const auto& [id, piece] : pieces) {
     if (is_cavity(piece)) {

@@ -47,6 +47,15 @@ TEST(KeepLargePieces, KeepsARoomAroundACamera) {
   EXPECT_EQ(KeepLargePieces(room, options).mesh.triangles, room.triangles);
 }
 
+TEST(KeepLargePieces, ARoomAroundACameraIsTheMainPartInACropThatContainsIt) {
+  const TriangleMesh room = Sphere(1, {0, 0, 0}, true);
+  const TriangleMesh all = Joined(room, Sphere(0.02, {3, 0, 0}));
+  CleanOptions options;
+  options.cameras = {{0.2, 0, 0.1}};
+  EXPECT_EQ(KeepLargePieces(all, options, &room).dropped_small, 1u);
+  EXPECT_EQ(KeepLargePieces(all, options, &room).mesh.triangles, room.triangles);
+}
+
 TEST(SeparateFans, MakesAManifoldOfTrianglesThatMeetInAPoint) {
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
