@@ -58,9 +58,9 @@ int main(int argc, char** argv) {
       "0: do not");
   AddParsedOption(
       app, "--texture", options.texture, &tetrec::ParseTextureChoice, "auto",
-      "Texture from the training photos: auto (as fine as the photos show the surface, up "
-      "to 4096 x 4096), off (vertex colours only), or the side of a square image, 64 to "
-      "8192 [texels]");
+      "Texture from the training photos: auto (at least as fine as the median pixel of the best "
+      "photos on the surface, up to 4096 x 4096), off (vertex colours only), or the side of a "
+      "square image, 64 to 8192 [texels]");
   AddWordsOption(
       app, "--formats", options.exports.formats,
       "Files to write, with commas between them. The surface: ply (always written, "

@@ -18,15 +18,16 @@ namespace {
 
 constexpr int kLargestAutomaticSize = 4096;  // that every browser and program can show
 
-// `footprint`: length of a photo's pixel on the surface.
+// `footprint`: length of the median photo's pixel on the surface.
 TextureLayout LayOut(const TriangleMesh& mesh, std::span<const TextureChart> charts,
                      double footprint, const TextureChoice& choice) {
   if (choice.size > 0) return LayOutTextureOfSize(mesh, charts, choice.size);
   const TextureLayout layout = LayOutTexture(mesh, charts, footprint, kLargestAutomaticSize);
   if (layout.texel_size > footprint) {
     LogInfo(
-        "texture: texels are {:.2f} times as long as the photos' pixels on the surface, because "
-        "it would have more than {} x {} texels; a size of your own may be up to {}",
+        "texture: texels are {:.2f} times as long as the photos' pixels on the surface are in the "
+        "median, because it would have more than {} x {} texels; a size of your own may be up to "
+        "{}",
         layout.texel_size / footprint, kLargestAutomaticSize, kLargestAutomaticSize,
         kMaxTextureSize);
   }

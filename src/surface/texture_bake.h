@@ -12,8 +12,8 @@
 
 namespace tetrec {
 
-// The median over the seen surface of the least length that a pixel covers, which is the size of
-// texels that lose nothing [world units]. 0 if no photo sees anything.
+// The median over the seen surface of the length that a pixel of the best photo covers [world
+// units]: photos of up to half of the surface have finer pixels. 0 if no photo sees anything.
 double MedianFootprint(const TriangleMesh& mesh_in_world, std::span<const TexturePhoto> photos);
 
 struct BakedTexture {
