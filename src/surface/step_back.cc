@@ -2,25 +2,27 @@
 #include "surface/step_back.h"
 
 #include "core/parallel.h"
+#include "core/stop_request.h"
 #include "geometry/orientation.h"
+#include "surface/trained_views.h"
 
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <atomic>
-#include <compare>
 #include <cstdint>
-#include <span>
+#include <limits>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 namespace tetrec {
 namespace {
 
 constexpr int kHalvings = 1;          // of a vertex's move before it is undone
-constexpr uint32_t kMostCells = 128;  // along each axis
-constexpr size_t kCellsPerTask = 1024;
-constexpr int kMaxRounds = 100;  // each takes vertices back, so a few suffice
+constexpr size_t kFewTriangles = 48;  // are compared with each other rather than split up
+constexpr int kMaxRounds = 100;       // each takes vertices back, so a few suffice
 
 int SharedVertices(const glm::uvec3& a, const glm::uvec3& b) {
   int shared = 0;
@@ -28,40 +30,38 @@ int SharedVertices(const glm::uvec3& a, const glm::uvec3& b) {
   return shared;
 }
 
-// A grid of cells as wide as most triangles are: only triangles whose boxes meet in a cell can
-// cross.
+// Only triangles whose boxes meet can cross. They are found by halving space where it contains many
+// triangles, however much these differ in size.
 class Crossings {
  public:
   explicit Crossings(const TriangleMesh& mesh) : mesh_(mesh) {
-    if (mesh.triangles.empty()) return;
-    double widths = 0;
+    boxes_.reserve(mesh.triangles.size());
     for (const glm::uvec3& t : mesh.triangles) {
       const glm::vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
       boxes_.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
-      const glm::vec3 size = boxes_.back().high - boxes_.back().low;
-      widths += std::max({size.x, size.y, size.z});
     }
-    low_ = boxes_[0].low;
-    glm::vec3 high = boxes_[0].high;
-    for (const Box& box : boxes_) low_ = glm::min(low_, box.low), high = glm::max(high, box.high);
-    const glm::vec3 size = high - low_;
-    const float mean = float(widths / double(mesh.triangles.size()));
-    cell_size_ =
-        std::max({2 * mean, size.x / kMostCells, size.y / kMostCells, size.z / kMostCells});
   }
 
   // Whether each triangle crosses another, among the pairs in which one is `of_interest`.
   std::vector<uint8_t> Find(const std::vector<uint8_t>& of_interest) const {
     std::vector<uint8_t> crosses(mesh_.triangles.size(), 0);
-    if (crosses.empty() || !(cell_size_ > 0)) return crosses;
-    const std::vector<Entry> entries = SortedEntries(of_interest);
-    const std::vector<size_t> cells = BeginningsOf(entries);
-    ParallelFor(cells.size() - 1, kCellsPerTask, [&](size_t from, size_t to) {
-      for (size_t i = from; i < to; ++i) {
-        MarkCrossings(std::span(entries).subspan(cells[i], cells[i + 1] - cells[i]), of_interest,
-                      crosses);
-      }
-    });
+    std::vector<Part> parts(1);
+    parts[0].triangles.resize(crosses.size());
+    std::iota(parts[0].triangles.begin(), parts[0].triangles.end(), 0u);
+    while (!parts.empty()) {
+      ThrowIfStopRequested(kAfterASurfaceStop);
+      std::vector<Part> halves(2 * parts.size());
+      ParallelFor(parts.size(), 1, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+          const Part part = std::exchange(parts[i], {});
+          if (!Halve(part, of_interest, halves[2 * i], halves[2 * i + 1])) {
+            MarkCrossings(part, of_interest, crosses);
+          }
+        }
+      });
+      std::erase_if(halves, [](const Part& half) { return half.triangles.size() < 2; });
+      parts = std::move(halves);
+    }
     return crosses;
   }
 
@@ -69,32 +69,68 @@ class Crossings {
   struct Box {
     glm::vec3 low, high;
   };
-  struct Entry {
-    uint32_t cell, triangle;
-    auto operator<=>(const Entry&) const = default;
+  // A part of space, without its upper faces, and the triangles whose boxes meet it.
+  struct Part {
+    Box space{glm::vec3(-std::numeric_limits<float>::infinity()),
+              glm::vec3(std::numeric_limits<float>::infinity())};
+    std::vector<uint32_t> triangles;
   };
 
-  // The first entries of all cells, and the end of the last one.
-  static std::vector<size_t> BeginningsOf(const std::vector<Entry>& entries) {
-    std::vector<size_t> beginnings;
-    for (size_t i = 0; i < entries.size(); ++i) {
-      if (i == 0 || entries[i].cell != entries[i - 1].cell) beginnings.push_back(i);
-    }
-    beginnings.push_back(entries.size());
-    return beginnings;
+  glm::vec3 TwiceCenter(uint32_t triangle) const {
+    return boxes_[triangle].low + boxes_[triangle].high;
   }
 
-  // Compares the triangles of one cell. Other cells may mark the same triangles at the same time.
-  void MarkCrossings(std::span<const Entry> cell, const std::vector<uint8_t>& of_interest,
+  // False if the part has few triangles, or most are in both halves. A half without a triangle of
+  // interest is left empty.
+  bool Halve(const Part& part, const std::vector<uint8_t>& of_interest, Part& lower,
+             Part& upper) const {
+    const size_t count = part.triangles.size();
+    if (count <= kFewTriangles) return false;
+    Box centers{glm::vec3(std::numeric_limits<float>::infinity()),
+                glm::vec3(-std::numeric_limits<float>::infinity())};
+    glm::dvec3 sum(0.0);
+    for (const uint32_t t : part.triangles) {
+      const glm::vec3 center = TwiceCenter(t);
+      centers = {glm::min(centers.low, center), glm::max(centers.high, center)};
+      sum += glm::dvec3(center);
+    }
+    const glm::vec3 size = centers.high - centers.low;
+    const int axis = size.x >= std::max(size.y, size.z) ? 0 : size.y >= size.z ? 1 : 2;
+    const float middle = float(0.5 * sum[axis] / double(count));
+    lower.space = upper.space = part.space;
+    lower.space.high[axis] = upper.space.low[axis] = middle;
+    lower.triangles.reserve(count);
+    upper.triangles.reserve(count);
+    bool has_lower = false, has_upper = false;
+    for (const uint32_t t : part.triangles) {
+      if (boxes_[t].low[axis] < middle) {
+        lower.triangles.push_back(t);
+        has_lower = has_lower || of_interest[t];
+      }
+      if (boxes_[t].high[axis] >= middle) {
+        upper.triangles.push_back(t);
+        has_upper = has_upper || of_interest[t];
+      }
+    }
+    const size_t larger = std::max(lower.triangles.size(), upper.triangles.size());
+    const bool separates =
+        larger < count && 2 * (lower.triangles.size() + upper.triangles.size()) < 3 * count;
+    if (!separates || !has_lower) lower.triangles.clear();
+    if (!separates || !has_upper) upper.triangles.clear();
+    return separates;
+  }
+
+  // Compares the triangles of a part. Other parts may mark the same triangles at the same time.
+  void MarkCrossings(const Part& part, const std::vector<uint8_t>& of_interest,
                      std::vector<uint8_t>& crosses) const {
     const auto mark = [&](uint32_t triangle) {
       return std::atomic_ref<uint8_t>(crosses[triangle]);
     };
-    for (size_t i = 0; i < cell.size(); ++i) {
-      for (size_t j = i + 1; j < cell.size(); ++j) {
-        const uint32_t a = cell[i].triangle, b = cell[j].triangle;
+    for (size_t i = 0; i < part.triangles.size(); ++i) {
+      for (size_t j = i + 1; j < part.triangles.size(); ++j) {
+        const uint32_t a = part.triangles[i], b = part.triangles[j];
         if (!of_interest[a] && !of_interest[b]) continue;
-        if (!MeetFirstIn(cell[i].cell, boxes_[a], boxes_[b])) continue;
+        if (!MeetFirstIn(part.space, boxes_[a], boxes_[b])) continue;
         if (mark(a).load(std::memory_order_relaxed) && mark(b).load(std::memory_order_relaxed)) {
           continue;
         }
@@ -105,47 +141,15 @@ class Crossings {
     }
   }
 
-  // True if two boxes meet and this cell contains the low corner of their intersection, which is in
-  // one cell only: each pair is compared once.
-  bool MeetFirstIn(uint32_t cell, const Box& a, const Box& b) const {
+  // True if two boxes meet and the space contains the low corner of their intersection, which is in
+  // one part only: each pair is compared once.
+  static bool MeetFirstIn(const Box& space, const Box& a, const Box& b) {
     if (glm::any(glm::greaterThan(a.low, b.high)) || glm::any(glm::greaterThan(b.low, a.high))) {
       return false;
     }
-    return cell == NumberOf(CellOf(glm::max(a.low, b.low)));
-  }
-
-  // Calls body(cell) for the cells that a triangle's box meets.
-  template <class Body>
-  void ForEachCell(uint32_t t, const Body& body) const {
-    const glm::uvec3 from = CellOf(boxes_[t].low), to = CellOf(boxes_[t].high);
-    for (uint32_t z = from.z; z <= to.z; ++z) {
-      for (uint32_t y = from.y; y <= to.y; ++y) {
-        for (uint32_t x = from.x; x <= to.x; ++x) body(NumberOf({x, y, z}));
-      }
-    }
-  }
-
-  // One for each cell that a triangle's box meets, if a triangle of interest meets it, too.
-  std::vector<Entry> SortedEntries(const std::vector<uint8_t>& of_interest) const {
-    std::vector<bool> looked_at(size_t{kMostCells} * kMostCells * kMostCells, false);
-    for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
-      if (of_interest[t]) ForEachCell(t, [&](uint32_t cell) { looked_at[cell] = true; });
-    }
-    std::vector<Entry> entries;
-    for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
-      ForEachCell(t, [&](uint32_t cell) {
-        if (looked_at[cell]) entries.push_back({cell, t});
-      });
-    }
-    std::sort(entries.begin(), entries.end());
-    return entries;
-  }
-
-  glm::uvec3 CellOf(const glm::vec3& place) const {
-    return glm::min(glm::uvec3((place - low_) / cell_size_), glm::uvec3(kMostCells - 1));
-  }
-  static uint32_t NumberOf(const glm::uvec3& cell) {
-    return (cell.z * kMostCells + cell.y) * kMostCells + cell.x;
+    const glm::vec3 corner = glm::max(a.low, b.low);
+    return glm::all(glm::lessThanEqual(space.low, corner)) &&
+           glm::all(glm::lessThan(corner, space.high));
   }
 
   // False for triangles with an edge in common, which cannot cross unless they are folded flat.
@@ -180,8 +184,6 @@ class Crossings {
 
   const TriangleMesh& mesh_;
   std::vector<Box> boxes_;  // of the triangles
-  glm::vec3 low_{0};
-  float cell_size_ = 0;
 };
 
 // Triangles with such a vertex.

@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
+#include <vector>
 
 namespace tetrec {
 namespace {
 
-constexpr uint32_t kSide = 120;  // vertices; more cells than one core compares at a time
+constexpr uint32_t kSide = 120;  // vertices
 constexpr float kGap = 1;
 
 // Two sheets of squares, one above the other. They are not flat, because triangles in one plane
@@ -56,7 +58,7 @@ TEST(StepBackFromCrossings, TakesBackWhatGoesThroughAnotherPartAndNothingElse) {
   EXPECT_EQ(StepBackFromCrossings(start, moved).positions, result.positions);
 }
 
-// The boxes of the large triangle and of each small one meet in many cells or in none but one.
+// The boxes of the large triangle and of each small one meet in a small part of its box.
 TEST(StepBackFromCrossings, FindsCrossingsAnywhereInALargeTriangle) {
   TriangleMesh start = TwoSheets();
   start.positions.resize(kSide * kSide);
@@ -74,6 +76,40 @@ TEST(StepBackFromCrossings, FindsCrossingsAnywhereInALargeTriangle) {
     moved.positions[v].z = 0.8f;
     EXPECT_EQ(StepBackFromCrossings(start, moved).positions[v], moved.positions[v]) << v;
   }
+}
+
+// A surface of a subject in front of a distant background, of which the parts differ in size as
+// much as in distance.
+TEST(StepBackFromCrossings, ASmallPartOfALargeSurfaceTakesHardlyMoreTimeThanItself) {
+  const TriangleMesh start = TwoSheets();
+  TriangleMesh moved = start;
+  for (uint32_t v = 0; v < kSide * kSide; v += 7) moved.positions[v].z = 1.5f * kGap;
+  const auto with_background = [](TriangleMesh mesh) {
+    for (float far = 1000; far < 1e6f; far *= 1.1f) {
+      const auto first = uint32_t(mesh.positions.size());
+      for (const glm::vec3& corner :
+           {glm::vec3(1, 0, 0.5f), glm::vec3(1.2f, 0.1f, 0.5f), glm::vec3(1.1f, 0.3f, 0.6f)}) {
+        mesh.positions.push_back(far * corner);
+        mesh.positions.push_back(-far * corner);
+      }
+      mesh.triangles.emplace_back(first, first + 2, first + 4);
+      mesh.triangles.emplace_back(first + 1, first + 3, first + 5);
+    }
+    return mesh;
+  };
+  TriangleMesh result;
+  const auto work = [&](const TriangleMesh& from, const TriangleMesh& to) {
+    const std::clock_t begin = std::clock();  // of all threads, whatever else the machine does
+    result = StepBackFromCrossings(from, to);
+    return double(std::clock() - begin);
+  };
+  const double alone = work(start, moved);
+  const std::vector<glm::vec3> expected = result.positions;
+  EXPECT_NE(expected, moved.positions);
+  // It took hundreds of times as long while all of the sheets was in one cell of a grid.
+  EXPECT_LT(work(with_background(start), with_background(moved)), 10 * alone);
+  result.positions.resize(expected.size());
+  EXPECT_EQ(result.positions, expected);
 }
 
 TEST(StepBackFromCrossings, NothingHasNothingToTakeBack) {
