@@ -30,11 +30,11 @@ int main(int argc, char** argv) {
   CLI::Option* bounds =
       app.add_option(
              "--ground-truth-bounds", options.ground_truth_bounds,
-             "XMIN YMIN ZMIN XMAX YMAX ZMAX: compare only inside this box, in the true mesh's "
+             "xmin,ymin,zmin,xmax,ymax,zmax: compare only inside this box, in the true mesh's "
              "units. Default: its bounding box, enlarged by 5 %, along thin sides by 5 % of those "
-             "of a "
-             "cube of its diagonal")
+             "of a cube of its diagonal")
           ->expected(6)
+          ->delimiter(',')
           ->needs("--ground-truth");
   bounds->default_str("");
   app.add_option("--threshold", options.threshold_percent,

