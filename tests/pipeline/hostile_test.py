@@ -250,7 +250,7 @@ class HostileTest(HostileCase):
         (programs / "heif-convert").symlink_to(shutil.which("heif-convert"))
         heic = self.folder / "whole.heic"
         subprocess.run(["heif-enc", ball / "train" / "r_0.png", "-o", heic], check=True, capture_output=True)
-        heic, png = heic.read_bytes(), (ball / "train" / "r_0.png").read_bytes()
+        heic, png = heic.read_bytes(), (ball / "train" / "r_2.png").read_bytes()  # no copy of the others
 
         def entries(*given, width=8, offset=8):
             """A TIFF file of grey pixels with these entries of its directory in place of others."""
