@@ -76,8 +76,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
       ->check(CLI::Range(0.0, 1.0));
   app.add_option("--jitter", options.jitter_px,
                  "Random offset of rays, as a part of their share of a pixel: 0 (always at its "
-                 "centre) to 1 "
-                 "(anywhere in it), or more")
+                 "centre) to 1 (anywhere in it), or more")
       ->check(CLI::Range(0.0, 2.0));
   app.add_option("--subject-share", options.subject_share,
                  "Share of the rays drawn from pixels that show the subject")

@@ -147,7 +147,7 @@ bool HasExtension(VkPhysicalDevice device, const char* name) {
   });
 }
 
-// What a device lacks, as a part of a sentence; empty if it will do.
+// What a device lacks, as the end of a sentence about it; empty if it is suitable.
 std::string LackOf(VkPhysicalDevice device) {
   const uint32_t version = PropertiesOf(device).apiVersion;
   if (version < VK_API_VERSION_1_3) {
@@ -196,7 +196,7 @@ VkPhysicalDevice ChooseDevice(VkInstance instance, const std::string& wish) {
   }
   if (best == VK_NULL_HANDLE) {
     throw EnvironmentError(
-        fmt::format("no Vulkan device of kind '{}' that will do: choose the device 'auto', or "
+        fmt::format("no suitable Vulkan device of kind '{}': choose the device 'auto', or "
                     "apt-get install mesa-vulkan-drivers for a software device",
                     wish));
   }

@@ -13,8 +13,8 @@ namespace tetrec {
 // file's (exif.h), which is 1 for a PNG; the pixels are as stored whatever it is.
 Image ReadPhoto(const std::filesystem::path& path, int* orientation = nullptr);
 
-// Of a file's first 26 bytes or more: whether it is a PNG with colours or alpha of 16 bits per
-// sample. FreeImage, and so COLMAP, does not turn one into grey.
+// True if the file that begins with `front` (26 bytes or more) is a PNG with 16 bits per sample and
+// with colour or alpha. COLMAP cannot convert such a file to grey, because FreeImage cannot.
 bool IsDeepColorPng(std::span<const uint8_t> front);
 
 }  // namespace tetrec

@@ -120,7 +120,7 @@ void TrainingPictures::ChooseLearned(bool all) {
       not_learned[view] |= judging_.is_whole[view];
     }
   }
-  // A list takes a look at every pixel.
+  // Listing blocks looks at every pixel.
   if (not_learned != not_learned_) {
     ListBlocks(set_, not_learned);
     not_learned_ = std::move(not_learned);

@@ -101,7 +101,7 @@ class PointCells {
     for (const glm::dvec3& point : points) cells_[CellOf(point)].push_back(point);
   }
 
-  // Whether at least `count` points are within reach of the place.
+  // True if `count` points or more are within reach of the place.
   bool HasWithinReach(const glm::dvec3& place, size_t count) const {
     size_t found = 0;
     const Cell middle = CellOf(place);

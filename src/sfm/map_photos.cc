@@ -98,7 +98,8 @@ size_t CamerasOfFewPhotos(const LinkedPhotos& linked) {
       linked.photos_of_camera, [](size_t photos) { return photos < kPhotosForOpenCvModel; }));
 }
 
-// Of the cameras that took the most photos.
+// The lens model that the mapping starts with; with kAuto, cameras that took few photos get a
+// simpler one (FindMatches).
 SfmLens LensFor(const SfmOptions& options, const LinkedPhotos& linked) {
   if (options.camera_model != SfmLens::kAuto) return options.camera_model;
   const bool all_took_few = CamerasOfFewPhotos(linked) == linked.photos_of_camera.size();
@@ -331,7 +332,7 @@ class PhotoMapper {
 
   SfmLens first_lens() const { return first_lens_; }
 
-  // Of all cameras, for the manifest.
+  // The lens models of all cameras, for the manifest.
   std::string LensNote(SfmLens lens) const {
     const size_t few = CamerasOfFewPhotos(linked_);
     if (options_.camera_model != SfmLens::kAuto || lens != SfmLens::kOpenCv || few == 0)

@@ -204,9 +204,8 @@ PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable, const fs::
   LeaveOutCopies(found.photos);
   if (found.photos.size() < kFewestPhotos) {
     throw DataError(
-        fmt::format("{}: only {} of {} photos can be read and are no copies; take at least {} of "
-                    "the same scene, "
-                    "better 20 or more",
+        fmt::format("{}: only {} of {} photos can be read and are not copies of others; take at "
+                    "least {} of the same scene, better 20 or more",
                     folder.string(), found.photos.size(), names.size(), kFewestPhotos));
   }
   return found;

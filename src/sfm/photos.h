@@ -8,7 +8,7 @@
 
 namespace tetrec {
 
-// The points of two photos are seen in two photos each, which JudgeModel always refuses.
+// With two photos, each point is seen in two of them, too few for JudgeModel.
 inline constexpr size_t kFewestPhotos = 3;
 
 struct Photo {

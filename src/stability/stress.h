@@ -19,7 +19,7 @@ enum class Verdict {
   kExcused,  // loses more, because information is gone
   kRefused,  // the input was refused with a message for the user, exit code 3
   kBreaks,   // loses more without need, has degenerate tets, failed otherwise or took too long; or
-             // a clean case that is not learned
+             // a clean case from which nothing was learned
   kSkipped,  // does not apply to the scene, or its twin failed
 };
 template <>

@@ -1,18 +1,16 @@
 // Depths that photos confirm, in place of those at which a field's rays are stopped.
 #include "surface/confirmed_depths.h"
 
+#include "surface/depth_between.h"
+
 #include <glm/glm.hpp>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
 namespace tetrec {
 namespace {
 
-// Depths of neighbouring pixels that differ by more footprints belong to different surfaces.
-constexpr double kJumpOfMap_px = 8;
 constexpr double kMargin = 0.01;  // of the depth
 
 // kNoDepth where the four pixels of the map around the place do not confirm one surface.
@@ -27,10 +25,8 @@ double ConfirmedDepth(const StereoDepth& map, const glm::dvec2& pixel_of_map) {
     if (map.agreement[pixel] < kLeastAgreement) return double(kNoDepth);
     depths[size_t(i)] = double(map.depth[pixel]);
   }
-  const auto [low, high] = std::ranges::minmax(depths);
-  if (high - low > kJumpOfMap_px * low / map.camera.fx) return double(kNoDepth);
-  return glm::mix(glm::mix(depths[0], depths[1], part.x), glm::mix(depths[2], depths[3], part.x),
-                  part.y);
+  return DepthBetween(depths, part, kJumpOfDepths_px * depths[0] / map.camera.fx)
+      .value_or(double(kNoDepth));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "core/disjoint_sets.h"
 #include "core/parallel.h"
 #include "geometry/bounds3.h"
+#include "surface/depth_between.h"
 #include "surface/edge_distances.h"
 #include "surface/vertex_normals.h"
 
@@ -24,9 +25,6 @@ constexpr double kBand_px = 7;
 // From this share of the band on, a camera counts the less the farther it sees the point behind its
 // surface, because it may as well see something else in front of it, and may not close a gap.
 constexpr double kFullWeight = 0.3;
-
-// Depths of neighbouring pixels that differ by more footprints belong to different surfaces.
-constexpr double kJump_px = 8;
 
 // A cut is found when it is known to a share of its edge, or when the solidity there is below a
 // hundredth of a band, or after some steps, which a jump of the solidity may need.
@@ -63,11 +61,7 @@ double DepthAt(const SeenDepth& view, const glm::dvec2& pixel, double jump) {
   const double right = place.x - x, down = place.y - y;
   const std::array<double, 4> depths = {view.depth.At(x, y), view.depth.At(x_right, y),
                                         view.depth.At(x, y_below), view.depth.At(x_right, y_below)};
-  const auto [low, high] = std::minmax_element(depths.begin(), depths.end());
-  if (*low != kNoDepth && *high - *low < jump) {
-    return glm::mix(glm::mix(depths[0], depths[1], right), glm::mix(depths[2], depths[3], right),
-                    down);
-  }
+  if (const auto depth = DepthBetween(depths, {right, down}, jump)) return *depth;
   const double nearest = depths[size_t(2 * int(down > 0.5) + int(right > 0.5))];
   return nearest == kNoDepth ? std::numeric_limits<double>::infinity() : nearest;
 }
@@ -78,7 +72,8 @@ std::optional<double> BandsBehind(const glm::dvec3& point_in_world, const SeenDe
   const glm::dvec3 in_cam = view.cam_from_world * point_in_world;
   if (!view.camera.Shows(in_cam)) return std::nullopt;
   const double footprint = in_cam.z / view.camera.fx;
-  const double depth = DepthAt(view, view.camera.ImageFromCam(in_cam), kJump_px * footprint);
+  const double depth =
+      DepthAt(view, view.camera.ImageFromCam(in_cam), kJumpOfDepths_px * footprint);
   return (in_cam.z - depth) / (kBand_px * footprint);
 }
 

@@ -77,6 +77,15 @@ TEST(NerfNormals, EdgesAndWhatFacesAwayAreUnknown) {
             glm::vec3(0.0f));
 }
 
+void ExpectScores(const std::optional<NormalScores>& scores, const NormalScores& expected) {
+  ASSERT_TRUE(scores);
+  EXPECT_EQ(scores->views, expected.views);
+  EXPECT_EQ(scores->pixels, expected.pixels);
+  EXPECT_EQ(scores->missing, expected.missing);
+  EXPECT_NEAR(scores->mean_angle_deg, expected.mean_angle_deg, 1e-9);
+  EXPECT_NEAR(scores->median_angle_deg, expected.median_angle_deg, 1e-9);
+}
+
 std::optional<NormalScores> NormalScoreOf(const NormalMap& rendered, const NormalMap& truth) {
   NormalAngles angles;
   angles.Add(rendered, truth);
@@ -89,12 +98,7 @@ TEST(NormalAngles, AreOfPixelsThatHaveBoth) {
   truth.normal = {up, up, up, up, none};
   rendered.normal = {up, side, up, none, side};
   const auto scores = NormalScoreOf(rendered, truth);
-  ASSERT_TRUE(scores);
-  EXPECT_EQ(scores->pixels, 3u);
-  EXPECT_EQ(scores->missing, 1u);
-  EXPECT_EQ(scores->views, 1u);
-  EXPECT_NEAR(scores->mean_angle_deg, 30, 1e-9);
-  EXPECT_NEAR(scores->median_angle_deg, 0, 1e-9);
+  ExpectScores(scores, {.views = 1, .pixels = 3, .missing = 1, .mean_angle_deg = 30});
   EXPECT_EQ(NormalsJson(*scores)["pixels"], 3);
   EXPECT_FALSE(NormalScoreOf(MakeNormalMap(5, 1), truth));
   ExpectError<DataError>([&] { NormalScoreOf(MakeNormalMap(1, 5), truth); }, {"size"});
@@ -110,12 +114,7 @@ TEST(NormalAngles, ArePooledOverTheViewsThatHaveAny) {
   angles.Add(MakeNormalMap(2, 1), truth);
   angles.Add(rendered, rendered);
   const auto scores = std::move(angles).Score();
-  ASSERT_TRUE(scores);
-  EXPECT_EQ(scores->views, 2u);
-  EXPECT_EQ(scores->pixels, 4u);
-  EXPECT_EQ(scores->missing, 2u);
-  EXPECT_NEAR(scores->mean_angle_deg, 22.5, 1e-9);
-  EXPECT_NEAR(scores->median_angle_deg, 0, 1e-9);
+  ExpectScores(scores, {.views = 2, .pixels = 4, .missing = 2, .mean_angle_deg = 22.5});
 }
 
 }  // namespace

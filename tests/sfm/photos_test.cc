@@ -52,7 +52,7 @@ TEST_F(PhotosTest, FoldersWithoutPhotosOrWithFewerThanThreeAreRefused) {
   ExpectError<DataError>([&] { Find(0.5); }, {"only 2 of 3 photos can be read", "at least 3"});
   fs::copy_file(photos_ + "/photo 01.png", photos_ + "/photo 03.png");
   ExpectError<DataError>([&] { Find(0.5); },
-                         {"only 2 of 4 photos can be read and are no copies", "at least 3"});
+                         {"only 2 of 4 photos can be read and are not copies", "at least 3"});
 }
 
 TEST_F(PhotosTest, PhotosInLinkedFoldersAreFound) {

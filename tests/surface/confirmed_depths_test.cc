@@ -1,5 +1,7 @@
 #include "surface/confirmed_depths.h"
 
+#include "surface/depth_between.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,6 +30,12 @@ float DepthWith(const StereoDepth& map, float first, float last) {
   DepthMap stopped = MapOf(first);
   UseConfirmedDepths(kCamera, map, {MapOf(first), MapOf(last)}, stopped);
   return stopped.At(4, 3);
+}
+
+TEST(DepthBetween, IsBilinearOnOneSurfaceAndNothingElsewhere) {
+  EXPECT_NEAR(DepthBetween({1, 2, 3, 4}, {0.5, 0.25}, 3.5).value_or(0), 2.0, 1e-12);
+  EXPECT_FALSE(DepthBetween({1, 2, 3, 4}, {0.5, 0.25}, 3));
+  EXPECT_FALSE(DepthBetween({1, 2, double(kNoDepth), 2}, {0.5, 0.5}, 9));
 }
 
 TEST(UseConfirmedDepths, TakesThoseWithinTheStretchInWhichARayLosesItsLight) {

@@ -58,7 +58,8 @@ class VulkanRenderer final : public ProbedRenderer {
         sums_(*device_),
         pictures_(*device_, options_, counters_, view_colors_) {}
 
-  // Buffers are destroyed before the recorders, so the device must be done with them.
+  // Buffers are destroyed before the recorders, so the device must be done with them. It may be
+  // lost.
   ~VulkanRenderer() override { vkDeviceWaitIdle(device_->handle); }
 
   void SetField(const RadianceField& field) override {

@@ -238,7 +238,7 @@ const keys = {
   n: () => flyToNeighbor(1), p: () => flyToNeighbor(-1), h: () => fly(home)
 };
 addEventListener('keydown', event => {
-  // Of these keys, a button that was clicked needs none.
+  // These keys do nothing on a button, which has the focus once it has been clicked.
   const isField = event.target.closest('select, input');
   // Letters are upper case with Shift or Caps Lock.
   const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
