@@ -20,13 +20,14 @@ nlohmann-json3-dev          core: JSON
 libcli11-dev                command: command lines
 libssl-dev                  core: SHA-256
 libsqlite3-dev              colmap: its database
-zlib1g-dev                  volume: compressed volumes
+zlib1g-dev                  volume: compressed volumes; image: colour profiles in PNG files
 libglm-dev                  geometry: vectors and matrices
 libopencv-core-dev          image, eval: images
 libopencv-imgproc-dev       image, eval: images
 libopencv-imgcodecs-dev     image, eval: image files
 libjpeg-dev                 image: finds damage that OpenCV passes over
 libtiff-dev                 image: TIFF files
+liblcms2-dev                image: colour profiles
 libboost-dev                start: minimum cuts
 libcgal-dev                 mesh: Delaunay tetrahedralization
 libopenmesh-dev             surface: clean-up

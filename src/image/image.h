@@ -28,9 +28,10 @@ enum class ExifRotation { kIgnore, kApply };
 // Reads PNG, JPEG, TIFF and EXR files, recognised by their first bytes, as 8-bit RGB or RGBA. 16
 // bits are rounded. EXR is converted from linear light with premultiplied alpha to display sRGB;
 // values outside 0 to 1 are clipped, and their pixels counted in `clipped_pixels`. By default the
-// image is as stored, since poses refer to the stored pixels. Throws DataError (missing, truncated,
-// not an image, more than 65,536 pixels per side or 2^28 in total, an EXR that is not one plain
-// image) and EnvironmentError (no memory, no space for temporary files).
+// image is as stored, since poses refer to the stored pixels. Colour profiles are left to
+// ReadPicture (photo.h), because masks and maps are not colours. Throws DataError (missing,
+// truncated, not an image, more than 65,536 pixels per side or 2^28 in total, an EXR that is not
+// one plain image) and EnvironmentError (no memory, no space for temporary files).
 Image ReadImage(const std::filesystem::path& path, ExifRotation rotation = ExifRotation::kIgnore,
                 uint64_t* clipped_pixels = nullptr);
 // The same from memory, from at most INT_MAX bytes; `name` is for messages.

@@ -3,14 +3,15 @@
 #include "core/file.h"
 #include "core/log.h"
 #include "core/lower_case.h"
-#include "image/big_endian.h"
 #include "image/codecs.h"
+#include "image/color_profile.h"
 #include "image/depth_map.h"
 #include "image/exr_header.h"
 #include "image/image.h"
 #include "image/jpeg_data.h"
 #include "image/normal_map.h"
 #include "image/photo.h"
+#include "image/png_data.h"
 #include "image/size_limits.h"
 #include "image/srgb.h"
 #include "image/tiff_file.h"
@@ -31,51 +32,9 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = std::numeric_limits<int>::max();  // OpenCV's limit
 
-[[noreturn]] void FailTruncated(const std::string& name, size_t bytes) {
-  throw DataError(fmt::format(
-      "{}: truncated image, ends after {} bytes; copy it again or remove it", name, bytes));
-}
-
-constexpr uint8_t kPngSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-
 template <size_t N>
 bool StartsWith(std::span<const uint8_t> bytes, const uint8_t (&signature)[N]) {
   return bytes.size() >= N && std::memcmp(bytes.data(), signature, N) == 0;
-}
-
-// Bits per pixel for the bit depth and colour type of the header chunk.
-uint64_t PngBits(uint8_t depth, uint8_t color_type) {
-  const bool has_colours = (color_type & 3) == 2, has_alpha = (color_type & 4) != 0;
-  return uint64_t(depth) * ((has_colours ? 3 : 1) + (has_alpha ? 1 : 0));
-}
-
-// What a PNG's chunks specify, known before it is decoded.
-struct PngFacts {
-  bool has_transparency_chunk = false;
-};
-
-// Walks the chunks to IEND, because the decoder treats a truncated file as a complete one. (PNG,
-// ISO 15948, section 5)
-PngFacts CheckPng(std::span<const uint8_t> bytes, const std::string& name) {
-  PngFacts facts;
-  size_t position = sizeof(kPngSignature);
-  bool header_seen = false;
-  while (bytes.size() - position >= 12) {
-    const uint64_t length = BigEndian32(&bytes[position]);
-    const uint8_t* type = &bytes[position + 4];
-    if (length > bytes.size() - position - 12) break;
-    if (std::memcmp(type, "IHDR", 4) == 0 && length >= 10) {
-      const uint64_t width = BigEndian32(type + 4), height = BigEndian32(type + 8);
-      CheckSize(width, height, name);
-      CheckAgainstFile(width * height * PngBits(type[12], type[13]) / 8, bytes.size(), name);
-      header_seen = true;
-    }
-    if (!header_seen) throw DataError(fmt::format("{}: PNG file without a header chunk", name));
-    if (std::memcmp(type, "tRNS", 4) == 0) facts.has_transparency_chunk = true;
-    if (std::memcmp(type, "IEND", 4) == 0) return facts;
-    position += 12 + length;
-  }
-  FailTruncated(name, bytes.size());
 }
 
 // More than any program writes; each scan of a short file may cost as much as the whole image.
@@ -94,7 +53,7 @@ void CheckJpeg(std::span<const uint8_t> bytes, const std::string& name) {
 
 int OrientationOfPhoto(std::span<const uint8_t> bytes, const std::string& name) {
   if (IsTiff(bytes)) return OrientationOfTiff(bytes, name);
-  return StartsWith(bytes, kJpegSignature) ? ReadJpegMarkers(bytes, name).orientation : 1;
+  return IsJpeg(bytes) ? ReadJpegMarkers(bytes, name).orientation : 1;
 }
 
 // OpenCV reads EXR only if this environment variable is set when it first looks. It is set before
@@ -244,15 +203,15 @@ bool HasPhotoExtension(const std::filesystem::path& path) {
 Image DecodeImage(std::span<const uint8_t> bytes, const std::string& name, ExifRotation rotation,
                   uint64_t* clipped_pixels) {
   TETREC_CHECK(bytes.size() <= kMaxFileBytes, name);
-  const bool is_png = StartsWith(bytes, kPngSignature), is_exr = StartsWith(bytes, kExrSignature);
-  const bool is_jpeg = StartsWith(bytes, kJpegSignature);
+  const bool is_png = IsPng(bytes), is_jpeg = IsJpeg(bytes);
+  const bool is_exr = StartsWith(bytes, kExrSignature);
   if (bytes.empty()) throw DataError(fmt::format("{}: empty file, expected an image", name));
   if (IsTiff(bytes)) return DecodeTiff(bytes, name);
   if (!is_png && !is_jpeg && !is_exr) {
     throw DataError(
         fmt::format("{}: not an image that can be read; expected PNG, JPEG, TIFF or EXR", name));
   }
-  const PngFacts png = is_png ? CheckPng(bytes, name) : PngFacts{};
+  const PngFacts png = is_png ? ReadPngChunks(bytes, name) : PngFacts{};
   if (is_jpeg) CheckJpeg(bytes, name);
 
   if (is_exr) CheckExr(bytes, name);
@@ -283,21 +242,27 @@ Image ReadImage(const std::filesystem::path& path, ExifRotation rotation,
   return DecodeImage(ReadBytes(path, kMaxFileBytes), path.string(), rotation, clipped_pixels);
 }
 
+Image ReadPicture(const std::filesystem::path& path, ExifRotation rotation,
+                  uint64_t* clipped_pixels) {
+  const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
+  Image image = DecodeImage(bytes, path.string(), rotation, clipped_pixels);
+  ApplyColorProfile(bytes, path.string(), image);
+  return image;
+}
+
 bool IsDeepColorPng(std::span<const uint8_t> front) {
   constexpr size_t kDepth = 24, kColorType = 25;  // of the header chunk, which is the first
-  return StartsWith(front, kPngSignature) && front.size() > kColorType && front[kDepth] == 16 &&
-         front[kColorType] != 0;
+  return IsPng(front) && front.size() > kColorType && front[kDepth] == 16 && front[kColorType] != 0;
 }
 
 Image ReadPhoto(const std::filesystem::path& path, int* orientation) {
   const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
-  const bool is_photo =
-      StartsWith(bytes, kPngSignature) || StartsWith(bytes, kJpegSignature) || IsTiff(bytes);
-  if (!bytes.empty() && !is_photo) {
+  if (!bytes.empty() && !IsPng(bytes) && !IsJpeg(bytes) && !IsTiff(bytes)) {
     throw DataError(fmt::format(
         "{}: not a photo that can be read; expected JPEG, PNG, TIFF or HEIC", path.string()));
   }
   Image image = DecodeImage(bytes, path.string());
+  ApplyColorProfile(bytes, path.string(), image);
   if (orientation != nullptr) *orientation = OrientationOfPhoto(bytes, path.string());
   return image;
 }

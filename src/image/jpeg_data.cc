@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdio>
 #include <new>
-#include <vector>
 
 // These need <cstdio>.
 #include <jerror.h>
@@ -19,6 +18,9 @@
 #include <algorithm>
 #include <array>
 #include <csetjmp>
+#include <cstring>
+#include <map>
+#include <string_view>
 
 namespace tetrec {
 namespace {
@@ -32,6 +34,24 @@ size_t NextMarker(std::span<const uint8_t> bytes, size_t position) {
     if (bytes[position] == 0xFF && is_marker) return position + 2;
   }
   return 0;
+}
+
+// The parts of an ICC profile, in APP2 segments that begin with this mark, the number of the part,
+// from 1, and the number of all parts (ICC.1:2010, annex B.4). Writers may store them in any order.
+constexpr std::string_view kProfileMark("ICC_PROFILE\0", 12);
+
+void AddProfilePart(std::span<const uint8_t> segment,
+                    std::map<uint8_t, std::span<const uint8_t>>& parts) {
+  constexpr size_t kFront = kProfileMark.size() + 2;
+  if (segment.size() < kFront) return;
+  if (std::memcmp(segment.data(), kProfileMark.data(), kProfileMark.size()) != 0) return;
+  parts[segment[kProfileMark.size()]] = segment.subspan(kFront);
+}
+
+std::vector<uint8_t> Joined(const std::map<uint8_t, std::span<const uint8_t>>& parts) {
+  std::vector<uint8_t> joined;
+  for (const auto& [number, part] : parts) joined.insert(joined.end(), part.begin(), part.end());
+  return joined;
 }
 
 // libjpeg's reports. It takes a pointer to the first member for one to the whole.
@@ -90,12 +110,22 @@ void DecodeScans(jpeg_decompress_struct& decoder, Reports& reports, std::span<co
 
 }  // namespace
 
+bool IsJpeg(std::span<const uint8_t> bytes) {
+  constexpr uint8_t kSignature[] = {0xFF, 0xD8, 0xFF};
+  return bytes.size() >= sizeof(kSignature) &&
+         std::memcmp(bytes.data(), kSignature, sizeof(kSignature)) == 0;
+}
+
 JpegFacts ReadJpegMarkers(std::span<const uint8_t> bytes, const std::string& name) {
   JpegFacts facts;
+  std::map<uint8_t, std::span<const uint8_t>> profile;
   size_t position = 2;
   while ((position = NextMarker(bytes, position)) != 0) {
     const uint8_t code = bytes[position - 1];
-    if (code == 0xD9) return facts;              // EOI
+    if (code == 0xD9) {  // EOI
+      facts.color_profile = Joined(profile);
+      return facts;
+    }
     if (code == 0x01 || code == 0xD8) continue;  // markers without a segment
     if (bytes.size() - position < 2) break;
     const size_t length = BigEndian16(&bytes[position]);
@@ -110,6 +140,8 @@ JpegFacts ReadJpegMarkers(std::span<const uint8_t> bytes, const std::string& nam
     if (code == 0xE1 && length > 2 && facts.orientation == 1) {
       facts.orientation = OrientationOfExif(bytes.subspan(position + 2, length - 2));
     }
+    if (code == 0xE2 && length > 2)
+      AddProfilePart(bytes.subspan(position + 2, length - 2), profile);
     if (code == 0xDA) ++facts.scans;
     position += length;
   }

@@ -7,16 +7,19 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace tetrec {
 
-constexpr uint8_t kJpegSignature[] = {0xFF, 0xD8, 0xFF};
+bool IsJpeg(std::span<const uint8_t> bytes);
 
 // What a JPEG's markers specify, known before it is decoded.
 struct JpegFacts {
   glm::u64vec2 size{0};  // of the largest frame [px]; 0 if there is none
   int scans = 0;
   int orientation = 1;  // by EXIF (exif.h)
+  // The parts of the ICC profile, one after the other, not checked. Empty: there is none.
+  std::vector<uint8_t> color_profile;
 };
 
 // Walks the markers to the end of the image, which a search for the last such marker would not

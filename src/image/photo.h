@@ -9,7 +9,12 @@
 
 namespace tetrec {
 
-// ReadImage for JPEG, PNG and TIFF only: an EXR is a DataError, too. `orientation` becomes the
+// ReadImage, with colours converted to display sRGB from the colour profile in the file, if it has
+// one (color_profile.h).
+Image ReadPicture(const std::filesystem::path& path, ExifRotation rotation = ExifRotation::kIgnore,
+                  uint64_t* clipped_pixels = nullptr);
+
+// ReadPicture for JPEG, PNG and TIFF only: an EXR is a DataError, too. `orientation` becomes the
 // file's (exif.h), which is 1 for a PNG; the pixels are as stored whatever it is.
 Image ReadPhoto(const std::filesystem::path& path, int* orientation = nullptr);
 

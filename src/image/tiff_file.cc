@@ -194,6 +194,15 @@ CameraNotes CameraNotesOfTiff(std::span<const uint8_t> bytes, const std::string&
   return notes;
 }
 
+std::vector<uint8_t> ColorProfileOfTiff(std::span<const uint8_t> bytes, const std::string& name) {
+  TiffSource source{bytes, 0, ""};
+  const TiffFile file = Open(source, name);
+  uint32_t size = 0;
+  const uint8_t* profile = nullptr;
+  if (TIFFGetField(file.get(), TIFFTAG_ICCPROFILE, &size, &profile) != 1) return {};
+  return {profile, profile + size};
+}
+
 int OrientationOfTiff(std::span<const uint8_t> bytes, const std::string& name) {
   TiffSource source{bytes, 0, ""};
   const TiffFile file = Open(source, name);

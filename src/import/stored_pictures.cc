@@ -7,6 +7,7 @@
 #include "core/short_list.h"
 #include "geometry/undistorted_camera.h"
 #include "image/image.h"
+#include "image/photo.h"
 #include "image/scaled_copy.h"
 #include "image/undistort.h"
 
@@ -35,12 +36,12 @@ Lens LensOfFieldOfView(const PosedPicture& picture, const Image& image) {
 glm::ivec2 SizeOf(const Image& image) { return {image.width, image.height}; }
 
 // Reads the image that its camera took, or a scaled copy of it; notes what was done to it.
-Image ReadPicture(const PosedPicture& picture, StoredPicture& stored) {
-  Image image = ReadImage(picture.file, ExifRotation::kIgnore, &stored.clipped_pixels);
+Image ReadPosed(const PosedPicture& picture, StoredPicture& stored) {
+  Image image = ReadPicture(picture.file, ExifRotation::kIgnore, &stored.clipped_pixels);
   const glm::ivec2 wanted(picture.lens.width, picture.lens.height), size = SizeOf(image);
   if (wanted.x == 0 || size == wanted) return image;
   if (glm::ivec2(size.y, size.x) == wanted) {
-    Image turned = ReadImage(picture.file, ExifRotation::kApply);
+    Image turned = ReadPicture(picture.file, ExifRotation::kApply);
     stored.turned = SizeOf(turned) == wanted && turned.channels == image.channels;
     if (stored.turned) return turned;
   }
@@ -107,7 +108,7 @@ void CountHidden(const std::vector<uint8_t>& alpha, StoredPicture& stored) {
 StoredPicture StorePicture(const PosedPicture& picture, const std::filesystem::path& folder,
                            const ImportOptions& options) {
   StoredPicture stored;
-  Image image = ReadPicture(picture, stored);
+  Image image = ReadPosed(picture, stored);
   const bool is_masked = !picture.mask.empty();
   if (is_masked) image = ReadAndApplyMask(picture, image, options.masks);
   const Lens lens = LensOf(picture, image, stored.lens_scaled);

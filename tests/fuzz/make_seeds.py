@@ -114,14 +114,37 @@ def png(width, height, depth, color_type, rows, *more):
             + chunk(b"IDAT", pixels) + chunk(b"IEND", b""))
 
 
-def jpeg():
+def color_profile():
+    """An ICC profile of Display P3's primaries, relative to D50, with a gamma of 2.2."""
+    def fixed(*numbers):
+        return struct.pack(f">{len(numbers)}i", *(round(65536 * n) for n in numbers))
+
+    def xyz(*numbers):
+        return b"XYZ \0\0\0\0" + fixed(*numbers)
+
+    white = (0.9642, 1.0, 0.8249)
+    curve = b"curv\0\0\0\0" + struct.pack(">IHH", 1, 0x0233, 0)
+    tags = {b"rXYZ": xyz(0.5151, 0.2412, -0.0011), b"gXYZ": xyz(0.2920, 0.6922, 0.0419),
+            b"bXYZ": xyz(0.1571, 0.0666, 0.7841), b"wtpt": xyz(*white),
+            b"rTRC": curve, b"gTRC": curve, b"bTRC": curve}
+    table, bodies, front = b"", b"", 132 + 12 * len(tags)
+    for name, body in tags.items():
+        table += name + struct.pack(">2I", front + len(bodies), len(body))
+        bodies += body
+    header = struct.pack(">I4sI12s12s4s28s", front + len(bodies), b"", 0x02400000, b"mntrRGB XYZ ", b"",
+                         b"acsp", b"") + fixed(*white) + bytes(48)
+    return header + struct.pack(">I", len(tags)) + table + bodies
+
+
+def jpeg(profile=b""):
     """8 x 8 grey, flat: one Huffman code for the mean, one for the end of the block."""
     def segment(code, body):
         return b"\xff" + bytes([code]) + struct.pack(">H", len(body) + 2) + body
 
     one_code = bytes([1] + 15 * [0] + [0])  # symbol 0 by the code 0
     exif = b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0"
-    return (b"\xff\xd8" + segment(0xE1, exif) + segment(0xDB, bytes([0] + 64 * [1]))
+    profiled = segment(0xE2, b"ICC_PROFILE\0\1\1" + profile) if profile else b""
+    return (b"\xff\xd8" + segment(0xE1, exif) + profiled + segment(0xDB, bytes([0] + 64 * [1]))
             + segment(0xC0, bytes([8, 0, 8, 0, 8, 1, 1, 0x11, 0]))
             + segment(0xC4, b"\x00" + one_code) + segment(0xC4, b"\x10" + one_code)
             + segment(0xDA, bytes([1, 1, 0, 0, 63, 0])) + b"\x3f\xff\xd9")
@@ -158,7 +181,7 @@ def tiff(bits, samples, kind, pixels, *more):
 
 
 def image_seeds():
-    """PNG of every colour type, 8 and 16 bits; JPEG with EXIF; TIFF; EXR."""
+    """PNG of every colour type, 8 and 16 bits; JPEG with EXIF; TIFF; EXR; colour profiles."""
     yield "grey.png", png(2, 2, 8, 0, [b"\x10\x20", b"\x30\x40"])
     yield "rgb.png", png(2, 1, 8, 2, [bytes(range(6))])
     yield "palette.png", png(2, 1, 8, 3, [b"\0\1"], (b"PLTE", bytes(range(6))), (b"tRNS", b"\x80"))
@@ -167,6 +190,8 @@ def image_seeds():
     yield "deep.png", png(1, 1, 16, 6, [bytes(range(8))])
     yield "bits.png", png(8, 1, 1, 0, [b"\x5a"])
     yield "grey.jpg", jpeg()
+    yield "p3.jpg", jpeg(color_profile())
+    yield "p3.png", png(2, 1, 8, 2, [bytes(range(6))], (b"iCCP", b"P3\0\0" + zlib.compress(color_profile())))
     yield "rgb.tif", tiff(8, 3, 2, bytes(range(6)))
     yield "rgba.tif", tiff(8, 4, 2, bytes(range(8)), (338, 3, 1, 2), (274, 3, 1, 6))
     yield "deep.tif", tiff(16, 1, 1, bytes(range(4)))

@@ -1,0 +1,213 @@
+// Colour profiles of photos.
+#include "image/color_profile.h"
+
+#include "core/file.h"
+#include "image/image.h"
+#include "image/photo.h"
+#include "image/srgb.h"
+#include "scratch_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <lcms2.h>
+#include <opencv2/imgcodecs.hpp>
+#include <tiffio.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+
+namespace tetrec {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::vector<uint8_t> BytesOf(cmsHPROFILE profile) {
+  cmsUInt32Number size = 0;
+  EXPECT_TRUE(cmsSaveProfileToMem(profile, nullptr, &size));
+  std::vector<uint8_t> bytes(size);
+  EXPECT_TRUE(cmsSaveProfileToMem(profile, bytes.data(), &size));
+  cmsCloseProfile(profile);
+  return bytes;
+}
+
+cmsToneCurve* SrgbCurve() {
+  const std::array<double, 5> parameters = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
+  return cmsBuildParametricToneCurve(nullptr, 4, parameters.data());
+}
+
+// Display P3: its own primaries, the white and the curve of sRGB.
+std::vector<uint8_t> DisplayP3() {
+  const cmsCIExyY white{0.3127, 0.3290, 1};
+  const cmsCIExyYTRIPLE primaries{{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}};
+  cmsToneCurve* const curve = SrgbCurve();
+  cmsToneCurve* const curves[] = {curve, curve, curve};
+  const std::vector<uint8_t> bytes = BytesOf(cmsCreateRGBProfile(&white, &primaries, curves));
+  cmsFreeToneCurve(curve);
+  return bytes;
+}
+
+std::vector<uint8_t> Srgb() { return BytesOf(cmsCreate_sRGBProfile()); }
+
+std::vector<uint8_t> Grey() {
+  cmsToneCurve* const curve = SrgbCurve();
+  const std::vector<uint8_t> bytes = BytesOf(cmsCreateGrayProfile(cmsD50_xyY(), curve));
+  cmsFreeToneCurve(curve);
+  return bytes;
+}
+
+// Display P3 in sRGB by the matrix of CSS Color 4 (W3C), which does not know profiles.
+std::array<uint8_t, 3> SrgbFromP3(const std::array<uint8_t, 3>& p3) {
+  constexpr double kMatrix[3][3] = {{1.2249401763, -0.2249401763, 0},
+                                    {-0.0420569547, 1.0420569547, 0},
+                                    {-0.0196375546, -0.0786360456, 1.0982736001}};
+  std::array<uint8_t, 3> srgb;
+  for (size_t c = 0; c < 3; ++c) {
+    double linear = 0;
+    for (size_t k = 0; k < 3; ++k) linear += kMatrix[c][k] * LinearFromSrgb(p3[k] / 255.0);
+    srgb[c] =
+        uint8_t(std::lround(255 * std::clamp(SrgbFromLinear(std::max(linear, 0.0)), 0.0, 1.0)));
+  }
+  return srgb;
+}
+
+// Some inside and some outside of sRGB; grey is the same in both.
+constexpr std::array<std::array<uint8_t, 3>, 6> kColors = {
+    {{200, 60, 50}, {40, 160, 90}, {90, 80, 200}, {128, 128, 128}, {250, 20, 10}, {255, 255, 255}}};
+
+cv::Mat Blocks(int channels) {
+  constexpr int kBlock = 16;  // so that JPEG leaves each colour alone
+  cv::Mat blocks(kBlock, kBlock * int(kColors.size()), CV_8UC(channels));
+  for (int y = 0; y < blocks.rows; ++y) {
+    for (int x = 0; x < blocks.cols; ++x) {
+      uint8_t* pixel = blocks.ptr(y) + x * channels;
+      for (int c = 0; c < 3; ++c) pixel[c] = kColors[size_t(x / kBlock)][size_t(2 - c)];
+      if (channels == 4) pixel[3] = uint8_t(40 * (x / kBlock));
+    }
+  }
+  return blocks;
+}
+
+std::vector<uint8_t> Encoded(const char* extension, const cv::Mat& image) {
+  std::vector<uint8_t> bytes;
+  EXPECT_TRUE(cv::imencode(extension, image, bytes, {cv::IMWRITE_JPEG_QUALITY, 100}));
+  return bytes;
+}
+
+// The profile in `parts` parts, the last one first.
+std::vector<uint8_t> JpegWith(const std::vector<uint8_t>& profile, size_t parts = 1) {
+  std::vector<uint8_t> jpeg = Encoded(".jpg", Blocks(3));
+  for (size_t i = 0; i < parts; ++i) {
+    const size_t begin = profile.size() * i / parts, end = profile.size() * (i + 1) / parts;
+    std::vector<uint8_t> segment = {0xFF, 0xE2, uint8_t((end - begin + 16) >> 8),
+                                    uint8_t(end - begin + 16)};
+    for (const char c : std::string("ICC_PROFILE\0", 12)) segment.push_back(uint8_t(c));
+    segment.push_back(uint8_t(i + 1));
+    segment.push_back(uint8_t(parts));
+    segment.insert(segment.end(), profile.begin() + ptrdiff_t(begin),
+                   profile.begin() + ptrdiff_t(end));
+    jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
+  }
+  return jpeg;
+}
+
+void Append32(std::vector<uint8_t>& bytes, uint32_t number) {
+  for (const int shift : {24, 16, 8, 0}) bytes.push_back(uint8_t(number >> shift));
+}
+
+std::vector<uint8_t> PngWith(const std::vector<uint8_t>& profile, int channels = 3) {
+  std::vector<uint8_t> compressed(compressBound(profile.size()));
+  uLongf size = compressed.size();
+  EXPECT_EQ(compress(compressed.data(), &size, profile.data(), profile.size()), Z_OK);
+  std::vector<uint8_t> body = {'i', 'C', 'C', 'P', 'P', '3', 0, 0}, chunk;
+  body.insert(body.end(), compressed.begin(), compressed.begin() + ptrdiff_t(size));
+  Append32(chunk, uint32_t(body.size() - 4));
+  chunk.insert(chunk.end(), body.begin(), body.end());
+  Append32(chunk, uint32_t(crc32(0, body.data(), uInt(body.size()))));
+  std::vector<uint8_t> png = Encoded(".png", Blocks(channels));
+  constexpr ptrdiff_t kBehindHeader = 33;
+  png.insert(png.begin() + kBehindHeader, chunk.begin(), chunk.end());
+  return png;
+}
+
+void WriteTiff(const std::filesystem::path& path, const std::vector<uint8_t>& profile) {
+  TIFF* const file = TIFFOpen(path.c_str(), "w");
+  ASSERT_NE(file, nullptr);
+  TIFFSetField(file, TIFFTAG_IMAGEWIDTH, uint32_t(kColors.size()));
+  TIFFSetField(file, TIFFTAG_IMAGELENGTH, uint32_t(1));
+  TIFFSetField(file, TIFFTAG_BITSPERSAMPLE, 8);
+  TIFFSetField(file, TIFFTAG_SAMPLESPERPIXEL, 3);
+  TIFFSetField(file, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_RGB);
+  TIFFSetField(file, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  TIFFSetField(file, TIFFTAG_ICCPROFILE, uint32_t(profile.size()), profile.data());
+  auto row = kColors;
+  EXPECT_EQ(TIFFWriteScanline(file, row.data(), 0), 1);
+  TIFFClose(file);
+}
+
+// Each colour of the photo, from the middle of its block, within some levels of the expected one.
+void ExpectConverted(const Image& photo, int levels) {
+  const int block = photo.width / int(kColors.size());
+  for (size_t i = 0; i < kColors.size(); ++i) {
+    const uint8_t* pixel = photo.At(int(i) * block + block / 2, photo.height / 2);
+    for (size_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(pixel[c], SrgbFromP3(kColors[i])[c], levels) << "colour " << i << ", " << c;
+    }
+  }
+}
+
+std::string WarningsWhile(const std::function<void()>& work) {
+  ::testing::internal::CaptureStderr();
+  work();
+  return ::testing::internal::GetCapturedStderr();
+}
+
+TEST(ColorProfile, PhotosInDisplayP3BecomeSrgb) {
+  const ScratchFolder folder;
+  const std::vector<uint8_t> p3 = DisplayP3();
+  ExpectConverted(ReadPhoto(folder.Write("a.png", PngWith(p3))), 1);
+  ExpectConverted(ReadPhoto(folder.Write("a.jpg", JpegWith(p3))), 3);
+  ExpectConverted(ReadPhoto(folder.Write("parts.jpg", JpegWith(p3, 3))), 3);
+  WriteTiff(folder / "a.tif", p3);
+  ExpectConverted(ReadPhoto(folder / "a.tif"), 1);
+  // The colours differ enough for this to mean something.
+  EXPECT_GT(std::abs(SrgbFromP3(kColors[0])[0] - kColors[0][0]), 10);
+}
+
+TEST(ColorProfile, AlphaStays) {
+  const ScratchFolder folder;
+  const Image photo = ReadPhoto(folder.Write("a.png", PngWith(DisplayP3(), 4)));
+  ASSERT_EQ(photo.channels, 4);
+  ExpectConverted(photo, 1);
+  for (int i = 0; i < int(kColors.size()); ++i) EXPECT_EQ(photo.At(16 * i + 8, 8)[3], 40 * i);
+}
+
+TEST(ColorProfile, SrgbAndWhatIsNotAPhotoStaysAsItIs) {
+  const ScratchFolder folder;
+  const std::filesystem::path srgb = folder.Write("srgb.png", PngWith(Srgb()));
+  const std::filesystem::path p3 = folder.Write("p3.png", PngWith(DisplayP3()));
+  EXPECT_EQ(ReadPhoto(srgb).pixels, ReadImage(srgb).pixels);
+  EXPECT_EQ(ReadImage(p3).pixels, ReadImage(srgb).pixels);
+  EXPECT_NE(ReadPicture(p3).pixels, ReadImage(p3).pixels);
+}
+
+TEST(ColorProfile, OneThatIsDamagedOrNotOfRgbIsIgnoredWithAWarning) {
+  const ScratchFolder folder;
+  const auto warnings_of = [&](const std::vector<uint8_t>& png) {
+    const std::filesystem::path path = folder.Write("a.png", png);
+    return WarningsWhile([&] { EXPECT_EQ(ReadPhoto(path).pixels, ReadImage(path).pixels); });
+  };
+  std::vector<uint8_t> cut = DisplayP3();
+  cut.resize(150);
+  EXPECT_THAT(warnings_of(PngWith(cut)), HasSubstr("a.png: its colour profile is damaged"));
+  EXPECT_THAT(warnings_of(PngWith(Grey())), HasSubstr("its colour profile is not one of RGB"));
+  EXPECT_THAT(warnings_of(PngWith(Srgb())), IsEmpty());
+  EXPECT_THAT(warnings_of(Encoded(".png", Blocks(3))), IsEmpty());
+}
+
+}  // namespace
+}  // namespace tetrec
