@@ -28,6 +28,9 @@ constexpr double kMargin = 0.05;   // of the longest side, at each side
 constexpr double kNearlyAllShare = 0.9;  // of the share of views that see the best-seen points
 constexpr size_t kFewestInGroup = 5;     // such points, within the margin
 constexpr double kFarthest = 1e9;        // of given bounds
+// Cameras that all look in one direction but turn about it look straight down: a drone turns
+// between strips, while people keep their photos upright. Lengths of mean unit vectors.
+constexpr double kOneDirection = 0.95, kManyHeadings = 0.5;
 
 glm::dvec3 CenterOf(const View& view) { return view.cam_from_world.Inverse().translation; }
 glm::dvec3 AxisInWorld(const View& view, int axis) {
@@ -202,9 +205,15 @@ glm::dvec3 FindFocus(const Scene& scene) {
 }
 
 glm::dvec3 FindUp(std::span<const View> views) {
-  glm::dvec3 mean_up(0.0);
-  for (const View& view : views) mean_up -= AxisInWorld(view, 1);
-  if (glm::length(mean_up) < 1e-6 * double(views.size())) mean_up = -AxisInWorld(views.front(), 1);
+  glm::dvec3 mean_up(0.0), mean_ahead(0.0);
+  for (const View& view : views) {
+    mean_up -= AxisInWorld(view, 1) / double(views.size());
+    mean_ahead += AxisInWorld(view, 2) / double(views.size());
+  }
+  if (glm::length(mean_ahead) > kOneDirection && glm::length(mean_up) < kManyHeadings) {
+    return -glm::normalize(mean_ahead);
+  }
+  if (glm::length(mean_up) < 1e-6) mean_up = -AxisInWorld(views.front(), 1);
   mean_up = glm::normalize(mean_up);
   // Two level axes are perpendicular to the upright direction; the length of their cross product,
   // the sine of the angle between them, weights it.

@@ -28,7 +28,7 @@ glm::dvec3 FindFocus(const Scene& scene);
 
 // The upright direction for hand-held cameras with upright images: perpendicular to their x axes,
 // which people keep level; if these do not determine it, the mean of the cameras' own up
-// directions.
+// directions. Cameras that look in one direction and turn about it look straight down.
 glm::dvec3 FindUp(std::span<const View> views);
 
 // `scene` is in the input's frame, with cameras, views and points. Throws DataError without points.

@@ -177,5 +177,22 @@ TEST(Subject, UpIsUprightForCamerasThatLookDownFromOneSide) {
   EXPECT_GT(FindUp(views).z, std::cos(5.0 / 180 * M_PI));
 }
 
+TEST(Subject, UpIsAgainstTheAxesOfCamerasThatLookStraightDownAndTurnBetweenStrips) {
+  // Strips towards the east and the west alternate; the cameras sway by some degrees.
+  std::vector<View> views;
+  for (int i = 0; i < 24; ++i) {
+    const double heading = i / 6 % 2 ? M_PI : 0, sway = 0.05;
+    const glm::dvec3 z = glm::normalize(glm::dvec3(sway * std::sin(i), sway * std::cos(3 * i), -1));
+    const glm::dvec3 ahead(std::cos(heading), std::sin(heading), 0);
+    const glm::dvec3 x = glm::normalize(glm::cross(z, ahead));
+    View view;
+    view.cam_from_world.rotation = glm::transpose(glm::dmat3(x, glm::cross(z, x), z));
+    views.push_back(view);
+  }
+  EXPECT_GT(FindUp(views).z, std::cos(3.0 / 180 * M_PI));
+  // With one heading, they might as well be upright photos of a wall.
+  EXPECT_LT(std::abs(FindUp({views.data(), 6}).z), 0.1);
+}
+
 }  // namespace
 }  // namespace tetrec
