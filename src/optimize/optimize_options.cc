@@ -10,6 +10,9 @@ namespace {
 
 // A tile of 16 x 16 pixels, with room for windows of 11 x 11.
 constexpr int kLeastDssimRays = 256;
+// D-SSIM has a thread for each channel of a ray, and devices start 65,535 workgroups of 64 at
+// least.
+constexpr int kMostRays = 1 << 20;
 
 constexpr uint64_t kMostMegabytes = 1000000000;
 
@@ -51,8 +54,8 @@ void OptimizeOptions::Check() const {
         "position_rate and 'quality_weight' have no effect with move off; leave them out");
   }
   if (!(split_share > 0)) fail("split_share", split_share, "above 0");
-  if (rays_per_step && (*rays_per_step < kRaysPerBlock || *rays_per_step > 1 << 22)) {
-    fail("rays", *rays_per_step, "8 to 4194304");
+  if (rays_per_step && (*rays_per_step < kRaysPerBlock || *rays_per_step > kMostRays)) {
+    fail("rays", *rays_per_step, "8 to 1048576");
   }
   if (loss.dssim > 0 && rays_per_step && *rays_per_step < kLeastDssimRays) {
     fail("rays", *rays_per_step, "at least 256 for a loss with D-SSIM, whose windows need tiles");
