@@ -95,8 +95,11 @@ SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_fo
     DepthMap depth = renderer->RenderDepth(views[v], seen.optical_depth);
     seen.rays += depth.depth.size();
     if (const auto map = FindStereoDepth(start_folder, trained[v].index)) {
-      const LossOfLight loss{renderer->RenderDepth(views[v], kSurfaceDepths.front()),
-                             renderer->RenderDepth(views[v], kSurfaceDepths.back())};
+      const auto stopped_at = [&](double optical_depth) {
+        return optical_depth == seen.optical_depth ? depth
+                                                   : renderer->RenderDepth(views[v], optical_depth);
+      };
+      const LossOfLight loss{stopped_at(kSurfaceDepths.front()), stopped_at(kSurfaceDepths.back())};
       seen.confirmed_rays += UseConfirmedDepths(views[v].camera, *map, loss, depth);
     }
     seen.views.push_back({views[v].camera, views[v].cam_from_world, std::move(depth)});
