@@ -7,7 +7,7 @@ Prints the focal lengths and the errors of the cameras after a similarity that f
 true ones. Of a start it prints how many of the depth maps' pixels are kept, right (within 2 %) and wrong
 (by more than 10 %); of a surface, by its depths from some of the cameras, how much of the subject's
 bounds it covers, how exact it is there and how far its normals are off. The subject of the turntable
-stands still there, and the camera goes around it.
+stands still there, and the camera goes around it; people who walk through are left out.
 """
 import json
 import math
@@ -27,9 +27,11 @@ TYPES = {"float": "<f4", "double": "<f8", "uchar": "u1", "int": "<i4", "uint": "
 def true_photos(kind):
     """Worlds and cameras of the photos, in a frame in which nothing moves."""
     photos = [(world, camera) for world, camera, _ in make_scenes.KINDS[kind]()]
+    still = photos[0][0]  # without people, who walk through later photos
+    if kind == "passers":
+        return [(still, camera) for _, camera in photos]
     if kind != "turntable":
         return photos
-    still = photos[0][0]
     turned = []
     for i, (_, camera) in enumerate(photos):
         angle = -2 * math.pi * i / len(photos)

@@ -11,9 +11,12 @@ Each kind becomes a folder of JPEG photos, OUT/KIND, for `tetrec-sfm OUT/KIND -o
   wide       15 photos around a subject in steps of 24 degrees
   few        9 photos of the yard: every second one of half of the walk
   uneven     the photos of the yard, each with its own exposure
+  aerial     42 photos straight down on a village, in strips as a drone flies
+  plant      36 photos of a plant with thin leaves, in two circles
+  passers    the photos of the yard; people walk through every second one
 
 Surfaces are diffuse with a faint highlight, lit by one sun and an even sky. The same kind always gives
-the same photos. Needs python3-numpy and ffmpeg; the seven kinds take about a quarter of an hour on two cores.
+the same photos. Needs python3-numpy and ffmpeg; all kinds take about half an hour on two cores.
 Exit codes: 0 done, 2 wrong command line, 4 a program is missing.
 """
 import argparse
@@ -138,6 +141,37 @@ class Ball:
 
 
 @dataclasses.dataclass
+class Leaf:
+    """A flat ellipse, with the same paint on both sides."""
+    center: tuple
+    along: np.ndarray   # to its tip, as long as half of the leaf
+    across: np.ndarray  # to its edge, at right angles to that
+    paint: object
+
+    def hit(self, origin, direction):
+        towards = np.array(self.center) - origin
+        beside = (towards * towards).sum(-1) - (towards * direction).sum(-1)**2
+        near = beside < self.along @ self.along  # most rays pass far from a leaf
+        normal = unit(np.cross(self.along, self.across))
+        slope = direction[near] @ normal
+        t = towards[near] @ normal / np.where(np.abs(slope) < 1e-9, 1e-9, slope)
+        u, v = self.place(origin[near] + t[:, None] * direction[near])
+        distances = np.full(len(direction), FAR)
+        distances[near] = np.where((u * u + v * v < 1) & (t > 1e-4), t, FAR)
+        return distances
+
+    def look(self, point, direction):
+        normal = unit(np.cross(self.along, self.across))
+        u, v = self.place(point)
+        size = np.linalg.norm(self.along)
+        return -np.sign(direction @ normal)[:, None] * normal, self.paint(size * u, size * v)
+
+    def place(self, point):
+        offset = point - np.array(self.center)
+        return offset @ self.along / (self.along @ self.along), offset @ self.across / (self.across @ self.across)
+
+
+@dataclasses.dataclass
 class Ground:
     paint: object
 
@@ -207,11 +241,12 @@ class Camera:
     position: np.ndarray
     target: np.ndarray
     width_degrees: float = 62
+    up: tuple = (0, 0, 1)
 
     def axes(self):
         """Rows: to the right, down and ahead in the world."""
         ahead = unit(self.target - self.position)
-        right = unit(np.cross(ahead, [0, 0, 1]))
+        right = unit(np.cross(ahead, self.up))
         return np.stack([right, np.cross(ahead, right), ahead])
 
     def rays(self):
@@ -336,7 +371,66 @@ def uneven():
     return [(world, camera, exposure) for (world, camera, _), exposure in zip(yard(), exposures)]
 
 
-KINDS = {kind.__name__: kind for kind in (yard, forward, turntable, room, wide, few, uneven)}
+def aerial():
+    rng = np.random.default_rng(12)
+    things = [Ground(GRASS), Box((0, 0, 0.02), (0.6, 12, 0.02), 0.2, STONE)]
+    for i in range(16):
+        x, y = (i % 4 - 1.5) * 3.6 + rng.uniform(-0.6, 0.6), (i // 4 - 1.5) * 3.2 + rng.uniform(-0.6, 0.6)
+        half, turn = (rng.uniform(0.5, 1.0), rng.uniform(0.4, 0.8), rng.uniform(0.3, 0.9)), rng.uniform(0, 3)
+        things.append(Box((x, y, half[2]), half, turn, brick(20 + i)))
+        if i % 2:
+            things.append(Ball((x + 1.4, y + 0.9, 0.45), 0.45, blotchy(50 + i)))
+    world = World(things, cloudy, unit(SUN))
+    photos = []
+    for i in range(42):
+        x, y = (i % 7 - 3) * 1.7, (i // 7 - 2.5) * 1.9
+        position = np.array([x + rng.uniform(-0.1, 0.1), y + rng.uniform(-0.1, 0.1), 9 + rng.uniform(-0.1, 0.1)])
+        tilt = np.array([*rng.uniform(-0.15, 0.15, 2), -9])
+        photos.append((world, Camera(position, position + tilt, 55, (0, 1 if i // 7 % 2 else -1, 0)), 1.0))
+    return photos
+
+
+def plant():
+    rng = np.random.default_rng(21)
+    things = [Ground(STONE), Box((0, 0, 0.22), (0.3, 0.3, 0.22), 0.5, blotchy(70))]
+    for i in range(14):
+        turn, lean = 2.4 * i, 0.15 + 0.5 * (i % 5) / 4
+        stem = unit(np.array([math.cos(turn) * lean, math.sin(turn) * lean, 1.0]))
+        length = 0.5 + 0.6 * rng.random()
+        foot = np.array([0.1 * math.cos(turn), 0.1 * math.sin(turn), 0.44])
+        side = unit(np.cross(stem, [0, 0, 1]))
+        for across in (side, np.cross(stem, side)):
+            things.append(Leaf(tuple(foot + stem * length / 2), stem * length / 2, across * 0.016, blotchy(71)))
+        for j in range(3):
+            spread = turn + (j - 1) * 1.1
+            along = unit(np.array([math.cos(spread), math.sin(spread), rng.uniform(-0.5, 0.4)])) * rng.uniform(0.16, 0.28)
+            across = unit(np.cross(along, [rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), 1])) * 0.35 * np.linalg.norm(along)
+            tip = foot + stem * length * (0.6 + 0.2 * j)
+            things.append(Leaf(tuple(tip + along), along, across, painted(73 + j, ((0.05, 0.14, 0.03), (0.35, 0.6, 0.2)), 2)))
+    world = World(things, cloudy, unit(SUN))
+    photos = []
+    for i in range(36):
+        angle, high = 2 * math.pi * i / 18, i >= 18
+        reach = 2.6 if high else 3.0
+        position = np.array([reach * math.cos(angle), reach * math.sin(angle), 2.2 if high else 1.1])
+        photos.append((world, Camera(position, np.array([0, 0, 0.7]), 50), 1.0))
+    return photos
+
+
+def passers():
+    rng = np.random.default_rng(31)
+    photos = []
+    for i, (world, camera, exposure) in enumerate(yard()):
+        things = list(world.things)
+        for who in range(2 if i % 2 else 0):
+            angle, reach = rng.uniform(0, 2 * math.pi), rng.uniform(2.0, 3.0)
+            x, y = reach * math.cos(angle), reach * math.sin(angle)
+            things += [Box((x, y, 0.55), (0.16, 0.22, 0.55), angle, blotchy(80 + who)), Ball((x, y, 1.25), 0.15, blotchy(82))]
+        photos.append((dataclasses.replace(world, things=things), camera, exposure))
+    return photos
+
+
+KINDS = {kind.__name__: kind for kind in (yard, forward, turntable, room, wide, few, uneven, aerial, plant, passers)}
 
 
 def photo(job):
