@@ -31,6 +31,10 @@ constexpr double kFarthest = 1e9;        // of given bounds
 // Cameras that all look in one direction but turn about it look straight down: a drone turns
 // between strips, while people keep their photos upright. Lengths of mean unit vectors.
 constexpr double kOneDirection = 0.95, kManyHeadings = 0.5;
+// Cameras that look in one direction from places so far apart survey what they see: by a drone, or
+// along a facade. Before a shelf, a few steps to the side do not.
+constexpr double kSurveySpread = 0.3;  // of the median depth: RMS distance from their centre
+constexpr uint32_t kLeastTrack = 3;    // of a survey's points
 
 glm::dvec3 CenterOf(const View& view) { return view.cam_from_world.Inverse().translation; }
 glm::dvec3 AxisInWorld(const View& view, int axis) {
@@ -54,12 +58,46 @@ double MedianDepth(const Scene& scene, const View& view) {
   return depths.empty() ? 0 : Quantile(std::move(depths), 0.5);
 }
 
+glm::dvec3 MeanAxis(std::span<const View> views, int axis) {
+  glm::dvec3 mean(0.0);
+  for (const View& view : views) mean += AxisInWorld(view, axis) / double(views.size());
+  return mean;
+}
+
+bool IsSurvey(const Scene& scene) {
+  if (glm::length(MeanAxis(scene.views, 2)) <= kOneDirection) return false;
+  const double count = double(scene.views.size());
+  glm::dvec3 middle(0.0);
+  for (const View& view : scene.views) middle += CenterOf(view) / count;
+  double square = 0;
+  std::vector<double> depths;
+  for (const View& view : scene.views) {
+    const glm::dvec3 offset = CenterOf(view) - middle;
+    square += glm::dot(offset, offset) / count;
+    depths.push_back(MedianDepth(scene, view));
+  }
+  return std::sqrt(square) > kSurveySpread * Quantile(std::move(depths), 0.5);
+}
+
 struct SubjectPoint {
   const ScenePoint* point = nullptr;
   bool nearly_all_see_it = false;
 };
 
+// Nothing in a survey is background.
+std::vector<SubjectPoint> SurveyedPoints(const Scene& scene) {
+  std::vector<SubjectPoint> reliable, all;
+  for (const ScenePoint& point : scene.points) {
+    all.push_back({&point, false});
+    // 0: not known.
+    if (point.track_length == 0 || point.track_length >= kLeastTrack)
+      reliable.push_back(all.back());
+  }
+  return reliable.size() < kFewPoints ? all : reliable;
+}
+
 std::vector<SubjectPoint> SubjectPoints(const Scene& scene, const glm::dvec3& focus) {
+  if (IsSurvey(scene)) return SurveyedPoints(scene);
   std::vector<double> distances, shares;
   for (const View& view : scene.views) distances.push_back(glm::distance(CenterOf(view), focus));
   const double reach = kReach * Quantile(distances, 0.5);
@@ -205,11 +243,8 @@ glm::dvec3 FindFocus(const Scene& scene) {
 }
 
 glm::dvec3 FindUp(std::span<const View> views) {
-  glm::dvec3 mean_up(0.0), mean_ahead(0.0);
-  for (const View& view : views) {
-    mean_up -= AxisInWorld(view, 1) / double(views.size());
-    mean_ahead += AxisInWorld(view, 2) / double(views.size());
-  }
+  const glm::dvec3 mean_ahead = MeanAxis(views, 2);
+  glm::dvec3 mean_up = -MeanAxis(views, 1);
   if (glm::length(mean_ahead) > kOneDirection && glm::length(mean_up) < kManyHeadings) {
     return -glm::normalize(mean_ahead);
   }

@@ -31,7 +31,9 @@ glm::dvec3 FindFocus(const Scene& scene);
 // directions. Cameras that look in one direction and turn about it look straight down.
 glm::dvec3 FindUp(std::span<const View> views);
 
-// `scene` is in the input's frame, with cameras, views and points. Throws DataError without points.
+// `scene` is in the input's frame, with cameras, views and points. The subject is what most cameras
+// see, or all that they see if they survey it, which means that they look in one direction from
+// places that are far apart. Throws DataError without points.
 Subject FindSubject(const Scene& scene);
 
 // Moves views and points into the subject's world and sets the scene's bounds.

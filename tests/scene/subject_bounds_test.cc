@@ -177,6 +177,35 @@ TEST(Subject, UpIsUprightForCamerasThatLookDownFromOneSide) {
   EXPECT_GT(FindUp(views).z, std::cos(5.0 / 180 * M_PI));
 }
 
+// Cameras 9 above a square of 20 x 20, of which each sees 9 x 9, in rows `step` apart.
+Scene SurveyScene(double step) {
+  Scene scene;
+  scene.cameras.push_back({.width = 100, .height = 100, .fx = 100, .fy = 100, .cx = 50, .cy = 50});
+  for (int i = 0; i < 36; ++i) {
+    View view;
+    view.cam_from_world.rotation = {1, 0, 0, 0, -1, 0, 0, 0, -1};
+    view.cam_from_world.translation = {step * (2.5 - i % 6), step * (i / 6 - 2.5), 9};
+    scene.views.push_back(view);
+  }
+  for (int i = 0; i < 2000; ++i) {
+    ScenePoint point;
+    point.position = {20 * std::fmod(0.618034 * i, 1.0) - 10, i / 100.0 - 10, 0.5 * (i % 2)};
+    point.track_length = 3;
+    scene.points.push_back(point);
+  }
+  return scene;
+}
+
+TEST(Subject, ASurveyIsWholeAndWhatAFewStepsShowIsItsMiddle) {
+  const auto side = [](const Scene& scene) {
+    const Subject subject = FindSubject(scene);
+    return subject.input_from_world.scale * subject.bounds_in_world.Size().x;
+  };
+  EXPECT_GT(side(SurveyScene(2)), 20);
+  EXPECT_LT(side(SurveyScene(2)), 23);
+  EXPECT_LT(side(SurveyScene(0.5)), 14);
+}
+
 TEST(Subject, UpIsAgainstTheAxesOfCamerasThatLookStraightDownAndTurnBetweenStrips) {
   // Strips towards the east and the west alternate; the cameras sway by some degrees.
   std::vector<View> views;
