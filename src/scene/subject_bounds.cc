@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <map>
 #include <numeric>
+#include <optional>
 
 namespace tetrec {
 namespace {
@@ -32,8 +33,9 @@ constexpr double kFarthest = 1e9;        // of given bounds
 // between strips, while people keep their photos upright. Lengths of mean unit vectors.
 constexpr double kOneDirection = 0.95, kManyHeadings = 0.5;
 // Cameras that look in one direction from places so far apart survey what they see: by a drone, or
-// along a facade. Before a shelf, a few steps to the side do not.
-constexpr double kSurveySpread = 0.3;  // of the median depth: RMS distance from their centre
+// along a facade. A few steps to the side before a shelf are not a survey.
+constexpr double kSurveySpread = 0.3;  // of the median depth: RMS distance from their mean axis
+constexpr double kFarInSurvey = 3;     // times the median depth: distance from the nearest camera
 constexpr uint32_t kLeastTrack = 3;    // of a survey's points
 
 glm::dvec3 CenterOf(const View& view) { return view.cam_from_world.Inverse().translation; }
@@ -64,19 +66,23 @@ glm::dvec3 MeanAxis(std::span<const View> views, int axis) {
   return mean;
 }
 
-bool IsSurvey(const Scene& scene) {
-  if (glm::length(MeanAxis(scene.views, 2)) <= kOneDirection) return false;
+// The median depth of the points if the cameras survey what they see, nothing otherwise. A walk
+// ahead is not a survey.
+std::optional<double> DepthOfSurvey(const Scene& scene) {
+  const glm::dvec3 ahead = MeanAxis(scene.views, 2);
+  if (glm::length(ahead) <= kOneDirection) return std::nullopt;
   const double count = double(scene.views.size());
   glm::dvec3 middle(0.0);
   for (const View& view : scene.views) middle += CenterOf(view) / count;
   double square = 0;
   std::vector<double> depths;
   for (const View& view : scene.views) {
-    const glm::dvec3 offset = CenterOf(view) - middle;
-    square += glm::dot(offset, offset) / count;
+    const glm::dvec3 aside = glm::cross(CenterOf(view) - middle, glm::normalize(ahead));
+    square += glm::dot(aside, aside) / count;
     depths.push_back(MedianDepth(scene, view));
   }
-  return std::sqrt(square) > kSurveySpread * Quantile(std::move(depths), 0.5);
+  const double depth = Quantile(std::move(depths), 0.5);
+  return std::sqrt(square) > kSurveySpread * depth ? std::optional(depth) : std::nullopt;
 }
 
 struct SubjectPoint {
@@ -84,20 +90,25 @@ struct SubjectPoint {
   bool nearly_all_see_it = false;
 };
 
-// Nothing in a survey is background.
-std::vector<SubjectPoint> SurveyedPoints(const Scene& scene) {
-  std::vector<SubjectPoint> reliable, all;
+// In a survey, only what is far from all cameras is background.
+std::vector<SubjectPoint> SurveyedPoints(const Scene& scene, double depth) {
+  const auto is_near = [&](const glm::dvec3& place) {
+    return std::ranges::any_of(scene.views, [&](const View& view) {
+      return glm::distance(place, CenterOf(view)) <= kFarInSurvey * depth;
+    });
+  };
+  std::vector<SubjectPoint> near, all;
   for (const ScenePoint& point : scene.points) {
     all.push_back({&point, false});
-    // 0: not known.
-    if (point.track_length == 0 || point.track_length >= kLeastTrack)
-      reliable.push_back(all.back());
+    const bool is_reliable =
+        point.track_length == 0 /* not known */ || point.track_length >= kLeastTrack;
+    if (is_reliable && is_near(point.position)) near.push_back(all.back());
   }
-  return reliable.size() < kFewPoints ? all : reliable;
+  return near.size() < kFewPoints ? all : near;
 }
 
 std::vector<SubjectPoint> SubjectPoints(const Scene& scene, const glm::dvec3& focus) {
-  if (IsSurvey(scene)) return SurveyedPoints(scene);
+  if (const auto depth = DepthOfSurvey(scene)) return SurveyedPoints(scene, *depth);
   std::vector<double> distances, shares;
   for (const View& view : scene.views) distances.push_back(glm::distance(CenterOf(view), focus));
   const double reach = kReach * Quantile(distances, 0.5);

@@ -32,8 +32,8 @@ glm::dvec3 FindFocus(const Scene& scene);
 glm::dvec3 FindUp(std::span<const View> views);
 
 // `scene` is in the input's frame, with cameras, views and points. The subject is what most cameras
-// see, or all that they see if they survey it, which means that they look in one direction from
-// places that are far apart. Throws DataError without points.
+// see, or all that they see from near if they survey it, which means that they look in one
+// direction from places that are far apart. Throws DataError without points.
 Subject FindSubject(const Scene& scene);
 
 // Moves views and points into the subject's world and sets the scene's bounds.

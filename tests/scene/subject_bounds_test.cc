@@ -204,6 +204,22 @@ TEST(Subject, ASurveyIsWholeAndWhatAFewStepsShowIsItsMiddle) {
   EXPECT_GT(side(SurveyScene(2)), 20);
   EXPECT_LT(side(SurveyScene(2)), 23);
   EXPECT_LT(side(SurveyScene(0.5)), 14);
+  // Something far away, in a gap, does not count.
+  Scene with_background = SurveyScene(2);
+  for (int i = 0; i < 100; ++i) {
+    ScenePoint point;
+    point.position = {i, 0.3 * i, -40};
+    point.track_length = 20;
+    with_background.points.push_back(point);
+  }
+  EXPECT_LT(side(with_background), 23);
+  // Cameras one behind the other make a walk ahead.
+  Scene walk = SurveyScene(0.2);
+  walk.cameras[0].fx = walk.cameras[0].fy = 400;
+  for (size_t i = 0; i < walk.views.size(); ++i) {
+    walk.views[i].cam_from_world.translation.z += double(i);
+  }
+  EXPECT_LT(side(walk), 18);
 }
 
 TEST(Subject, UpIsAgainstTheAxesOfCamerasThatLookStraightDownAndTurnBetweenStrips) {
