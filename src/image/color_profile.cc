@@ -2,28 +2,25 @@
 #include "image/color_profile.h"
 
 #include "core/log.h"
-#include "image/big_endian.h"
+#include "core/short_list.h"
 #include "image/jpeg_data.h"
 #include "image/png_data.h"
 #include "image/tiff_file.h"
 
 #include <lcms2.h>
-#include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
+#include <new>
+#include <optional>
 #include <type_traits>
-#include <vector>
+#include <utility>
 
 namespace tetrec {
 namespace {
 
-// More than the tables of a printer have. A short file may give a long profile once inflated.
-constexpr size_t kMostProfile_bytes = size_t{1} << 23;
-
+constexpr size_t kMostProfile_bytes = size_t{1} << 22;  // more than the tables of a printer have
 constexpr int kSameLevels = 2;  // rounding, and other approximations of sRGB's curve
 
 struct CloseProfile {
@@ -35,34 +32,37 @@ struct DeleteTransform {
 using Profile = std::unique_ptr<std::remove_pointer_t<cmsHPROFILE>, CloseProfile>;
 using Transform = std::unique_ptr<std::remove_pointer_t<cmsHTRANSFORM>, DeleteTransform>;
 
-// Empty if the data is damaged or too long.
-std::vector<uint8_t> Inflated(std::span<const uint8_t> data) {
-  std::vector<uint8_t> profile(kMostProfile_bytes);
-  uLongf size = profile.size();
-  if (uncompress(profile.data(), &size, data.data(), uLong(data.size())) != Z_OK) size = 0;
-  profile.resize(size);
-  return profile;
-}
-
-// The content of a PNG's iCCP chunk: a name, a zero, the method of compression (0), and the profile
-// (PNG, ISO 15948, section 11.3.3.3).
-std::vector<uint8_t> ProfileOfChunk(std::span<const uint8_t> chunk) {
-  const auto zero = std::ranges::find(chunk, uint8_t(0));
-  const auto begin = size_t(zero - chunk.begin());
-  return chunk.size() - begin < 2 ? std::vector<uint8_t>() : Inflated(chunk.subspan(begin + 2));
-}
-
-// Empty if there is none; not checked.
-std::vector<uint8_t> ProfileOf(std::span<const uint8_t> file, const std::string& name) {
+// Empty: damaged.
+std::optional<std::vector<uint8_t>> ProfileOf(std::span<const uint8_t> file,
+                                              const std::string& name) {
   if (IsTiff(file)) return ColorProfileOfTiff(file, name);
-  if (IsPng(file)) {
-    const PngFacts facts = ReadPngChunks(file, name);
-    return facts.color_profile.empty() ? std::vector<uint8_t>()
-                                       : ProfileOfChunk(facts.color_profile);
-  }
-  return IsJpeg(file) ? ReadJpegMarkers(file, name).color_profile : std::vector<uint8_t>();
+  if (IsPng(file)) return ColorProfileOfPng(file, name);
+  return IsJpeg(file) ? ReadJpegMarkers(file, name).color_profile : std::nullopt;
 }
 
+// The three primaries and their curves alone, which cost little to read. Tables, which a profile
+// may have instead or besides, could be of any number and size. Null if the profile is damaged or
+// of another kind.
+Profile PrimariesAndCurves(std::span<const uint8_t> bytes) {
+  if (bytes.empty() || bytes.size() > kMostProfile_bytes) return nullptr;
+  const Profile whole(cmsOpenProfileFromMem(bytes.data(), cmsUInt32Number(bytes.size())));
+  if (!whole || cmsGetColorSpace(whole.get()) != cmsSigRgbData) return nullptr;
+  Profile part(cmsCreateProfilePlaceholder(nullptr));
+  if (!part) throw std::bad_alloc();
+  cmsSetProfileVersion(part.get(), 4.3);
+  cmsSetDeviceClass(part.get(), cmsSigDisplayClass);
+  cmsSetColorSpace(part.get(), cmsSigRgbData);
+  cmsSetPCS(part.get(), cmsSigXYZData);
+  for (const cmsTagSignature tag :
+       {cmsSigRedColorantTag, cmsSigGreenColorantTag, cmsSigBlueColorantTag, cmsSigRedTRCTag,
+        cmsSigGreenTRCTag, cmsSigBlueTRCTag}) {
+    const void* const value = cmsReadTag(whole.get(), tag);
+    if (value == nullptr || cmsWriteTag(part.get(), tag, value) == 0) return nullptr;
+  }
+  return part;
+}
+
+// Null if the profile cannot be used.
 Transform ToSrgb(const Profile& from, cmsUInt32Number format) {
   const Profile srgb(cmsCreate_sRGBProfile());
   return Transform(cmsCreateTransform(from.get(), format, srgb.get(), format,
@@ -74,10 +74,11 @@ Transform ToSrgb(const Profile& from, cmsUInt32Number format) {
 bool IsSrgb(const Transform& from_rgb) {
   constexpr int kSteps = 8;
   std::vector<uint8_t> before;
-  for (int i = 0; i < (kSteps + 1) * (kSteps + 1) * (kSteps + 1); ++i) {
-    for (const int step :
-         {i % (kSteps + 1), i / (kSteps + 1) % (kSteps + 1), i / ((kSteps + 1) * (kSteps + 1))}) {
-      before.push_back(uint8_t(255 * step / kSteps));
+  for (int r = 0; r <= kSteps; ++r) {
+    for (int g = 0; g <= kSteps; ++g) {
+      for (int b = 0; b <= kSteps; ++b) {
+        for (const int step : {r, g, b}) before.push_back(uint8_t(255 * step / kSteps));
+      }
     }
   }
   std::vector<uint8_t> after(before.size());
@@ -88,22 +89,34 @@ bool IsSrgb(const Transform& from_rgb) {
 
 }  // namespace
 
-void ApplyColorProfile(std::span<const uint8_t> file, const std::string& name, Image& image) {
-  const std::vector<uint8_t> bytes = ProfileOf(file, name);
-  if (bytes.empty()) return;
-  const Profile profile(cmsOpenProfileFromMem(bytes.data(), cmsUInt32Number(bytes.size())));
-  const bool is_rgb = profile && cmsGetColorSpace(profile.get()) == cmsSigRgbData;
-  const Transform probe = is_rgb ? ToSrgb(profile, TYPE_RGB_8) : nullptr;
-  if (!probe) {
-    LogWarning("{}: its colour profile is {}; its numbers are taken for sRGB", name,
-               profile && !is_rgb ? "not one of RGB" : "damaged");
-    return;
-  }
-  if (IsSrgb(probe)) return;
-  const Transform transform = ToSrgb(profile, image.channels == 4 ? TYPE_RGBA_8 : TYPE_RGB_8);
+ProfileUse ApplyColorProfile(std::span<const uint8_t> file, const std::string& name, Image& image) {
+  const std::optional<std::vector<uint8_t>> bytes = ProfileOf(file, name);
+  if (!bytes) return ProfileUse::kNone;
+  const Profile profile = PrimariesAndCurves(*bytes);
+  Transform transform = profile ? ToSrgb(profile, TYPE_RGB_8) : nullptr;
+  if (!transform) return ProfileUse::kIgnored;
+  if (IsSrgb(transform)) return ProfileUse::kNone;
+  if (image.channels == 4) transform = ToSrgb(profile, TYPE_RGBA_8);
+  if (!transform) throw std::bad_alloc();
   for (int y = 0; y < image.height; ++y) {
     cmsDoTransform(transform.get(), image.At(0, y), image.At(0, y), cmsUInt32Number(image.width));
   }
+  return ProfileUse::kApplied;
+}
+
+void LogProfileUses(const std::vector<std::string>& names, const std::vector<ProfileUse>& uses) {
+  if (const auto applied = std::ranges::count(uses, ProfileUse::kApplied); applied > 0) {
+    LogInfo("{} images have another colour profile than sRGB: they are converted to sRGB", applied);
+  }
+  std::vector<std::string> ignored;
+  for (size_t i = 0; i < uses.size(); ++i) {
+    if (uses[i] == ProfileUse::kIgnored) ignored.push_back(names[i]);
+  }
+  if (ignored.empty()) return;
+  LogWarning(
+      "{} images have a colour profile that is damaged, or not one of RGB primaries and curves "
+      "({}): they are read as sRGB",
+      ignored.size(), ShortList(ignored));
 }
 
 }  // namespace tetrec

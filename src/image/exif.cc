@@ -5,6 +5,7 @@
 #include "core/file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <string_view>
@@ -85,9 +86,8 @@ std::vector<uint8_t> WithExif(std::span<const uint8_t> jpeg, const CameraNotes& 
   const size_t length = 2 + kExifMark.size() + exif.size();
   ByteWriter with;
   with.WriteArray(jpeg.first(2));
-  for (const size_t byte : {size_t(0xFF), size_t(0xE1), length >> 8, length & 0xFF}) {
-    with.Write(uint8_t(byte));
-  }
+  const std::array marker = {uint8_t(0xFF), uint8_t(0xE1), uint8_t(length >> 8), uint8_t(length)};
+  with.WriteArray<uint8_t>(marker);
   with.WriteArray<char>(kExifMark);
   with.WriteArray<uint8_t>(exif);
   with.WriteArray(jpeg.subspan(2));

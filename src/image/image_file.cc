@@ -4,7 +4,6 @@
 #include "core/log.h"
 #include "core/lower_case.h"
 #include "image/codecs.h"
-#include "image/color_profile.h"
 #include "image/depth_map.h"
 #include "image/exr_header.h"
 #include "image/image.h"
@@ -242,11 +241,11 @@ Image ReadImage(const std::filesystem::path& path, ExifRotation rotation,
   return DecodeImage(ReadBytes(path, kMaxFileBytes), path.string(), rotation, clipped_pixels);
 }
 
-Image ReadPicture(const std::filesystem::path& path, ExifRotation rotation,
+Image ReadPicture(const std::filesystem::path& path, ProfileUse& use, ExifRotation rotation,
                   uint64_t* clipped_pixels) {
   const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
   Image image = DecodeImage(bytes, path.string(), rotation, clipped_pixels);
-  ApplyColorProfile(bytes, path.string(), image);
+  use = ApplyColorProfile(bytes, path.string(), image);
   return image;
 }
 
@@ -262,7 +261,6 @@ Image ReadPhoto(const std::filesystem::path& path, int* orientation) {
         "{}: not a photo that can be read; expected JPEG, PNG, TIFF or HEIC", path.string()));
   }
   Image image = DecodeImage(bytes, path.string());
-  ApplyColorProfile(bytes, path.string(), image);
   if (orientation != nullptr) *orientation = OrientationOfPhoto(bytes, path.string());
   return image;
 }

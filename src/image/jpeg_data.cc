@@ -20,6 +20,7 @@
 #include <csetjmp>
 #include <cstring>
 #include <map>
+#include <set>
 #include <string_view>
 
 namespace tetrec {
@@ -36,23 +37,33 @@ size_t NextMarker(std::span<const uint8_t> bytes, size_t position) {
   return 0;
 }
 
-// The parts of an ICC profile, in APP2 segments that begin with this mark, the number of the part,
-// from 1, and the number of all parts (ICC.1:2010, annex B.4). Writers may store them in any order.
-constexpr std::string_view kProfileMark("ICC_PROFILE\0", 12);
+// The parts of an ICC profile, by their numbers, which writers may store in any order.
+struct ProfileParts {
+  std::map<uint8_t, std::span<const uint8_t>> parts;
+  std::set<uint8_t> counts;  // of all parts, as each part gives it
+  bool is_damaged = false;
 
-void AddProfilePart(std::span<const uint8_t> segment,
-                    std::map<uint8_t, std::span<const uint8_t>>& parts) {
-  constexpr size_t kFront = kProfileMark.size() + 2;
-  if (segment.size() < kFront) return;
-  if (std::memcmp(segment.data(), kProfileMark.data(), kProfileMark.size()) != 0) return;
-  parts[segment[kProfileMark.size()]] = segment.subspan(kFront);
-}
+  // An APP2 segment that begins with this mark has the number of the part, from 1, then that of all
+  // parts, and its content. Source: ICC.1:2010, annex B.4.
+  void Add(std::span<const uint8_t> segment) {
+    constexpr std::string_view kMark("ICC_PROFILE\0", 12);
+    constexpr size_t kFront = kMark.size() + 2;
+    if (segment.size() < kFront) return;
+    if (std::memcmp(segment.data(), kMark.data(), kMark.size()) != 0) return;
+    counts.insert(segment[kMark.size() + 1]);
+    if (!parts.emplace(segment[kMark.size()], segment.subspan(kFront)).second) is_damaged = true;
+  }
 
-std::vector<uint8_t> Joined(const std::map<uint8_t, std::span<const uint8_t>>& parts) {
-  std::vector<uint8_t> joined;
-  for (const auto& [number, part] : parts) joined.insert(joined.end(), part.begin(), part.end());
-  return joined;
-}
+  std::optional<std::vector<uint8_t>> Join() const {
+    if (parts.empty()) return std::nullopt;
+    std::vector<uint8_t> joined;
+    const bool is_whole = !is_damaged && counts.size() == 1 && parts.size() == *counts.begin() &&
+                          parts.begin()->first == 1 && parts.rbegin()->first == parts.size();
+    if (!is_whole) return joined;
+    for (const auto& [number, part] : parts) joined.insert(joined.end(), part.begin(), part.end());
+    return joined;
+  }
+};
 
 // libjpeg's reports. It takes a pointer to the first member for one to the whole.
 struct Reports {
@@ -118,12 +129,12 @@ bool IsJpeg(std::span<const uint8_t> bytes) {
 
 JpegFacts ReadJpegMarkers(std::span<const uint8_t> bytes, const std::string& name) {
   JpegFacts facts;
-  std::map<uint8_t, std::span<const uint8_t>> profile;
+  ProfileParts profile;
   size_t position = 2;
   while ((position = NextMarker(bytes, position)) != 0) {
     const uint8_t code = bytes[position - 1];
     if (code == 0xD9) {  // EOI
-      facts.color_profile = Joined(profile);
+      facts.color_profile = profile.Join();
       return facts;
     }
     if (code == 0x01 || code == 0xD8) continue;  // markers without a segment
@@ -140,8 +151,7 @@ JpegFacts ReadJpegMarkers(std::span<const uint8_t> bytes, const std::string& nam
     if (code == 0xE1 && length > 2 && facts.orientation == 1) {
       facts.orientation = OrientationOfExif(bytes.subspan(position + 2, length - 2));
     }
-    if (code == 0xE2 && length > 2)
-      AddProfilePart(bytes.subspan(position + 2, length - 2), profile);
+    if (code == 0xE2 && length > 2) profile.Add(bytes.subspan(position + 2, length - 2));
     if (code == 0xDA) ++facts.scans;
     position += length;
   }

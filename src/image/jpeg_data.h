@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,8 +19,8 @@ struct JpegFacts {
   glm::u64vec2 size{0};  // of the largest frame [px]; 0 if there is none
   int scans = 0;
   int orientation = 1;  // by EXIF (exif.h)
-  // The parts of the ICC profile, one after the other, not checked. Empty: there is none.
-  std::vector<uint8_t> color_profile;
+  // The ICC profile, not checked; empty if one of its parts is missing or there twice.
+  std::optional<std::vector<uint8_t>> color_profile;
 };
 
 // Walks the markers to the end of the image, which a search for the last such marker would not

@@ -1,6 +1,7 @@
 // Photos: the image files that a camera writes.
 #pragma once
 
+#include "image/color_profile.h"
 #include "image/image.h"
 
 #include <cstdint>
@@ -9,12 +10,13 @@
 
 namespace tetrec {
 
-// ReadImage, with colours converted to display sRGB from the colour profile in the file, if it has
-// one (color_profile.h).
-Image ReadPicture(const std::filesystem::path& path, ExifRotation rotation = ExifRotation::kIgnore,
+// ReadImage, with colours converted to display sRGB by the colour profile in the file, if there is
+// one; `use` becomes what was done with it.
+Image ReadPicture(const std::filesystem::path& path, ProfileUse& use,
+                  ExifRotation rotation = ExifRotation::kIgnore,
                   uint64_t* clipped_pixels = nullptr);
 
-// ReadPicture for JPEG, PNG and TIFF only: an EXR is a DataError, too. `orientation` becomes the
+// ReadImage for JPEG, PNG and TIFF only: an EXR is a DataError, too. `orientation` becomes the
 // file's (exif.h), which is 1 for a PNG; the pixels are as stored whatever it is.
 Image ReadPhoto(const std::filesystem::path& path, int* orientation = nullptr);
 

@@ -194,13 +194,14 @@ CameraNotes CameraNotesOfTiff(std::span<const uint8_t> bytes, const std::string&
   return notes;
 }
 
-std::vector<uint8_t> ColorProfileOfTiff(std::span<const uint8_t> bytes, const std::string& name) {
+std::optional<std::vector<uint8_t>> ColorProfileOfTiff(std::span<const uint8_t> bytes,
+                                                       const std::string& name) {
   TiffSource source{bytes, 0, ""};
   const TiffFile file = Open(source, name);
   uint32_t size = 0;
   const uint8_t* profile = nullptr;
-  if (TIFFGetField(file.get(), TIFFTAG_ICCPROFILE, &size, &profile) != 1) return {};
-  return {profile, profile + size};
+  if (TIFFGetField(file.get(), TIFFTAG_ICCPROFILE, &size, &profile) != 1) return std::nullopt;
+  return std::vector<uint8_t>(profile, profile + size);
 }
 
 int OrientationOfTiff(std::span<const uint8_t> bytes, const std::string& name) {

@@ -5,6 +5,7 @@
 #include "image/image.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,8 +22,9 @@ Image DecodeTiff(std::span<const uint8_t> bytes, const std::string& name);
 // As far as the file has them.
 CameraNotes CameraNotesOfTiff(std::span<const uint8_t> bytes, const std::string& name);
 
-// The ICC profile of the first page, not checked; empty if it has none.
-std::vector<uint8_t> ColorProfileOfTiff(std::span<const uint8_t> bytes, const std::string& name);
+// The ICC profile of the first page, not checked.
+std::optional<std::vector<uint8_t>> ColorProfileOfTiff(std::span<const uint8_t> bytes,
+                                                       const std::string& name);
 
 // The orientation (exif.h) of the first page; 1 if it gives none from 1 to 8.
 int OrientationOfTiff(std::span<const uint8_t> bytes, const std::string& name);

@@ -7,6 +7,7 @@
 #include "core/short_list.h"
 #include "core/timer.h"
 #include "geometry/rotation.h"
+#include "image/color_profile.h"
 #include "import/choose_split.h"
 #include "import/stored_pictures.h"
 #include "scene/carve.h"
@@ -291,6 +292,15 @@ void LogScene(const ImportedScene& imported) {
   }
 }
 
+void LogProfiles(const std::vector<PosedPicture>& pictures,
+                 const std::vector<StoredPicture>& stored) {
+  std::vector<std::string> names;
+  std::vector<ProfileUse> uses;
+  for (const PosedPicture& picture : pictures) names.push_back(picture.name);
+  for (const StoredPicture& picture : stored) uses.push_back(picture.profile);
+  LogProfileUses(names, uses);
+}
+
 // Counts and notes for the manifest.
 void Record(const ImportedScene& imported, Stage& stage) {
   const Scene& scene = imported.scene;
@@ -353,6 +363,7 @@ ImportedScene ImportDataset(const Dataset& set, const std::filesystem::path& fol
   internal::CheckAlike(set.pictures, stored);
   internal::CheckSomethingShows(set.pictures, stored);
   if (stored[0].has_mask) imported.masked_share = MaskedShare(stored);
+  LogProfiles(set.pictures, stored);
   imported.missing_files = set.missing_files;
   imported.remarks = set.remarks;
   imported.skipped = set.skipped;

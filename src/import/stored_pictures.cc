@@ -37,11 +37,12 @@ glm::ivec2 SizeOf(const Image& image) { return {image.width, image.height}; }
 
 // Reads the image that its camera took, or a scaled copy of it; notes what was done to it.
 Image ReadPosed(const PosedPicture& picture, StoredPicture& stored) {
-  Image image = ReadPicture(picture.file, ExifRotation::kIgnore, &stored.clipped_pixels);
+  Image image =
+      ReadPicture(picture.file, stored.profile, ExifRotation::kIgnore, &stored.clipped_pixels);
   const glm::ivec2 wanted(picture.lens.width, picture.lens.height), size = SizeOf(image);
   if (wanted.x == 0 || size == wanted) return image;
   if (glm::ivec2(size.y, size.x) == wanted) {
-    Image turned = ReadPicture(picture.file, ExifRotation::kApply);
+    Image turned = ReadPicture(picture.file, stored.profile, ExifRotation::kApply);
     stored.turned = SizeOf(turned) == wanted && turned.channels == image.channels;
     if (stored.turned) return turned;
   }

@@ -1,6 +1,7 @@
 // The images of a data set as they are stored in the scene folder.
 #pragma once
 
+#include "image/color_profile.h"
 #include "import/import.h"
 
 #include <cstdint>
@@ -21,6 +22,7 @@ struct StoredPicture {
   bool resized = false, turned = false, lens_scaled = false;
   bool cut_to_plane = false;
   uint64_t clipped_pixels = 0;
+  ProfileUse profile = ProfileUse::kNone;
   std::vector<uint8_t> alpha;  // of training images only
 };
 

@@ -10,8 +10,8 @@ namespace {
 
 // A tile of 16 x 16 pixels, with room for windows of 11 x 11.
 constexpr int kLeastDssimRays = 256;
-// D-SSIM has a thread for each channel of a ray, and devices start 65,535 workgroups of 64 at
-// least.
+// D-SSIM has a thread for each channel of a ray, and every device can start at least 65,535
+// workgroups of 64 threads.
 constexpr int kMostRays = 1 << 20;
 
 constexpr uint64_t kMostMegabytes = 1000000000;

@@ -31,12 +31,13 @@ constexpr size_t kFewestInGroup = 5;     // such points, within the margin
 constexpr double kFarthest = 1e9;        // of given bounds
 // Cameras that all look in one direction but turn about it look straight down: a drone turns
 // between strips, while people keep their photos upright. Lengths of mean unit vectors.
-constexpr double kOneDirection = 0.95, kManyHeadings = 0.5;
+constexpr double kOneDirection = 0.95, kManyHeadings = 0.3;
 // Cameras that look in one direction from places so far apart survey what they see: by a drone, or
 // along a facade. A few steps to the side before a shelf are not a survey.
-constexpr double kSurveySpread = 0.3;  // of the median depth: RMS distance from their mean axis
-constexpr double kFarInSurvey = 3;     // times the median depth: distance from the nearest camera
-constexpr uint32_t kLeastTrack = 3;    // of a survey's points
+constexpr double kSurveySpread =
+    0.3;                             // of the median depth: RMS distance of the axes from the focus
+constexpr double kFarInSurvey = 3;   // times the median depth: distance from the nearest camera
+constexpr uint32_t kLeastTrack = 3;  // of a survey's points
 
 glm::dvec3 CenterOf(const View& view) { return view.cam_from_world.Inverse().translation; }
 glm::dvec3 AxisInWorld(const View& view, int axis) {
@@ -66,21 +67,19 @@ glm::dvec3 MeanAxis(std::span<const View> views, int axis) {
   return mean;
 }
 
-// The median depth of the points if the cameras survey what they see, nothing otherwise. A walk
-// ahead is not a survey.
-std::optional<double> DepthOfSurvey(const Scene& scene) {
-  const glm::dvec3 ahead = MeanAxis(scene.views, 2);
-  if (glm::length(ahead) <= kOneDirection) return std::nullopt;
-  const double count = double(scene.views.size());
-  glm::dvec3 middle(0.0);
-  for (const View& view : scene.views) middle += CenterOf(view) / count;
+// The median depth of the points if the cameras survey what they see, nothing otherwise: their axes
+// pass far beside each other. Those of photos around a subject, or of a walk forward, do not.
+std::optional<double> DepthOfSurvey(const Scene& scene, const glm::dvec3& focus) {
+  if (glm::length(MeanAxis(scene.views, 2)) <= kOneDirection) return std::nullopt;
   double square = 0;
   std::vector<double> depths;
   for (const View& view : scene.views) {
-    const glm::dvec3 aside = glm::cross(CenterOf(view) - middle, glm::normalize(ahead));
-    square += glm::dot(aside, aside) / count;
-    depths.push_back(MedianDepth(scene, view));
+    const glm::dvec3 beside = glm::cross(focus - CenterOf(view), AxisInWorld(view, 2));
+    square += glm::dot(beside, beside) / double(scene.views.size());
+    const double depth = MedianDepth(scene, view);
+    if (depth > 0) depths.push_back(depth);
   }
+  if (depths.empty()) return std::nullopt;
   const double depth = Quantile(std::move(depths), 0.5);
   return std::sqrt(square) > kSurveySpread * depth ? std::optional(depth) : std::nullopt;
 }
@@ -92,23 +91,23 @@ struct SubjectPoint {
 
 // In a survey, only what is far from all cameras is background.
 std::vector<SubjectPoint> SurveyedPoints(const Scene& scene, double depth) {
-  const auto is_near = [&](const glm::dvec3& place) {
-    return std::ranges::any_of(scene.views, [&](const View& view) {
-      return glm::distance(place, CenterOf(view)) <= kFarInSurvey * depth;
-    });
-  };
+  std::vector<glm::dvec3> centers;
+  for (const View& view : scene.views) centers.push_back(CenterOf(view));
   std::vector<SubjectPoint> near, all;
   for (const ScenePoint& point : scene.points) {
     all.push_back({&point, false});
     const bool is_reliable =
         point.track_length == 0 /* not known */ || point.track_length >= kLeastTrack;
-    if (is_reliable && is_near(point.position)) near.push_back(all.back());
+    const bool is_near = std::ranges::any_of(centers, [&](const glm::dvec3& center) {
+      return glm::distance(point.position, center) <= kFarInSurvey * depth;
+    });
+    if (is_reliable && is_near) near.push_back(all.back());
   }
   return near.size() < kFewPoints ? all : near;
 }
 
 std::vector<SubjectPoint> SubjectPoints(const Scene& scene, const glm::dvec3& focus) {
-  if (const auto depth = DepthOfSurvey(scene)) return SurveyedPoints(scene, *depth);
+  if (const auto depth = DepthOfSurvey(scene, focus)) return SurveyedPoints(scene, *depth);
   std::vector<double> distances, shares;
   for (const View& view : scene.views) distances.push_back(glm::distance(CenterOf(view), focus));
   const double reach = kReach * Quantile(distances, 0.5);

@@ -28,12 +28,12 @@ glm::dvec3 FindFocus(const Scene& scene);
 
 // The upright direction for hand-held cameras with upright images: perpendicular to their x axes,
 // which people keep level; if these do not determine it, the mean of the cameras' own up
-// directions. Cameras that look in one direction and turn about it look straight down.
+// directions. Cameras that look in one direction and turn about it are taken to look straight down.
 glm::dvec3 FindUp(std::span<const View> views);
 
 // `scene` is in the input's frame, with cameras, views and points. The subject is what most cameras
-// see, or all that they see from near if they survey it, which means that they look in one
-// direction from places that are far apart. Throws DataError without points.
+// see, or everything close to them if they survey it: if they look in one direction from places far
+// apart. Throws DataError without points.
 Subject FindSubject(const Scene& scene);
 
 // Moves views and points into the subject's world and sets the scene's bounds.

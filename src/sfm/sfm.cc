@@ -8,6 +8,7 @@
 #include "core/timer.h"
 #include "geometry/quarter_turns.h"
 #include "geometry/undistorted_camera.h"
+#include "image/color_profile.h"
 #include "image/image.h"
 #include "image/photo.h"
 #include "image/undistort.h"
@@ -103,10 +104,11 @@ void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& ph
     camera_of[image.name] = &model.cameras.at(image.camera);
   for (const View& view : scene.views) fs::create_directories((folder / view.image).parent_path());
   std::atomic<size_t> with_alpha = 0;
+  std::vector<ProfileUse> profiles(scene.views.size());
   const auto write = [&](size_t i) {
     const View& view = scene.views[i];
     const Photo& photo = *photo_of.at(view.name);
-    Image image = ReadPhoto(photo.file);
+    Image image = ReadPicture(photo.file, profiles[i]);
     if (image.channels == 4) {
       image = WithoutAlpha(image);
       ++with_alpha;
@@ -121,6 +123,9 @@ void WriteViews(const Scene& scene, const ColmapModel& model, const fs::path& ph
     WriteImage(folder / view.image, TurnedClockwise(image, photo.quarter_turns));
   };
   ParallelForEach(scene.views.size(), "undistorting: photo", "COLMAP's results are kept", write);
+  std::vector<std::string> names;
+  for (const View& view : scene.views) names.push_back(view.name);
+  LogProfileUses(names, profiles);
   if (with_alpha > 0) {
     LogWarning(
         "{} photos have transparency, which is not used: it was dropped, the colours beneath were "

@@ -160,53 +160,95 @@ void ExpectConverted(const Image& photo, int levels) {
   }
 }
 
+Image Read(const std::filesystem::path& path, ProfileUse expected = ProfileUse::kApplied) {
+  ProfileUse use = ProfileUse::kNone;
+  Image image = ReadPicture(path, use);
+  EXPECT_EQ(use, expected) << path;
+  return image;
+}
+
 std::string WarningsWhile(const std::function<void()>& work) {
   ::testing::internal::CaptureStderr();
   work();
   return ::testing::internal::GetCapturedStderr();
 }
 
-TEST(ColorProfile, PhotosInDisplayP3BecomeSrgb) {
+TEST(ColorProfile, ImagesInDisplayP3BecomeSrgb) {
   const ScratchFolder folder;
   const std::vector<uint8_t> p3 = DisplayP3();
-  ExpectConverted(ReadPhoto(folder.Write("a.png", PngWith(p3))), 1);
-  ExpectConverted(ReadPhoto(folder.Write("a.jpg", JpegWith(p3))), 3);
-  ExpectConverted(ReadPhoto(folder.Write("parts.jpg", JpegWith(p3, 3))), 3);
+  ExpectConverted(Read(folder.Write("a.png", PngWith(p3))), 1);
+  ExpectConverted(Read(folder.Write("a.jpg", JpegWith(p3))), 3);
+  ExpectConverted(Read(folder.Write("parts.jpg", JpegWith(p3, 3))), 3);
   WriteTiff(folder / "a.tif", p3);
-  ExpectConverted(ReadPhoto(folder / "a.tif"), 1);
+  ExpectConverted(Read(folder / "a.tif"), 1);
   // The colours differ enough for this to mean something.
   EXPECT_GT(std::abs(SrgbFromP3(kColors[0])[0] - kColors[0][0]), 10);
 }
 
 TEST(ColorProfile, AlphaStays) {
   const ScratchFolder folder;
-  const Image photo = ReadPhoto(folder.Write("a.png", PngWith(DisplayP3(), 4)));
-  ASSERT_EQ(photo.channels, 4);
-  ExpectConverted(photo, 1);
-  for (int i = 0; i < int(kColors.size()); ++i) EXPECT_EQ(photo.At(16 * i + 8, 8)[3], 40 * i);
+  const Image image = Read(folder.Write("a.png", PngWith(DisplayP3(), 4)));
+  ASSERT_EQ(image.channels, 4);
+  ExpectConverted(image, 1);
+  for (int i = 0; i < int(kColors.size()); ++i) EXPECT_EQ(image.At(16 * i + 8, 8)[3], 40 * i);
 }
 
-TEST(ColorProfile, SrgbAndWhatIsNotAPhotoStaysAsItIs) {
+TEST(ColorProfile, SrgbAndWhatIsNotReadForItsColoursStayAsTheyAre) {
   const ScratchFolder folder;
   const std::filesystem::path srgb = folder.Write("srgb.png", PngWith(Srgb()));
   const std::filesystem::path p3 = folder.Write("p3.png", PngWith(DisplayP3()));
-  EXPECT_EQ(ReadPhoto(srgb).pixels, ReadImage(srgb).pixels);
+  EXPECT_EQ(Read(srgb, ProfileUse::kNone).pixels, ReadImage(srgb).pixels);
   EXPECT_EQ(ReadImage(p3).pixels, ReadImage(srgb).pixels);
-  EXPECT_NE(ReadPicture(p3).pixels, ReadImage(p3).pixels);
+  EXPECT_NE(Read(p3).pixels, ReadImage(p3).pixels);
 }
 
-TEST(ColorProfile, OneThatIsDamagedOrNotOfRgbIsIgnoredWithAWarning) {
+// Damage must not go unnoticed, nor change colours.
+TEST(ColorProfile, OneThatIsDamagedOrOfAnotherKindIsIgnored) {
   const ScratchFolder folder;
-  const auto warnings_of = [&](const std::vector<uint8_t>& png) {
-    const std::filesystem::path path = folder.Write("a.png", png);
-    return WarningsWhile([&] { EXPECT_EQ(ReadPhoto(path).pixels, ReadImage(path).pixels); });
+  const auto expect = [&](const std::vector<uint8_t>& file, ProfileUse use) {
+    const std::filesystem::path path = folder.Write("image", file);
+    EXPECT_EQ(Read(path, use).pixels, ReadImage(path).pixels);
   };
-  std::vector<uint8_t> cut = DisplayP3();
+  const std::vector<uint8_t> p3 = DisplayP3();
+  std::vector<uint8_t> cut = p3, png = PngWith(p3), jpeg = JpegWith(p3, 3), twice = jpeg;
   cut.resize(150);
-  EXPECT_THAT(warnings_of(PngWith(cut)), HasSubstr("a.png: its colour profile is damaged"));
-  EXPECT_THAT(warnings_of(PngWith(Grey())), HasSubstr("its colour profile is not one of RGB"));
-  EXPECT_THAT(warnings_of(PngWith(Srgb())), IsEmpty());
-  EXPECT_THAT(warnings_of(Encoded(".png", Blocks(3))), IsEmpty());
+  expect(PngWith(cut), ProfileUse::kIgnored);
+  expect(PngWith(Grey()), ProfileUse::kIgnored);
+  expect(PngWith(std::vector<uint8_t>(5 << 20, 7)), ProfileUse::kIgnored);
+  // The last part of the three is the first in the file.
+  const size_t part = 2 + size_t(jpeg[4] << 8 | jpeg[5]);
+  twice.insert(twice.begin() + 2, jpeg.begin() + 2, jpeg.begin() + 2 + ptrdiff_t(part));
+  expect(twice, ProfileUse::kIgnored);
+  jpeg.erase(jpeg.begin() + 2, jpeg.begin() + 2 + ptrdiff_t(part));
+  expect(jpeg, ProfileUse::kIgnored);
+  expect(Encoded(".png", Blocks(3)), ProfileUse::kNone);
+}
+
+// Tables may refer to one another without end, and cost gigabytes and hours.
+TEST(ColorProfile, TablesBesidePrimariesAndCurvesAreNotRead) {
+  const ScratchFolder folder;
+  std::vector<uint8_t> with_tables = DisplayP3();
+  // The description becomes what it is not: a table of colours. Read, it would be refused.
+  const std::string_view name("desc");
+  const auto tag =
+      std::search(with_tables.begin() + 128, with_tables.end(), name.begin(), name.end());
+  ASSERT_NE(tag, with_tables.end());
+  std::copy_n("A2B1", 4, tag);
+  ExpectConverted(Read(folder.Write("a.png", PngWith(with_tables))), 1);
+}
+
+TEST(ColorProfile, EachUseIsLoggedOnce) {
+  const auto lines = [](const std::vector<ProfileUse>& uses) {
+    return WarningsWhile([&] { LogProfileUses({"a.jpg", "b.jpg", "c.jpg"}, uses); });
+  };
+  using enum ProfileUse;
+  EXPECT_THAT(lines({kNone, kNone, kNone}), IsEmpty());
+  EXPECT_THAT(lines({kApplied, kNone, kApplied}),
+              HasSubstr("2 images have another colour profile"));
+  EXPECT_THAT(
+      lines({kIgnored, kNone, kIgnored}),
+      HasSubstr("2 images have a colour profile that is damaged, or not one of RGB primaries "
+                "and curves (a.jpg, c.jpg)"));
 }
 
 }  // namespace

@@ -164,6 +164,21 @@ TEST(Import, RefusesATruncatedImageAndImagesThatDiffer) {
                          {"test/r_1.png", "no alpha"});
 }
 
+TEST(Import, ReadsColourProfilesAndNamesThoseThatAreDamaged) {
+  const ScratchFolder folder;
+  WriteNerf(folder, SomeScene());
+  std::vector<uint8_t> png = ReadBytes(folder / "train/r_1.png");
+  const std::string_view chunk("\0\0\0\x05iCCPx\0\0??\0\0\0\0", 17);
+  constexpr ptrdiff_t kBehindHeader = 33;
+  png.insert(png.begin() + kBehindHeader, chunk.begin(), chunk.end());
+  WriteBytes(folder / "train/r_1.png", png);
+  ::testing::internal::CaptureStderr();
+  ImportDataset(folder.path(), folder / "scene", AtSize(40));
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              ::testing::HasSubstr("1 images have a colour profile that is damaged, or not one of "
+                                   "RGB primaries and curves (train/r_1): they are read as sRGB"));
+}
+
 // Writes the scene as one transforms.json with the lens in pixels.
 Json WriteTransforms(const ScratchFolder& folder, const SyntheticScene& synthetic) {
   const Camera& camera = synthetic.scene.cameras[0];

@@ -36,6 +36,7 @@ TEST(OptimizeOptions, AreRefusedWhereTheyContradictEachOther) {
       With([](OptimizeOptions& o) { o.budget_mb = 2000000000; }),
       With([](OptimizeOptions& o) { o.budget = BudgetChoice::kFull; }),
       With([](OptimizeOptions& o) { o.rays_per_step = 0; }),
+      With([](OptimizeOptions& o) { o.rays_per_step = 1'048'577; }),
       With([](OptimizeOptions& o) {
         o.density = DensityForm::kSigned;
         o.storage = FieldStorage::kCell;
@@ -58,6 +59,7 @@ TEST(OptimizeOptions, AreRefusedWhereTheyContradictEachOther) {
       }),
   };
   for (const OptimizeOptions& options : refused) EXPECT_THROW(options.Check(), UsageError);
+  With([](OptimizeOptions& o) { o.rays_per_step = 1'048'576; }).Check();
 }
 
 }  // namespace

@@ -213,13 +213,39 @@ TEST(Subject, ASurveyIsWholeAndWhatAFewStepsShowIsItsMiddle) {
     with_background.points.push_back(point);
   }
   EXPECT_LT(side(with_background), 23);
-  // Cameras one behind the other make a walk ahead.
+  // Cameras one behind the other make a walk forward.
   Scene walk = SurveyScene(0.2);
   walk.cameras[0].fx = walk.cameras[0].fy = 400;
   for (size_t i = 0; i < walk.views.size(); ++i) {
     walk.views[i].cam_from_world.translation.z += double(i);
   }
   EXPECT_LT(side(walk), 18);
+}
+
+// Photos from an arc of 56 degrees before a ball, with a wall behind it.
+TEST(Subject, AnArcBeforeASubjectIsNotASurvey) {
+  Scene scene;
+  scene.cameras.push_back({.width = 100, .height = 80, .fx = 90, .fy = 90, .cx = 50, .cy = 40});
+  for (int i = 0; i <= 20; ++i) {
+    const double angle = (i - 10) / 10.0 * 28 / 180 * M_PI;
+    const glm::dvec3 z(-std::sin(angle), 0, -std::cos(angle)), y(0, -1, 0);
+    View view;
+    view.cam_from_world.rotation = glm::transpose(glm::dmat3(glm::cross(y, z), y, z));
+    view.cam_from_world.translation = {0, 0, 4};
+    scene.views.push_back(view);
+  }
+  for (int i = 0; i < 1000; ++i) {
+    const double u = std::fmod(0.618034 * i, 1.0), turn = 0.1 * i;
+    ScenePoint point;
+    point.track_length = 5;
+    const double radius = std::sqrt(1 - u * u);
+    point.position = {radius * std::cos(turn), radius * std::sin(turn), u};
+    scene.points.push_back(point);
+    point.position = {10 * u - 5, i / 125.0 - 4, -4};
+    scene.points.push_back(point);
+  }
+  const Subject subject = FindSubject(scene);
+  EXPECT_LT(subject.input_from_world.scale * subject.bounds_in_world.Size().x, 2.5);
 }
 
 TEST(Subject, UpIsAgainstTheAxesOfCamerasThatLookStraightDownAndTurnBetweenStrips) {
