@@ -106,7 +106,7 @@ ProfileUse ApplyColorProfile(std::span<const uint8_t> file, const std::string& n
 
 void LogProfileUses(const std::vector<std::string>& names, const std::vector<ProfileUse>& uses) {
   if (const auto applied = std::ranges::count(uses, ProfileUse::kApplied); applied > 0) {
-    LogInfo("{} images have another colour profile than sRGB: they are converted to sRGB", applied);
+    LogInfo("images with a colour profile other than sRGB, converted to sRGB: {}", applied);
   }
   std::vector<std::string> ignored;
   for (size_t i = 0; i < uses.size(); ++i) {
@@ -114,8 +114,8 @@ void LogProfileUses(const std::vector<std::string>& names, const std::vector<Pro
   }
   if (ignored.empty()) return;
   LogWarning(
-      "{} images have a colour profile that is damaged, or not one of RGB primaries and curves "
-      "({}): they are read as sRGB",
+      "images whose colour profile is damaged, or not one of RGB primaries and curves, read as "
+      "sRGB: {} ({})",
       ignored.size(), ShortList(ignored));
 }
 

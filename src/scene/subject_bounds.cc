@@ -34,10 +34,9 @@ constexpr double kFarthest = 1e9;        // of given bounds
 constexpr double kOneDirection = 0.95, kManyHeadings = 0.3;
 // Cameras that look in one direction from places so far apart survey what they see: by a drone, or
 // along a facade. A few steps to the side before a shelf are not a survey.
-constexpr double kSurveySpread =
-    0.3;                             // of the median depth: RMS distance of the axes from the focus
-constexpr double kFarInSurvey = 3;   // times the median depth: distance from the nearest camera
-constexpr uint32_t kLeastTrack = 3;  // of a survey's points
+constexpr double kSurveySpread = 0.3;  // of the median depth: RMS distance of axes from the focus
+constexpr double kFarInSurvey = 3;     // times the median depth: distance from the nearest camera
+constexpr uint32_t kLeastTrack = 3;    // of a survey's points
 
 glm::dvec3 CenterOf(const View& view) { return view.cam_from_world.Inverse().translation; }
 glm::dvec3 AxisInWorld(const View& view, int axis) {

@@ -11,7 +11,7 @@ Each kind becomes a folder of JPEG photos, OUT/KIND, for `tetrec-sfm OUT/KIND -o
   wide       15 photos around a subject in steps of 24 degrees
   few        9 photos of the yard: every second one of half of the walk
   uneven     the photos of the yard, each with its own exposure
-  aerial     42 photos straight down on a village, in strips as a drone flies
+  aerial     42 photos straight down on a village, in strips, as a drone flies them
   plant      36 photos of a plant with thin leaves, in two circles
   passers    the photos of the yard; people walk through every second one
 

@@ -244,11 +244,11 @@ TEST(ColorProfile, EachUseIsLoggedOnce) {
   using enum ProfileUse;
   EXPECT_THAT(lines({kNone, kNone, kNone}), IsEmpty());
   EXPECT_THAT(lines({kApplied, kNone, kApplied}),
-              HasSubstr("2 images have another colour profile"));
+              HasSubstr("other than sRGB, converted to sRGB: 2"));
   EXPECT_THAT(
       lines({kIgnored, kNone, kIgnored}),
-      HasSubstr("2 images have a colour profile that is damaged, or not one of RGB primaries "
-                "and curves (a.jpg, c.jpg)"));
+      HasSubstr("images whose colour profile is damaged, or not one of RGB primaries and curves, "
+                "read as sRGB: 2 (a.jpg, c.jpg)"));
 }
 
 }  // namespace

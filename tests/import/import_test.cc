@@ -175,8 +175,9 @@ TEST(Import, ReadsColourProfilesAndNamesThoseThatAreDamaged) {
   ::testing::internal::CaptureStderr();
   ImportDataset(folder.path(), folder / "scene", AtSize(40));
   EXPECT_THAT(::testing::internal::GetCapturedStderr(),
-              ::testing::HasSubstr("1 images have a colour profile that is damaged, or not one of "
-                                   "RGB primaries and curves (train/r_1): they are read as sRGB"));
+              ::testing::HasSubstr(
+                  "images whose colour profile is damaged, or not one of RGB primaries and curves, "
+                  "read as sRGB: 1 (train/r_1)"));
 }
 
 // Writes the scene as one transforms.json with the lens in pixels.
