@@ -1,10 +1,11 @@
-// ICC colour profiles, by Little CMS.
+// Colour spaces by Little CMS.
 #include "image/color_profile.h"
 
 #include "core/log.h"
 #include "core/short_list.h"
 #include "image/jpeg_data.h"
 #include "image/png_data.h"
+#include "image/size_limits.h"
 #include "image/tiff_file.h"
 
 #include <lcms2.h>
@@ -20,7 +21,6 @@
 namespace tetrec {
 namespace {
 
-constexpr size_t kMostProfile_bytes = size_t{1} << 22;  // more than the tables of a printer have
 constexpr int kSameLevels = 2;  // rounding, and other approximations of sRGB's curve
 
 struct CloseProfile {
@@ -28,6 +28,9 @@ struct CloseProfile {
 };
 struct DeleteTransform {
   void operator()(cmsHTRANSFORM transform) const { cmsDeleteTransform(transform); }
+};
+struct FreeCurve {
+  void operator()(cmsToneCurve* curve) const { cmsFreeToneCurve(curve); }
 };
 using Profile = std::unique_ptr<std::remove_pointer_t<cmsHPROFILE>, CloseProfile>;
 using Transform = std::unique_ptr<std::remove_pointer_t<cmsHTRANSFORM>, DeleteTransform>;
@@ -44,7 +47,7 @@ std::optional<std::vector<uint8_t>> ProfileOf(std::span<const uint8_t> file,
 // may have instead or besides, could be of any number and size. Null if the profile is damaged or
 // of another kind.
 Profile PrimariesAndCurves(std::span<const uint8_t> bytes) {
-  if (bytes.empty() || bytes.size() > kMostProfile_bytes) return nullptr;
+  if (bytes.empty() || bytes.size() > kMostColorProfile_bytes) return nullptr;
   const Profile whole(cmsOpenProfileFromMem(bytes.data(), cmsUInt32Number(bytes.size())));
   if (!whole || cmsGetColorSpace(whole.get()) != cmsSigRgbData) return nullptr;
   Profile part(cmsCreateProfilePlaceholder(nullptr));
@@ -60,6 +63,21 @@ Profile PrimariesAndCurves(std::span<const uint8_t> bytes) {
     if (value == nullptr || cmsWriteTag(part.get(), tag, value) == 0) return nullptr;
   }
   return part;
+}
+
+bool NotesAdobeRgb(std::span<const uint8_t> file, const std::string& name) {
+  return IsJpeg(file) && ReadJpegMarkers(file, name).notes.are_adobe_rgb;
+}
+
+// Source: Adobe RGB (1998) Color Image Encoding, 2005, section 4.3.
+Profile AdobeRgb() {
+  const cmsCIExyY white{0.3127, 0.3290, 1};
+  const cmsCIExyYTRIPLE primaries{{0.64, 0.33, 1}, {0.21, 0.71, 1}, {0.15, 0.06, 1}};
+  const std::unique_ptr<cmsToneCurve, FreeCurve> curve(cmsBuildGamma(nullptr, 2.19921875));
+  cmsToneCurve* const curves[] = {curve.get(), curve.get(), curve.get()};
+  Profile profile(cmsCreateRGBProfile(&white, &primaries, curves));
+  if (!curve || !profile) throw std::bad_alloc();
+  return profile;
 }
 
 // Null if the profile cannot be used.
@@ -90,9 +108,9 @@ bool IsSrgb(const Transform& from_rgb) {
 }  // namespace
 
 ProfileUse ApplyColorProfile(std::span<const uint8_t> file, const std::string& name, Image& image) {
-  const std::optional<std::vector<uint8_t>> bytes = ProfileOf(file, name);
-  if (!bytes) return ProfileUse::kNone;
-  const Profile profile = PrimariesAndCurves(*bytes);
+  const std::optional<std::vector<uint8_t>> embedded = ProfileOf(file, name);
+  if (!embedded && !NotesAdobeRgb(file, name)) return ProfileUse::kNone;
+  const Profile profile = embedded ? PrimariesAndCurves(*embedded) : AdobeRgb();
   Transform transform = profile ? ToSrgb(profile, TYPE_RGB_8) : nullptr;
   if (!transform) return ProfileUse::kIgnored;
   if (IsSrgb(transform)) return ProfileUse::kNone;
@@ -106,7 +124,7 @@ ProfileUse ApplyColorProfile(std::span<const uint8_t> file, const std::string& n
 
 void LogProfileUses(const std::vector<std::string>& names, const std::vector<ProfileUse>& uses) {
   if (const auto applied = std::ranges::count(uses, ProfileUse::kApplied); applied > 0) {
-    LogInfo("images with a colour profile other than sRGB, converted to sRGB: {}", applied);
+    LogInfo("images in a colour space other than sRGB, converted to sRGB: {}", applied);
   }
   std::vector<std::string> ignored;
   for (size_t i = 0; i < uses.size(); ++i) {

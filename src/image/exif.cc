@@ -16,7 +16,8 @@ namespace {
 // Types of values, and their tags. (Exif 2.32, section 4.6)
 constexpr uint16_t kAscii = 2, kShort = 3, kLong = 4, kRational = 5;
 constexpr uint16_t kMake = 0x010F, kModel = 0x0110, kOrientation = 0x0112, kExifDirectory = 0x8769,
-                   kFocalLength = 0x920A, kFocalLength35 = 0xA405;
+                   kFocalLength = 0x920A, kInteroperability = 0xA005, kFocalLength35 = 0xA405;
+constexpr uint16_t kInteroperabilityIndex = 1;  // in the directory of that name
 constexpr size_t kEntryBytes = 12;
 constexpr std::string_view kExifMark("Exif\0\0", 6);  // in front of EXIF in a JPEG's segment
 
@@ -64,19 +65,49 @@ std::vector<uint8_t> ExifOf(const CameraNotes& notes) {
 
 // The integers of a TIFF structure in the byte order that it has. Beyond its end, where the places
 // that a damaged one gives may be, they are 0.
-struct TiffIntegers {
+struct TiffStructure {
   std::span<const uint8_t> bytes;
-  bool are_big_endian = false;
+  bool is_big_endian = false;
 
   uint32_t At(size_t position, size_t size) const {
     if (position > bytes.size() || size > bytes.size() - position) return 0;
     uint32_t value = 0;
     for (size_t i = 0; i < size; ++i) {
-      value = value << 8 | bytes[position + (are_big_endian ? i : size - 1 - i)];
+      value = value << 8 | bytes[position + (is_big_endian ? i : size - 1 - i)];
     }
     return value;
   }
+
+  // The place of the value of a directory's entry; 0 if there is none with this type and count.
+  size_t Find(size_t directory, uint16_t tag, uint16_t type, size_t count) const {
+    // No more than fit, so that a hostile file of many such segments takes no time.
+    const size_t entries = std::min<size_t>(At(directory, 2), bytes.size() / kEntryBytes);
+    for (size_t i = 0; i < entries; ++i) {
+      const size_t entry = directory + 2 + kEntryBytes * i;
+      if (At(entry, 2) != tag) continue;
+      return At(entry + 2, 2) == type && At(entry + 4, 4) == count ? entry + 8 : 0;
+    }
+    return 0;
+  }
 };
+
+int OrientationIn(const TiffStructure& exif, size_t directory) {
+  const size_t place = exif.Find(directory, kOrientation, kShort, 1);
+  const uint32_t orientation = place > 0 ? exif.At(place, 2) : 1;
+  return orientation >= 1 && orientation <= 8 ? int(orientation) : 1;
+}
+
+// By the index of the DCF's optional files, which are all in Adobe RGB. (DCF 2.0, section 3.2)
+bool IsAdobeRgb(const TiffStructure& exif, size_t directory) {
+  const auto inner = [&](size_t outer, uint16_t tag) -> size_t {
+    const size_t place = outer > 0 ? exif.Find(outer, tag, kLong, 1) : 0;
+    return place > 0 ? exif.At(place, 4) : 0;
+  };
+  const size_t notes = inner(inner(directory, kExifDirectory), kInteroperability);
+  const size_t index = notes > 0 ? exif.Find(notes, kInteroperabilityIndex, kAscii, 4) : 0;
+  return index > 0 && index + 4 <= exif.bytes.size() &&
+         std::memcmp(&exif.bytes[index], "R03", 4) == 0;
+}
 
 }  // namespace
 
@@ -94,25 +125,16 @@ std::vector<uint8_t> WithExif(std::span<const uint8_t> jpeg, const CameraNotes& 
   return with.bytes();
 }
 
-int OrientationOfExif(std::span<const uint8_t> app1) {
+PixelNotes PixelNotesOfExif(std::span<const uint8_t> app1) {
   const std::string_view text(reinterpret_cast<const char*>(app1.data()), app1.size());
-  if (!text.starts_with(kExifMark)) return 1;
+  if (!text.starts_with(kExifMark)) return {};
   const std::string_view signature = text.substr(kExifMark.size(), 4);
   const bool is_big_endian = signature == std::string_view("MM\0*", 4);
-  if (!is_big_endian && signature != std::string_view("II*\0", 4)) return 1;
-  const TiffIntegers exif{app1.subspan(kExifMark.size()), is_big_endian};
+  if (!is_big_endian && signature != std::string_view("II*\0", 4)) return {};
+  const TiffStructure exif{app1.subspan(kExifMark.size()), is_big_endian};
   // Only the first directory counts: the second one is about the thumbnail.
   const size_t directory = exif.At(4, 4);
-  // No more than fit, so that a hostile file of many such segments takes no time.
-  const size_t entries = std::min<size_t>(exif.At(directory, 2), exif.bytes.size() / kEntryBytes);
-  for (size_t i = 0; i < entries; ++i) {
-    const size_t entry = directory + 2 + kEntryBytes * i;
-    if (exif.At(entry, 2) != kOrientation) continue;
-    if (exif.At(entry + 2, 2) != kShort || exif.At(entry + 4, 4) != 1) return 1;
-    const uint32_t orientation = exif.At(entry + 8, 2);
-    return orientation >= 1 && orientation <= 8 ? int(orientation) : 1;
-  }
-  return 1;
+  return {OrientationIn(exif, directory), IsAdobeRgb(exif, directory)};
 }
 
 int QuarterTurnsOf(int orientation) {

@@ -18,10 +18,16 @@ struct CameraNotes {
 // The JPEG file with the notes as EXIF, in front of all that it contains.
 std::vector<uint8_t> WithExif(std::span<const uint8_t> jpeg, const CameraNotes& notes);
 
-// The orientation specifies how a stored image must be turned or mirrored to be upright, from 1
-// (not at all) to 8. This is that of the content of a JPEG's APP1 segment; 1 if the segment is not
-// EXIF, is damaged, or contains no such number.
-int OrientationOfExif(std::span<const uint8_t> app1);
+// How the pixels of a JPEG are meant.
+struct PixelNotes {
+  // How the stored image must be turned or mirrored to be upright, from 1 (not at all) to 8.
+  int orientation = 1;
+  bool are_adobe_rgb = false;  // which cameras note instead of embedding a profile
+};
+
+// The notes in the content of a JPEG's APP1 segment; the defaults where the segment is not EXIF, is
+// damaged, or contains no such note.
+PixelNotes PixelNotesOfExif(std::span<const uint8_t> app1);
 
 // The quarter turns clockwise, 0 to 3, by which the stored image must be turned so that what was up
 // is at its top. What is stored as a mirror image remains one.

@@ -13,6 +13,7 @@
 #include "image/png_data.h"
 #include "image/size_limits.h"
 #include "image/srgb.h"
+#include "image/starts_with.h"
 #include "image/tiff_file.h"
 
 #include <fmt/format.h>
@@ -31,11 +32,6 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = std::numeric_limits<int>::max();  // OpenCV's limit
 
-template <size_t N>
-bool StartsWith(std::span<const uint8_t> bytes, const uint8_t (&signature)[N]) {
-  return bytes.size() >= N && std::memcmp(bytes.data(), signature, N) == 0;
-}
-
 // More than any program writes; each scan of a short file may cost as much as the whole image.
 constexpr int kMostJpegScans = 500;
 
@@ -52,7 +48,7 @@ void CheckJpeg(std::span<const uint8_t> bytes, const std::string& name) {
 
 int OrientationOfPhoto(std::span<const uint8_t> bytes, const std::string& name) {
   if (IsTiff(bytes)) return OrientationOfTiff(bytes, name);
-  return IsJpeg(bytes) ? ReadJpegMarkers(bytes, name).orientation : 1;
+  return IsJpeg(bytes) ? ReadJpegMarkers(bytes, name).notes.orientation : 1;
 }
 
 // OpenCV reads EXR only if this environment variable is set when it first looks. It is set before

@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 #include "image/big_endian.h"
-#include "image/exif.h"
+#include "image/starts_with.h"
 
 #include <fmt/format.h>
 
@@ -123,8 +123,7 @@ void DecodeScans(jpeg_decompress_struct& decoder, Reports& reports, std::span<co
 
 bool IsJpeg(std::span<const uint8_t> bytes) {
   constexpr uint8_t kSignature[] = {0xFF, 0xD8, 0xFF};
-  return bytes.size() >= sizeof(kSignature) &&
-         std::memcmp(bytes.data(), kSignature, sizeof(kSignature)) == 0;
+  return StartsWith(bytes, kSignature);
 }
 
 JpegFacts ReadJpegMarkers(std::span<const uint8_t> bytes, const std::string& name) {
@@ -148,8 +147,10 @@ JpegFacts ReadJpegMarkers(std::span<const uint8_t> bytes, const std::string& nam
                             {BigEndian16(&bytes[position + 5]), BigEndian16(&bytes[position + 3])});
     }
     // Other things than EXIF have such segments (APP1), too.
-    if (code == 0xE1 && length > 2 && facts.orientation == 1) {
-      facts.orientation = OrientationOfExif(bytes.subspan(position + 2, length - 2));
+    if (code == 0xE1 && length > 2) {
+      const PixelNotes notes = PixelNotesOfExif(bytes.subspan(position + 2, length - 2));
+      if (facts.notes.orientation == 1) facts.notes.orientation = notes.orientation;
+      if (notes.are_adobe_rgb) facts.notes.are_adobe_rgb = true;
     }
     if (code == 0xE2 && length > 2) profile.Add(bytes.subspan(position + 2, length - 2));
     if (code == 0xDA) ++facts.scans;

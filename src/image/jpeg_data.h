@@ -2,6 +2,8 @@
 // parts.
 #pragma once
 
+#include "image/exif.h"
+
 #include <glm/glm.hpp>
 
 #include <cstdint>
@@ -18,7 +20,7 @@ bool IsJpeg(std::span<const uint8_t> bytes);
 struct JpegFacts {
   glm::u64vec2 size{0};  // of the largest frame [px]; 0 if there is none
   int scans = 0;
-  int orientation = 1;  // by EXIF (exif.h)
+  PixelNotes notes;  // by EXIF
   // The ICC profile, not checked; empty if one of its parts is missing or there twice.
   std::optional<std::vector<uint8_t>> color_profile;
 };

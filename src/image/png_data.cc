@@ -4,12 +4,12 @@
 #include "core/error.h"
 #include "image/big_endian.h"
 #include "image/size_limits.h"
+#include "image/starts_with.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <cstring>
 #include <string_view>
 
 namespace tetrec {
@@ -25,8 +25,7 @@ uint64_t PngBits(uint8_t depth, uint8_t color_type) {
 
 // Empty if the data is damaged or too long.
 std::vector<uint8_t> Inflated(std::span<const uint8_t> data) {
-  constexpr size_t kMostInflated_bytes = size_t{1} << 22;
-  std::vector<uint8_t> profile(kMostInflated_bytes);
+  std::vector<uint8_t> profile(kMostColorProfile_bytes);
   uLongf size = profile.size();
   if (uncompress(profile.data(), &size, data.data(), uLong(data.size())) != Z_OK) size = 0;
   profile.resize(size);
@@ -35,10 +34,7 @@ std::vector<uint8_t> Inflated(std::span<const uint8_t> data) {
 
 }  // namespace
 
-bool IsPng(std::span<const uint8_t> bytes) {
-  return bytes.size() >= sizeof(kPngSignature) &&
-         std::memcmp(bytes.data(), kPngSignature, sizeof(kPngSignature)) == 0;
-}
+bool IsPng(std::span<const uint8_t> bytes) { return StartsWith(bytes, kPngSignature); }
 
 PngFacts ReadPngChunks(std::span<const uint8_t> bytes, const std::string& name) {
   PngFacts facts;

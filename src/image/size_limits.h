@@ -1,10 +1,13 @@
-// What an image file may claim about its size, checked before memory is allocated.
+// How large what an image file contains may be, checked before memory is allocated.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
 namespace tetrec {
+
+inline constexpr size_t kMostColorProfile_bytes = size_t{1} << 22;  // a printer's has fewer
 
 // Throws DataError unless there are 1 to 65,536 pixels per side and at most 2^28 in total.
 void CheckSize(uint64_t width, uint64_t height, const std::string& name);

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "image/size_limits.h"
+#include "image/starts_with.h"
 
 #include <fmt/format.h>
 #include <tiffio.h>
@@ -138,10 +139,8 @@ bool IsTiff(std::span<const uint8_t> bytes) {
                                         {'M', 'M', 0, '*'},  // and large files:
                                         {'I', 'I', '+', 0},
                                         {'M', 'M', 0, '+'}};
-  return bytes.size() >= 4 && std::any_of(std::begin(kSignatures), std::end(kSignatures),
-                                          [&](const uint8_t(&signature)[4]) {
-                                            return std::memcmp(bytes.data(), signature, 4) == 0;
-                                          });
+  return std::ranges::any_of(
+      kSignatures, [&](const uint8_t(&signature)[4]) { return StartsWith(bytes, signature); });
 }
 
 Image DecodeTiff(std::span<const uint8_t> bytes, const std::string& name) {

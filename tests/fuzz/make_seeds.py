@@ -142,7 +142,9 @@ def jpeg(profile=b""):
         return b"\xff" + bytes([code]) + struct.pack(">H", len(body) + 2) + body
 
     one_code = bytes([1] + 15 * [0] + [0])  # symbol 0 by the code 0
-    exif = b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0"
+    # An orientation, and beyond two places an index that means Adobe RGB.
+    exif = (b"Exif\0\0II*\0" + struct.pack("<IH2H2I2H2II", 8, 2, 0x0112, 3, 1, 6, 0x8769, 4, 1, 38, 0)
+            + struct.pack("<H2H3I", 1, 0xA005, 4, 1, 56, 0) + struct.pack("<H2HI4sI", 1, 1, 2, 4, b"R03", 0))
     profiled = segment(0xE2, b"ICC_PROFILE\0\1\1" + profile) if profile else b""
     return (b"\xff\xd8" + segment(0xE1, exif) + profiled + segment(0xDB, bytes([0] + 64 * [1]))
             + segment(0xC0, bytes([8, 0, 8, 0, 8, 1, 1, 0x11, 0]))
@@ -273,8 +275,8 @@ def checkpoint_bytes(layout, rows):
     run remembers of its two views; without a checksum."""
     trials = struct.pack("<4I", 1, 1, 0, 1)  # harmonics unlocked, judged, closed; fine rays
     growth = struct.pack("<Qd4Q3d2Q", 12, 2.5, 5, 2, 0, 10 ** 8, 21.0, 0.5, 0.1, 0, 0)
-    out = b"TETRECKH" + struct.pack("<QdQQQdQ", 20, 1.5, 640, 4096, 4, 1, 16)
-    out += struct.pack("<IIdQ4dQ", 1, 0, 21.0, 2, 1.5, 16, 0.25, 32, 1) + growth
+    out = b"TETRECKI" + struct.pack("<QdQQQdQ", 20, 1.5, 640, 4096, 4, 1, 16)
+    out += struct.pack("<IIQdQ4dQ", 1, 0, 0, 21.0, 2, 1.5, 16, 0.25, 32, 1) + growth
     out += struct.pack("<IIdQQ4d", 0, 1, 0.5, 10, 2, 1.5, 16, 0.25, 32)  # of coarsening
     out += struct.pack("<3QdQ", 12, 1, 8, 21.0, 100) + trials
     mesh = tet_mesh_bytes()[len(b"TETRECM1"):]

@@ -2,6 +2,7 @@
 #include "image/color_profile.h"
 
 #include "core/file.h"
+#include "image/exif_block.h"
 #include "image/image.h"
 #include "image/photo.h"
 #include "image/srgb.h"
@@ -183,6 +184,32 @@ TEST(ColorProfile, ImagesInDisplayP3BecomeSrgb) {
   ExpectConverted(Read(folder / "a.tif"), 1);
   // The colours differ enough for this to mean something.
   EXPECT_GT(std::abs(SrgbFromP3(kColors[0])[0] - kColors[0][0]), 10);
+}
+
+// Some cameras write no profile, but an index into EXIF.
+TEST(ColorProfile, AJpegWhoseExifNotesAdobeRgbBecomesSrgb) {
+  const ScratchFolder folder;
+  const std::vector<uint8_t> jpeg = Encoded(".jpg", Blocks(3));
+  const Image image = Read(folder.Write("a.jpg", WithApp1(jpeg, ExifOfIndex("R03"))));
+  // The matrix that follows from the primaries and the white of both, in linear light.
+  constexpr double kMatrix[3][3] = {
+      {1.3983557, -0.3983557, 0}, {0, 1, 0}, {0, -0.0429290, 1.0429290}};
+  for (size_t i = 0; i < kColors.size(); ++i) {
+    for (size_t c = 0; c < 3; ++c) {
+      double linear = 0;
+      for (size_t k = 0; k < 3; ++k) {
+        linear += kMatrix[c][k] * std::pow(kColors[i][k] / 255.0, 563.0 / 256);
+      }
+      const double srgb = 255 * std::clamp(SrgbFromLinear(std::max(linear, 0.0)), 0.0, 1.0);
+      EXPECT_NEAR(image.At(16 * int(i) + 8, 8)[c], srgb, 3) << "colour " << i << ", " << c;
+    }
+  }
+  EXPECT_GT(image.At(8, 8)[0], kColors[0][0] + 10);
+  // A profile counts more, and other indices mean sRGB.
+  const std::vector<uint8_t> p3 = WithApp1(JpegWith(DisplayP3()), ExifOfIndex("R03"));
+  ExpectConverted(Read(folder.Write("p3.jpg", p3)), 3);
+  Read(folder.Write("srgb.jpg", WithApp1(JpegWith(Srgb()), ExifOfIndex("R03"))), ProfileUse::kNone);
+  Read(folder.Write("b.jpg", WithApp1(jpeg, ExifOfIndex("R98"))), ProfileUse::kNone);
 }
 
 TEST(ColorProfile, AlphaStays) {

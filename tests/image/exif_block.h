@@ -1,32 +1,71 @@
-// JPEG files with EXIF that gives an orientation.
+// JPEG files with EXIF of their pixels.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace tetrec {
 
-// The content of an APP1 segment: a mark of 6 bytes, a header of 8, and from byte 14 a directory
-// with one entry of 12 bytes, the orientation.
-inline std::vector<uint8_t> ExifOfOrientation(uint32_t orientation, bool is_big_endian = false) {
-  std::vector<uint8_t> bytes = {'E', 'x', 'i', 'f', 0, 0};
-  const auto put = [&](uint32_t number, size_t size) {
+// The content of an APP1 segment.
+class ExifBlock {
+ public:
+  // A mark of 6 bytes and a header of 8.
+  explicit ExifBlock(bool is_big_endian) : is_big_endian_(is_big_endian) {
+    Put(is_big_endian ? 0x4D4D : 0x4949, 2);  // MM or II
+    Put(42, 2);
+    Put(8, 4);  // where the first directory is
+  }
+
+  void Put(uint32_t number, size_t size) {
     for (size_t i = 0; i < size; ++i) {
-      bytes.push_back(uint8_t(number >> (8 * (is_big_endian ? size - 1 - i : i))));
+      bytes_.push_back(uint8_t(number >> (8 * (is_big_endian_ ? size - 1 - i : i))));
     }
-  };
-  put(is_big_endian ? 0x4D4D : 0x4949, 2);  // MM or II
-  put(42, 2);
-  put(8, 4);  // where the directory is
-  put(1, 2);  // its entries
-  put(0x0112, 2);
-  put(3, 2);  // a short
-  put(1, 4);  // of them
-  put(orientation, 2);
-  put(0, 2);
-  put(0, 4);  // no further directory
-  return bytes;
+  }
+
+  // The front of a directory with one entry, whose value of four bytes comes next.
+  void PutEntry(uint32_t tag, uint32_t type, uint32_t count) {
+    Put(1, 2);
+    Put(tag, 2);
+    Put(type, 2);
+    Put(count, 4);
+  }
+
+  // The place behind the next value and the end of its directory, where another one begins.
+  void PutPlaceOfNext() { Put(uint32_t(bytes_.size()) - 6 + 8, 4); }
+
+  const std::vector<uint8_t>& bytes() const { return bytes_; }
+
+ private:
+  bool is_big_endian_;
+  std::vector<uint8_t> bytes_ = {'E', 'x', 'i', 'f', 0, 0};
+};
+
+// From byte 14 a directory with one entry of 12 bytes, the orientation.
+inline std::vector<uint8_t> ExifOfOrientation(uint32_t orientation, bool is_big_endian = false) {
+  ExifBlock exif(is_big_endian);
+  exif.PutEntry(0x0112, 3, 1);  // a short
+  exif.Put(orientation, 2);
+  exif.Put(0, 2);
+  exif.Put(0, 4);  // no further directory
+  return exif.bytes();
+}
+
+// From bytes 14, 32 and 50 directories of one entry each: the place of the second one, that of the
+// third one, and the interoperability index, of three letters.
+inline std::vector<uint8_t> ExifOfIndex(const std::string& index, bool is_big_endian = false) {
+  ExifBlock exif(is_big_endian);
+  for (const uint32_t directory : {0x8769, 0xA005}) {
+    exif.PutEntry(directory, 4, 1);  // a long
+    exif.PutPlaceOfNext();
+    exif.Put(0, 4);  // no further directory beside this one
+  }
+  exif.PutEntry(1, 2, 4);  // text
+  for (const char letter : index) exif.Put(uint8_t(letter), 1);
+  exif.Put(0, 1);
+  exif.Put(0, 4);
+  return exif.bytes();
 }
 
 // The JPEG with an APP1 segment after its start.

@@ -14,11 +14,13 @@
 namespace tetrec {
 namespace {
 
+int OrientationOf(const std::vector<uint8_t>& app1) { return PixelNotesOfExif(app1).orientation; }
+
 TEST(Exif, TheOrientationIsReadInBothByteOrders) {
   for (const bool is_big_endian : {false, true}) {
     for (int orientation = 1; orientation <= 8; ++orientation) {
       const std::vector<uint8_t> exif = ExifOfOrientation(uint32_t(orientation), is_big_endian);
-      EXPECT_EQ(OrientationOfExif(exif), orientation) << is_big_endian;
+      EXPECT_EQ(OrientationOf(exif), orientation) << is_big_endian;
     }
   }
 }
@@ -26,20 +28,20 @@ TEST(Exif, TheOrientationIsReadInBothByteOrders) {
 TEST(Exif, AnOrientationThatIsNoneOrIsDamagedIsOne) {
   for (const bool is_big_endian : {false, true}) {
     for (const uint32_t invalid : {0u, 9u, 6u << 8, 65535u}) {
-      EXPECT_EQ(OrientationOfExif(ExifOfOrientation(invalid, is_big_endian)), 1) << invalid;
+      EXPECT_EQ(OrientationOf(ExifOfOrientation(invalid, is_big_endian)), 1) << invalid;
     }
     const std::vector<uint8_t> whole = ExifOfOrientation(6, is_big_endian);
     constexpr size_t kBehindOrientation = 26;
     for (size_t length = 0; length <= whole.size(); ++length) {
       std::vector<uint8_t> cut = whole;
       cut.resize(length);
-      EXPECT_EQ(OrientationOfExif(cut), length < kBehindOrientation ? 1 : 6) << length;
+      EXPECT_EQ(OrientationOf(cut), length < kBehindOrientation ? 1 : 6) << length;
     }
   }
   const auto with = [](size_t place, std::vector<uint8_t> bytes) {
     std::vector<uint8_t> exif = ExifOfOrientation(6);
     std::copy(bytes.begin(), bytes.end(), exif.begin() + std::ptrdiff_t(place));
-    return OrientationOfExif(exif);
+    return OrientationOf(exif);
   };
   EXPECT_EQ(with(0, {'e'}), 1) << "mark";
   EXPECT_EQ(with(6, {'M'}), 1) << "byte order";
@@ -50,6 +52,24 @@ TEST(Exif, AnOrientationThatIsNoneOrIsDamagedIsOne) {
   EXPECT_EQ(with(14, {0xFF, 0xFF, 0x13}), 1) << "more entries than there are, none of them right";
   EXPECT_EQ(with(18, {4}), 1) << "another type";
   EXPECT_EQ(with(20, {2}), 1) << "two orientations";
+}
+
+TEST(Exif, AdobeRgbIsReadInBothByteOrders) {
+  for (const bool is_big_endian : {false, true}) {
+    const std::vector<uint8_t> adobe = ExifOfIndex("R03", is_big_endian);
+    EXPECT_TRUE(PixelNotesOfExif(adobe).are_adobe_rgb);
+    EXPECT_FALSE(PixelNotesOfExif(ExifOfIndex("R98", is_big_endian)).are_adobe_rgb);
+    constexpr size_t kBehindIndex = 64;
+    for (size_t length = 0; length <= adobe.size(); ++length) {
+      const std::vector<uint8_t> cut(adobe.begin(), adobe.begin() + std::ptrdiff_t(length));
+      EXPECT_EQ(PixelNotesOfExif(cut).are_adobe_rgb, length >= kBehindIndex) << length;
+    }
+  }
+  for (const size_t place : {24, 42}) {  // of a directory that is at the end of all bytes
+    std::vector<uint8_t> astray = ExifOfIndex("R03");
+    std::fill_n(astray.begin() + std::ptrdiff_t(place), 4, uint8_t(0xFF));
+    EXPECT_FALSE(PixelNotesOfExif(astray).are_adobe_rgb) << place;
+  }
 }
 
 // OpenCV, which turns images upright on request, is the second method.
