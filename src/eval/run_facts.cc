@@ -89,6 +89,12 @@ const StageFacts* RunFacts::Scene() const {
   return sfm ? sfm : Find("import");
 }
 
+double RunFacts::Seconds() const {
+  double seconds = 0;
+  for (const StageFacts& stage : stages) seconds += stage.Seconds();
+  return seconds;
+}
+
 RunFacts ReadRunFacts(const std::filesystem::path& last) {
   RunFacts facts;
   facts.stages.push_back(FactsOf(last));

@@ -31,6 +31,7 @@ struct RunFacts {
 
   const StageFacts* Find(const std::string& stage) const;  // nullptr if there is none
   const StageFacts* Scene() const;                         // sfm or import
+  double Seconds() const;                                  // of all stages
 };
 
 // Follows the manifests from `last` back to the first stage. A missing folder ends the chain with a
