@@ -5,11 +5,10 @@
 #include "colmap/run.h"
 #include "core/error.h"
 #include "core/log.h"
-#include "core/parallel.h"
 #include "core/progress.h"
 #include "core/timer.h"
-#include "geometry/undistorted_camera.h"
-#include "sfm/masks.h"
+#include "sfm/lens_doubt.h"
+#include "sfm/linked_photos.h"
 #include "sfm/model_quality.h"
 #include "sfm/retry.h"
 #include "sfm/work_key.h"
@@ -17,7 +16,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -30,67 +28,6 @@ namespace {
 // Photos of a camera; fewer do not determine the four OPENCV distortion parameters well.
 constexpr size_t kPhotosForOpenCvModel = 8;
 constexpr int kMostFeatures = 100000;  // as SfmOptions::Check allows
-
-// COLMAP's view of the photos: links with plain names, in one folder per camera, whose file names
-// sort like the photos. The user's names may contain spaces, which COLMAP's lists cannot.
-struct LinkedPhotos {
-  fs::path folder;
-  fs::path masks;                  // NAME.png for each name; empty if there are none
-  std::vector<std::string> names;  // in the order of the photos
-  std::map<std::string, size_t> photo_of_name;
-  std::vector<size_t> photos_of_camera;  // their number, for each camera
-};
-
-std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
-  const std::string size = fmt::format("{}x{}", photo.width, photo.height);
-  if (sharing == CameraSharing::kPerFolder)
-    return size + fs::path(photo.name).parent_path().string();
-  if (sharing == CameraSharing::kPerImage) return photo.name;
-  return size;
-}
-
-LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
-                        const fs::path& folder) {
-  LinkedPhotos linked;
-  linked.folder = folder;
-  fs::remove_all(folder);
-  std::map<std::string, size_t> groups;
-  for (const Photo& photo : photos) groups.emplace(CameraGroup(photo, sharing), groups.size());
-  if (sharing == CameraSharing::kSingle && groups.size() > 1) {
-    throw DataError(
-        fmt::format("the photos have {} different sizes, which one camera cannot have; use camera "
-                    "sharing {}",
-                    groups.size(), Name(CameraSharing::kAuto)));
-  }
-  linked.photos_of_camera.resize(groups.size());
-  const size_t digits = std::to_string(photos.size()).size();
-  for (size_t i = 0; i < photos.size(); ++i) {
-    const size_t camera = groups.at(CameraGroup(photos[i], sharing));
-    ++linked.photos_of_camera[camera];
-    const std::string group = sharing == CameraSharing::kPerImage ? "0" : std::to_string(camera);
-    const std::string extension = photos[i].for_colmap.extension().string();
-    const std::string name = fmt::format("{}/{:0{}}{}", group, i, digits, extension);
-    fs::create_directories(folder / group);
-    fs::create_symlink(fs::absolute(photos[i].for_colmap), folder / name);
-    linked.names.push_back(name);
-    linked.photo_of_name[name] = i;
-  }
-  return linked;
-}
-
-// Writes the masks under the names of the photos' links.
-void WriteColmapMasks(const std::vector<Photo>& photos, const fs::path& folder,
-                      LinkedPhotos& linked) {
-  if (photos.front().mask.empty()) return;
-  fs::remove_all(folder);
-  for (const std::string& name : linked.names) {
-    fs::create_directories((folder / name).parent_path());
-  }
-  ParallelForEach(photos.size(), "", "nothing was done yet", [&](size_t i) {
-    WriteColmapMask(folder / (linked.names[i] + ".png"), photos[i]);
-  });
-  linked.masks = folder;
-}
 
 // The cameras that took too few photos for the lens OPENCV.
 size_t CamerasOfFewPhotos(const LinkedPhotos& linked) {
@@ -413,52 +350,6 @@ class PhotoMapper {
   fs::path cache_, matches_;
   std::map<std::string, double> seconds_;
 };
-
-// Why the photos may not determine the lens that was found.
-struct LensDoubt {
-  std::string reason;
-  bool is_unusable = false;  // the lens cannot be undone inside the photos
-  // The share of the photos it registered that a simpler lens must register, too, to be taken.
-  double least_photos = 1;
-};
-
-// Where features lie only in the middle of the photos, nothing determines a lens of many parameters
-// at the borders. And where the camera is always level and the photos are few, or a subject turns
-// in front of it, nothing determines how wide a pixel is.
-std::optional<LensDoubt> DoubtOf(const ColmapModel& model, int max_size) {
-  // Logarithms. Photos that only a grossly stretched lens registers are in wrong places.
-  constexpr double kLargestStretch = 0.01, kGrossStretch = 0.1, kLeastPhotosOfGross = 0.8;
-  try {
-    for (const auto& [id, camera] : model.cameras) UndistortedCamera(camera, max_size);
-  } catch (const DataError& error) {
-    return LensDoubt{error.what(), true};
-  }
-  double stretched = 1;  // the width of a pixel that is farthest from its height
-  for (const auto& [id, camera] : model.cameras) {
-    if (FocalLengths(camera.model) == 1) continue;
-    const double width = camera.params[1] / camera.params[0];
-    if (std::abs(std::log(width)) > std::abs(std::log(stretched))) stretched = width;
-  }
-  const double stretch = std::abs(std::log(stretched));
-  if (!(stretch > kLargestStretch)) return std::nullopt;
-  return LensDoubt{fmt::format("a pixel would be {:.3f} times as wide as it is high", stretched),
-                   false, stretch > kGrossStretch ? kLeastPhotosOfGross : 1.0};
-}
-
-// Whether a model with a simpler lens replaces the doubted one. If the pixels really are oblong, a
-// lens with square ones registers fewer photos or points, or its error is larger: by 46 % on a
-// level walk whose pixels are 0.77 times as wide as high. If they are square, it is not.
-bool Replaces(const ColmapModel& simpler, const ColmapModel& model, const LensDoubt& doubt,
-              size_t photos, int max_size) {
-  constexpr double kLeastPoints = 0.5, kErrorGrowth = 1.2;
-  if (!HasEnoughPhotos(simpler, photos)) return false;
-  if (doubt.is_unusable) return true;
-  const std::optional<LensDoubt> other_doubt = DoubtOf(simpler, max_size);
-  if (other_doubt && other_doubt->is_unusable) return false;
-  return double(simpler.images.size()) >= doubt.least_photos * double(model.images.size()) &&
-         double(simpler.points.size()) >= kLeastPoints * double(model.points.size()) &&
-         MeanReprojectionError_px(simpler) <= kErrorGrowth * MeanReprojectionError_px(model);
-}
 
 }  // namespace
 

@@ -1,0 +1,66 @@
+// Links to photos, numbered by camera, and their masks.
+#include "sfm/linked_photos.h"
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "sfm/masks.h"
+
+#include <fmt/format.h>
+
+namespace tetrec {
+namespace fs = std::filesystem;
+namespace {
+
+std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
+  const std::string size = fmt::format("{}x{}", photo.width, photo.height);
+  if (sharing == CameraSharing::kPerFolder)
+    return size + fs::path(photo.name).parent_path().string();
+  if (sharing == CameraSharing::kPerImage) return photo.name;
+  return size;
+}
+
+}  // namespace
+
+LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
+                        const fs::path& folder) {
+  LinkedPhotos linked;
+  linked.folder = folder;
+  fs::remove_all(folder);
+  std::map<std::string, size_t> groups;
+  for (const Photo& photo : photos) groups.emplace(CameraGroup(photo, sharing), groups.size());
+  if (sharing == CameraSharing::kSingle && groups.size() > 1) {
+    throw DataError(
+        fmt::format("the photos have {} different sizes, which one camera cannot have; use camera "
+                    "sharing {}",
+                    groups.size(), Name(CameraSharing::kAuto)));
+  }
+  linked.photos_of_camera.resize(groups.size());
+  const size_t digits = std::to_string(photos.size()).size();
+  for (size_t i = 0; i < photos.size(); ++i) {
+    const size_t camera = groups.at(CameraGroup(photos[i], sharing));
+    ++linked.photos_of_camera[camera];
+    const std::string group = sharing == CameraSharing::kPerImage ? "0" : std::to_string(camera);
+    const std::string extension = photos[i].for_colmap.extension().string();
+    const std::string name = fmt::format("{}/{:0{}}{}", group, i, digits, extension);
+    fs::create_directories(folder / group);
+    fs::create_symlink(fs::absolute(photos[i].for_colmap), folder / name);
+    linked.names.push_back(name);
+    linked.photo_of_name[name] = i;
+  }
+  return linked;
+}
+
+void WriteColmapMasks(const std::vector<Photo>& photos, const fs::path& folder,
+                      LinkedPhotos& linked) {
+  if (photos.front().mask.empty()) return;
+  fs::remove_all(folder);
+  for (const std::string& name : linked.names) {
+    fs::create_directories((folder / name).parent_path());
+  }
+  ParallelForEach(photos.size(), "", "nothing was done yet", [&](size_t i) {
+    WriteColmapMask(folder / (linked.names[i] + ".png"), photos[i]);
+  });
+  linked.masks = folder;
+}
+
+}  // namespace tetrec
