@@ -19,7 +19,7 @@ namespace {
 
 // Bounds the largest entry of R^T R - I. The rounding of many small turns adds up.
 constexpr double kRotationTolerance = 1e-6;
-constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'H'};
+constexpr std::array<char, 8> kMagic = {'T', 'E', 'T', 'R', 'E', 'C', 'K', 'I'};
 
 constexpr size_t kChecksumBytes = 64;  // hexadecimal SHA-256 of all before it
 
@@ -151,6 +151,7 @@ std::vector<ErrorSum> ReadViews(ByteReader& reader, const std::string& name) {
 void WriteRounds(ByteWriter& writer, const RoundsState& state) {
   writer.Write(state.rounds);
   writer.Write(state.ended);
+  writer.Write(state.settled);
   writer.Write(state.best_psnr);
   WriteViews(writer, state.last_views);
   writer.Write(uint64_t(state.steps.size()));
@@ -161,6 +162,7 @@ RoundsState ReadRounds(ByteReader& reader, const std::string& name) {
   RoundsState state;
   state.rounds = reader.Read<uint32_t>("rounds");
   state.ended = reader.Read<uint32_t>("end of rounds");
+  state.settled = reader.Read<uint64_t>("settled iteration");
   state.best_psnr = reader.Read<double>("best PSNR");
   state.last_views = ReadViews(reader, name);
   state.steps = reader.ReadArray<GrowthStep>(reader.Read<uint64_t>("growth step count"), "growth");

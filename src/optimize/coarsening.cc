@@ -83,44 +83,63 @@ bool Coarsening::Advance(double seconds, const RunMoment& moment) {
     LogInfo("no coarser mesh is tried: the judging pictures still gained by the last rounds");
     return false;
   }
-  if (state_.reference.empty()) {
-    LookAtFinest(moment);
-    return false;
-  }
-  const uint64_t steps = StepsOfTrial();
+  const CoarseningState before = state_;
+  const uint64_t iteration = parts_.steps.iteration(), rays = parts_.steps.rays();
   const WaitingField finer = Save(finer_file_);
+  const std::optional<bool> is_coarser =
+      state_.reference.empty() ? LookAtFinest(moment) : TryCoarser(finer, seconds, moment);
+  if (is_coarser) return *is_coarser;
+  PutBack(finer);
+  parts_.steps.Resume(iteration, rays);
+  state_ = before;
+  return false;
+}
+
+// Whether the mesh has become coarser; nothing if the run is asked to stop meanwhile.
+std::optional<bool> Coarsening::TryCoarser(const WaitingField& finer, double seconds,
+                                           const RunMoment& moment) {
+  const uint64_t steps = StepsOfTrial();
   if (!DropLeastNeeded()) {
     state_.ended = 1;
     PutBack(finer);
     return false;
   }
-  parts_.steps.Try(steps, kRatesOfTrials, moment);
+  if (!parts_.steps.TryUnlessStopped(steps, kRatesOfTrials, moment)) return std::nullopt;
   const Judgement judgement = parts_.pictures.JudgeField();
   const GrowthStep coarser = StepOf(seconds, parts_.steps.iteration(), parts_.field.mesh());
   const bool is_matched = IsMatched(judgement, options_.schedule);
-  const bool seems_as_good = is_matched || IsAsGood(judgement.views);
-  if (!seems_as_good) PutBack(finer);
-  const bool stays =
-      seems_as_good && (is_matched || !FinerLearnsMore(finer, judgement.views, steps, moment));
+  bool stays = is_matched || IsAsGood(judgement.views);
+  if (!stays) {
+    PutBack(finer);
+  } else if (!is_matched) {
+    const std::optional<bool> learns_more = FinerLearnsMore(finer, judgement.views, steps, moment);
+    if (!learns_more) return std::nullopt;
+    stays = !*learns_more;
+  }
   Record(coarser, judgement, stays);
+  if (stays) parts_.steps.CountTried(steps);
+  ChooseNextShare(stays, judgement.views);
+  return stays;
+}
+
+// `views`: what the judging pictures said of the coarser mesh.
+void Coarsening::ChooseNextShare(bool stays, std::span<const ErrorSum> views) {
   if (stays) {
-    parts_.steps.CountTried(steps);
-    RaiseReference(judgement.views);
+    RaiseReference({views.begin(), views.end()});
     if (state_.has_failed == 0) {
       state_.kept_share = std::max(state_.kept_share * state_.kept_share, kLeastKept);
     }
-    return true;
+    return;
   }
   state_.has_failed = 1;
   const double milder = std::sqrt(state_.kept_share);
-  const JudgedGain gain = GainBetween(state_.reference, judgement.views);
+  const JudgedGain gain = GainBetween(state_.reference, views);
   // Pictures that are more than matched may lose something.
   const bool may_lose = PsnrOf(state_.reference) > options_.schedule.matched_psnr;
   if (milder > kMostKept || (!may_lose && IsExpectedToFail(gain, state_.kept_share, milder))) {
     state_.ended = 1;
   }
   state_.kept_share = milder;
-  return false;
 }
 
 // What fewer vertices have to take over takes longer to learn, and costs less. A trial ends with a
@@ -142,13 +161,15 @@ void Coarsening::PutBack(const WaitingField& waiting) {
   waiting.PutBack(parts_.field, parts_.motion);
 }
 
-void Coarsening::LookAtFinest(const RunMoment& moment) {
+// False: the mesh stays as it is; nothing if the run is asked to stop meanwhile.
+std::optional<bool> Coarsening::LookAtFinest(const RunMoment& moment) {
   const uint64_t steps = TrialSteps(parts_.steps.iteration());
   const uint64_t vertices = parts_.field.mesh().positions.size();
   state_.finest_vertices = std::max(state_.finest_vertices, vertices);
-  parts_.steps.Try(steps, kRatesOfTrials, moment);
+  if (!parts_.steps.TryUnlessStopped(steps, kRatesOfTrials, moment)) return std::nullopt;
   parts_.steps.CountTried(steps);
   state_.reference = parts_.pictures.JudgeField().views;
+  return false;
 }
 
 // Returns false if the mesh would get no coarser.
@@ -180,12 +201,13 @@ void Coarsening::RaiseReference(std::vector<ErrorSum> views) {
 }
 
 // Lets the finer mesh learn as many steps as the coarser one, which steps alone may have made as
-// good. Whichever is better is the field then.
-bool Coarsening::FinerLearnsMore(const WaitingField& finer, std::span<const ErrorSum> coarser,
-                                 uint64_t steps, const RunMoment& moment) {
+// good. Whichever is better is the field then. Nothing if the run is asked to stop meanwhile.
+std::optional<bool> Coarsening::FinerLearnsMore(const WaitingField& finer,
+                                                std::span<const ErrorSum> coarser, uint64_t steps,
+                                                const RunMoment& moment) {
   const WaitingField waiting = Save(coarser_file_);
   PutBack(finer);
-  parts_.steps.Try(steps, kRatesOfTrials, moment);
+  if (!parts_.steps.TryUnlessStopped(steps, kRatesOfTrials, moment)) return std::nullopt;
   RaiseReference(parts_.pictures.JudgeField().views);
   if (IsAsGood(coarser)) {
     PutBack(waiting);

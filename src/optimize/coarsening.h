@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -58,20 +59,25 @@ class Coarsening {
   // Once the rounds are over, and what they inserted has been learned, while pictures judge.
   bool IsDue(double progress) const;
   // Judges the mesh as it is, the first time; then makes one trial. A short run whose mesh still
-  // gains (StillGains) has better uses for the steps of a trial: there it makes none. `seconds`: of
-  // the run so far, for the record. Returns whether the mesh has become coarser.
+  // gains (StillGains) has better uses for the steps of a trial: there it makes none. If the run is
+  // asked to stop meanwhile, all is as before, and the trial is due again. No gradients may wait
+  // for a motion (VertexMotion::CanResumeAfter): they are lost. `seconds`: of the run so far, for
+  // the record. Returns whether the mesh has become coarser.
   bool Advance(double seconds, const RunMoment& moment);
 
  private:
   uint64_t StepsOfTrial() const;
   WaitingField Save(const std::filesystem::path& file) const;
   void PutBack(const WaitingField& waiting);
-  void LookAtFinest(const RunMoment& moment);
+  std::optional<bool> LookAtFinest(const RunMoment& moment);
+  std::optional<bool> TryCoarser(const WaitingField& finer, double seconds,
+                                 const RunMoment& moment);
+  void ChooseNextShare(bool stays, std::span<const ErrorSum> views);
   bool DropLeastNeeded();
   bool IsAsGood(std::span<const ErrorSum> views) const;
   void RaiseReference(std::vector<ErrorSum> views);
-  bool FinerLearnsMore(const WaitingField& finer, std::span<const ErrorSum> coarser, uint64_t steps,
-                       const RunMoment& moment);
+  std::optional<bool> FinerLearnsMore(const WaitingField& finer, std::span<const ErrorSum> coarser,
+                                      uint64_t steps, const RunMoment& moment);
   void Record(GrowthStep step, const Judgement& judgement, bool stays);
 
   const OptimizeOptions& options_;

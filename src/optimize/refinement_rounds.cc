@@ -72,9 +72,15 @@ void RefinementRounds::Advance(double seconds, const RunMoment& moment) {
   const uint64_t last_iteration = last_iteration_;
   GrowthStep step = StepOf(seconds, parts_.steps.iteration(), parts_.field.mesh());
   if (ComesTooLate(moment.progress)) return EndForLackOfTime(step);
-  const bool refines = parts_.pictures.learns_all() || IsWorthRefining(step);
+  if (!parts_.pictures.learns_all()) {
+    const Judgement now = parts_.pictures.JudgeField();
+    if (MustSettle(now)) return Settle();
+    if (!IsWorthRefining(now, step)) {
+      state_.steps.push_back(step);
+      return;
+    }
+  }
   state_.steps.push_back(step);
-  if (!refines) return;
   if (!NeedsTrial()) {
     RefineOnce();
   } else if (!TryRefining(seconds, moment)) {
@@ -84,8 +90,7 @@ void RefinementRounds::Advance(double seconds, const RunMoment& moment) {
 }
 
 // Judges the field that the last round led to.
-bool RefinementRounds::IsWorthRefining(GrowthStep& step) {
-  const Judgement now = JudgeSettled();
+bool RefinementRounds::IsWorthRefining(const Judgement& now, GrowthStep& step) {
   const JudgedGain gain = GainBetween(state_.last_views, now.views);
   step.psnr = now.psnr;
   step.gain = gain.gain;
@@ -110,18 +115,23 @@ bool RefinementRounds::IsWorthRefining(GrowthStep& step) {
   return true;
 }
 
-// The noise of high learning rates may hide that the pictures are matched.
-Judgement RefinementRounds::JudgeSettled() {
-  const Judgement now = parts_.pictures.JudgeField();
+// True if the noise of high learning rates may hide that the pictures are matched.
+bool RefinementRounds::MustSettle(const Judgement& now) const {
+  const bool has_settled = state_.settled > 0 && state_.settled == parts_.steps.iteration();
   // Once a judgement has settled, later ones must, too: otherwise, noise would look like a loss.
   const double best = std::max(now.psnr, state_.best_psnr);
   const bool may_be_matched = best >= options_.schedule.matched_psnr - kMostNoise;
-  if (AsksForAll() || !may_be_matched || IsMatched(now, options_.schedule)) return now;
-  const uint64_t steps = TrialSteps(parts_.steps.iteration());
+  return !has_settled && may_be_matched && !AsksForAll() && !IsMatched(now, options_.schedule);
+}
+
+// Ends where a motion would, so that no further step comes before a round that is a trial.
+void RefinementRounds::Settle() {
+  const uint64_t iteration = parts_.steps.iteration();
+  const uint64_t steps = parts_.motion.StepsToAMotion(iteration, TrialSteps(iteration));
   parts_.motion.DropSums();
   parts_.steps.Try(steps, kRatesOfTrials);
   parts_.steps.CountTried(steps);
-  return parts_.pictures.JudgeField();
+  state_.settled = parts_.steps.iteration();
 }
 
 bool RefinementRounds::AsksForAll() const {

@@ -26,6 +26,7 @@ GrowthStep StepOf(double seconds, uint64_t iteration, const TetMesh& mesh);
 struct RoundsState {
   uint32_t rounds = 0;               // done
   uint32_t ended = 0;                // 1: the mesh is refined no more
+  uint64_t settled = 0;              // the last iteration at which the field settled to be judged
   double best_psnr = 0;              // of the judging pictures, before a round [dB]
   std::vector<ErrorSum> last_views;  // what they said before the last round
   std::vector<GrowthStep> steps;     // one for each time that was decided about the mesh
@@ -67,7 +68,9 @@ class RefinementRounds {
   bool HasLateRounds() const { return !plan_.empty() && plan_.back().is_late; }
   // True if the next round, which is due, is a trial.
   bool NeedsTrial() const;
-  // Refines the mesh. If the judging pictures lost since the round before, the run returns to the
+  // Where the noise of high learning rates may hide that the judging pictures are matched, takes
+  // some steps that settle the field; the round is then still due. Otherwise refines the mesh. If
+  // the judging pictures lost since the round before, the run returns to the
   // field before that one and refines no more; nor does it once growth has gained no more than the
   // standard error, by one late round or by two rounds in a row, or once the judging pictures are
   // matched, unless the options ask for all. A late round stays only if the finer mesh then gains
@@ -75,8 +78,7 @@ class RefinementRounds {
   // comes so late that the judging pictures are about to be learned, on a machine of few steps per
   // second, is left out with all that follow, because little would be left to learn a finer mesh,
   // and nothing to judge it by.
-  // If the run is asked to stop meanwhile, the round is taken back, and is due again; steps that
-  // settled the field before a judgement stay.
+  // If the run is asked to stop meanwhile, the round is taken back, and is due again.
   // `seconds`: of the run so far, for the record.
   void Advance(double seconds, const RunMoment& moment);
   // An entry about a mesh that another part of the run decided about.
@@ -92,10 +94,11 @@ class RefinementRounds {
   bool AsksForAll() const;
   bool ComesTooLate(double progress) const;
   void EndForLackOfTime(GrowthStep step);
-  Judgement JudgeSettled();
+  bool MustSettle(const Judgement& now) const;
+  void Settle();
   GrowthDecision Decide(const Judgement& now, const JudgedGain& gain) const;
   bool LastRoundGained() const;
-  bool IsWorthRefining(GrowthStep& step);
+  bool IsWorthRefining(const Judgement& now, GrowthStep& step);
   std::optional<RefineResult> RefineWithinBudget(const FieldState& before,
                                                  const RefineScores& scores, RefineOptions refine);
   void SaveBest(double psnr);

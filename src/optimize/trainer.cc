@@ -23,6 +23,7 @@
 #include "optimize/pose_sweeps.h"
 #include "optimize/rate_trial.h"
 #include "optimize/refinement_rounds.h"
+#include "optimize/run_counts.h"
 #include "optimize/run_length.h"
 #include "optimize/run_outputs.h"
 #include "optimize/stray_photos.h"
@@ -228,7 +229,7 @@ class Trainer {
         rounds_.Advance(seconds_, {done, growth});
         continue;
       }
-      if (coarsening_.IsDue(done)) {
+      if (can_resume && coarsening_.IsDue(done)) {
         coarsening_.Advance(seconds_, {done, growth});
         continue;
       }
@@ -403,8 +404,8 @@ class Trainer {
     stage_.Seconds("optimize", seconds_);
     stage_.Count("watched_views", watched_.views.size());
     if (psnr) stage_.Count("watched_psnr", *psnr);
-    ReportRays();
-    ReportMotion();
+    ReportRays(renderer_->counts(), options_.renderer, stage_);
+    ReportMotion(motion_, field_.mesh(), stage_);
     LogInfo(
         "{} iterations, {} rays in {:.1f} s; {} vertices, {} tets{}",
         WithThousands(steps_.iteration()), WithThousands(steps_.rays()), seconds_,
@@ -419,53 +420,6 @@ class Trainer {
     stage_.Count("empty_tets", end_of_growth_.empty_tets);
     LogInfo("empty tets, in which no ray loses 1 % of its light: {:.0f} %",
             100.0 * double(end_of_growth_.empty_tets) / double(end_of_growth_.tets));
-  }
-
-  void ReportMotion() {
-    const MotionCounts& counts = motion_.counts();
-    if (counts.all() == 0) return;
-    const TetMeshQuality quality = MeasureQuality(field_.mesh());
-    const double all = double(counts.all());
-    stage_.Count("vertex_moves", counts.all());
-    stage_.Count("shortened_moves", counts.shortened);
-    stage_.Count("stopped_moves", counts.stopped);
-    stage_.Count("min_volume", quality.min_volume);
-    stage_.Count("min_radius_ratio", quality.min_radius_ratio);
-    ReportDegenerate();
-    LogInfo(
-        "vertices moved {} times ({:.1f} s since the start or resume), {:.1f} % of the moves "
-        "shortened and {:.1f} % stopped "
-        "for the sake of tets; smallest tet {:.1e}, smallest radius ratio {:.1e}",
-        WithThousands(counts.all()), motion_.seconds(), 100.0 * double(counts.shortened) / all,
-        100.0 * double(counts.stopped) / all, quality.min_volume, quality.min_radius_ratio);
-  }
-
-  // The article's moves may break the mesh.
-  void ReportDegenerate() {
-    const TetMesh& mesh = field_.mesh();
-    const uint64_t degenerate = CountDegenerateTets(mesh);
-    stage_.Count("degenerate_tets", degenerate);
-    if (degenerate == 0) return;
-    LogWarning(
-        "{} of {} tets are inside out or flat, so the field shows parts of space twice or not at "
-        "all: use safe moves or a lower rate of positions",
-        WithThousands(degenerate), WithThousands(mesh.tets.size()));
-  }
-
-  // What the renderer counted of all rays, those of judging and watching too.
-  void ReportRays() {
-    const RenderCounts counts = renderer_->counts();
-    stage_.Count("rays", counts.rays);
-    if (ChecksRays(options_.renderer)) stage_.Count("lost_rays", counts.lost_rays);
-    if (options_.renderer.deterministic) stage_.Count("clamped_addends", counts.clamped_addends);
-    if (counts.lost_rays > 0) {
-      LogWarning("{} of {} rays were lost on their way through the mesh", counts.lost_rays,
-                 WithThousands(counts.rays));
-    }
-    if (counts.clamped_addends > 0) {
-      LogWarning("{} addends were too large for the fixed-point sums of gradients and scores",
-                 WithThousands(counts.clamped_addends));
-    }
   }
 
   const OptimizeOptions& options_;

@@ -15,14 +15,14 @@
 namespace tetrec {
 namespace {
 
-// Where the fields start: "TETRECKH", u64 iteration, f64 seconds, u64 rays, u64 x 2, f64 and u64 of
-// the pace, u32 x 2 and f64 of the rounds, u64 and f64 x 2 x 2 of the judging views, u64 and u64 x
-// 11 of their growth, u32 x 2, f64, u64, u64 and f64 x 2 of the coarsening, u64 x 3 and f64 of the
-// convergence, u64 metrics bytes, u32 x 3 harmonics, u32 fine rays, u64 V, u64 T, then the layout:
-// u32 storage, u32 attributes, and of "color" and "density" the length of the name, the name, and 3
-// u32 each. Positions follow.
-constexpr size_t kSecondsAt = 16, kRaysPerStepAt = 32, kFineRaysAt = 316, kVertexCountAt = 320,
-                 kTetCountAt = 328, kStorageAt = 336,
+// Where the fields start: "TETRECKI", u64 iteration, f64 seconds, u64 rays, u64 x 2, f64 and u64 of
+// the pace, u32 x 2, u64 and f64 of the rounds, u64 and f64 x 2 x 2 of the judging views, u64 and
+// u64 x 11 of their growth, u32 x 2, f64, u64, u64 and f64 x 2 of the coarsening, u64 x 3 and f64
+// of the convergence, u64 metrics bytes, u32 x 3 harmonics, u32 fine rays, u64 V, u64 T, then the
+// layout: u32 storage, u32 attributes, and of "color" and "density" the length of the name, the
+// name, and 3 u32 each. Positions follow.
+constexpr size_t kSecondsAt = 16, kRaysPerStepAt = 32, kFineRaysAt = 324, kVertexCountAt = 328,
+                 kTetCountAt = 336, kStorageAt = 344,
                  kPositionsAt = kStorageAt + 8 + (4 + 5 + 12) + (4 + 7 + 12);
 
 constexpr int kPoses = 2;
@@ -44,7 +44,7 @@ Checkpoint MakeCheckpoint(const FieldLayout& layout = {}) {
   checkpoint.pace = {
       .rays_per_step = 65536, .views_per_batch = 16, .speed = 10, .steps_per_motion = 64};
   checkpoint.share_of_rates = 0.01;
-  checkpoint.rounds = {4, 1, 23.5, {{1.5, 16.0}, {0.25, 32.0}}, {}};
+  checkpoint.rounds = {4, 1, 9, 23.5, {{1.5, 16.0}, {0.25, 32.0}}, {}};
   checkpoint.rounds.steps.push_back({.iteration = 12, .seconds = 2.5, .psnr = 21.0});
   checkpoint.coarsening = {0, 1, 0.5, 77, {{2.5, 64.0}}};
   checkpoint.convergence = {500, 1, 700, 25.5};

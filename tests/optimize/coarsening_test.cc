@@ -1,11 +1,14 @@
 #include "optimize/coarsening.h"
 
+#include "core/stop_request.h"
 #include "optimize/small_run.h"
 #include "scratch_folder.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
 #include <vector>
 
 namespace tetrec {
@@ -63,6 +66,29 @@ TEST(Coarsening, TakesBackACoarserMeshThatLost) {
   EXPECT_LT(grown.rounds.state().steps.back().vertices, positions.size());
   EXPECT_EQ(grown.coarsening.state().kept_share, std::sqrt(0.5));
   EXPECT_TRUE(grown.coarsening.IsOver());
+}
+
+TEST(Coarsening, IsUndoneByAStop) {
+  const auto stopped = [](bool is_first) {
+    CatchStopSignals();
+    GrownRun grown;
+    if (!is_first) grown.coarsening.Advance(0.0, AtProgress(0.6));
+    grown.run.options.schedule.matched_psnr = 1;
+    const CoarseningState state = grown.coarsening.state();
+    const std::vector<glm::vec3> positions = grown.run.field.mesh().positions;
+    const std::vector<float> parameters = grown.run.field.ReadState().parameters;
+    const uint64_t iteration = grown.run.steps.iteration();
+    std::raise(SIGINT);
+    const bool is_coarser = grown.coarsening.Advance(0.0, AtProgress(0.6));
+    const bool is_as_before = !is_coarser && grown.coarsening.state() == state &&
+                              grown.run.field.mesh().positions == positions &&
+                              grown.run.field.ReadState().parameters == parameters &&
+                              grown.run.steps.iteration() == iteration &&
+                              grown.rounds.state().steps.empty() && grown.coarsening.IsDue(0.6);
+    std::exit(is_as_before ? 0 : 1);
+  };
+  EXPECT_EXIT(stopped(true), ::testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(stopped(false), ::testing::ExitedWithCode(0), "");
 }
 
 TEST(Coarsening, TriesMilderSharesAsLongAsTheyMaySucceed) {

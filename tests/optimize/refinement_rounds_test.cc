@@ -104,14 +104,22 @@ TEST_F(RefinementRoundsTest, EndOnceTheJudgingPicturesAreMatched) {
 }
 
 // Else the noise of high rates, which the judgement before was spared, would look like a loss.
-TEST_F(RefinementRoundsTest, JudgeSettledOnceAJudgementHasSettled) {
+TEST_F(RefinementRoundsTest, SettleTheFieldFirstOnceAJudgementHasSettled) {
   run_.PutField(0.2);
   const double psnr = run_.pictures.JudgeField().psnr;
   run_.options.schedule.matched_psnr = psnr + 5.03;
   rounds_.Resume({.rounds = 1, .best_psnr = psnr + 0.05});
   const uint64_t before = run_.steps.iteration();
   rounds_.Advance(0.0, AtProgress(0.5));
-  EXPECT_GT(run_.steps.iteration(), before);
+  const uint64_t settled = run_.steps.iteration();
+  EXPECT_GT(settled, before);
+  EXPECT_TRUE(run_.motion.CanResumeAfter(settled, 0.5));
+  EXPECT_EQ(rounds_.state().settled, settled);
+  EXPECT_TRUE(rounds_.state().steps.empty());
+  EXPECT_TRUE(rounds_.IsDue(0.2));
+  rounds_.Advance(0.0, AtProgress(0.5));
+  EXPECT_EQ(run_.steps.iteration(), settled);
+  EXPECT_EQ(rounds_.state().steps.size(), 1u);
 }
 
 // A judgement by other rays would look like a gain or a loss of the round.
@@ -380,6 +388,26 @@ TEST(LateRound, IsUndoneByAStop) {
                               late.vertices() == 125 &&
                               late.run.steps.iteration() == LateRun::kStepsBefore &&
                               late.rounds.state() == RoundsState{} && late.rounds.IsDue(1.2);
+    std::exit(is_as_before ? 0 : 1);
+  };
+  EXPECT_EXIT(stopped(), ::testing::ExitedWithCode(0), "");
+}
+
+// A resumed run must not settle the field once more.
+TEST(LateRound, KeepsWhatHasSettledThroughAStop) {
+  const auto stopped = [] {
+    CatchStopSignals();
+    LateRun late(5);
+    late.run.options.schedule.matched_psnr = late.run.pictures.JudgeField().psnr + 3;
+    late.Advance();
+    const RoundsState settled = late.rounds.state();
+    const std::vector<float> parameters = late.run.field.ReadState().parameters;
+    std::raise(SIGINT);
+    late.Advance();
+    const bool is_as_before = settled.settled > LateRun::kStepsBefore &&
+                              late.rounds.state() == settled &&
+                              late.run.steps.iteration() == settled.settled &&
+                              late.run.field.ReadState().parameters == parameters;
     std::exit(is_as_before ? 0 : 1);
   };
   EXPECT_EXIT(stopped(), ::testing::ExitedWithCode(0), "");

@@ -140,7 +140,7 @@ class ViewTest(StageCase):
         optimize.kill()
         optimize.wait()
         # A damaged file keeps the last field shown.
-        (field / "checkpoint.bin").write_bytes(b"TETRECKH, and nothing else")
+        (field / "checkpoint.bin").write_bytes(b"TETRECKI, and nothing else")
         self.wait_for(lambda: status()["problem"], process, "the damage was noticed")
         self.assertIn("checkpoint.bin", status()["problem"])
         shown = status()["loaded"]
