@@ -8,7 +8,7 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "surface", 19,
+      "surface", 20,
       "Extracts the surface of a field, with vertex colours and a texture, and writes it, and the "
       "field if asked "
       "for, in formats of other programs. The files have the run's world as coordinates: z is up, "
@@ -65,7 +65,8 @@ int main(int argc, char** argv) {
       app, "--formats", options.exports.formats,
       "Files to write, with commas between them. The surface: ply (always written, "
       "because tetrec-evaluate reads it), obj, glb, stl. The field: vtu (ParaView), mesh "
-      "(MEDIT), msh (Gmsh)");
+      "(MEDIT), msh (Gmsh). The cameras, as the fit corrected them, and sparse points: colmap "
+      "(sparse/0), transforms (transforms.json)");
   AddWordOption(app, "--coordinates", options.exports.coordinates,
                 "Coordinates of the files: the run's world, or those of the input");
   CLI::Option* scale = app.add_option("--scale", options.exports.scale,

@@ -4,6 +4,7 @@
 #include "colmap/model.h"
 #include "colmap/run.h"
 #include "colmap/version.h"
+#include "colmap/write_model.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -66,33 +67,23 @@ std::string MatchesKey(const Photos& photos, const ColmapProgram& colmap) {
 }
 
 // The scene's cameras as a COLMAP model without points; the ids are those of the database, from 1.
-void WriteKnownCameras(const Scene& scene, const Photos& photos, const fs::path& folder) {
-  std::string cameras, images;
-  std::map<int, size_t> camera_ids;
+ColmapModel KnownCameras(const Scene& scene, const Photos& photos) {
+  ColmapModel model;
+  std::map<int, uint32_t> camera_ids;
   for (size_t i = 0; i < photos.views.size(); ++i) {
     const View& view = scene.views[size_t(photos.views[i])];
-    const auto [id, is_new] = camera_ids.emplace(view.camera, camera_ids.size() + 1);
-    if (is_new) {
-      const Camera& c = scene.cameras[size_t(view.camera)];
-      cameras += fmt::format("{} PINHOLE {} {} {} {} {} {}\n", id->second, c.width, c.height, c.fx,
-                             c.fy, c.cx, c.cy);
-    }
-    const glm::dquat q = glm::quat_cast(view.cam_from_world.rotation);
-    const glm::dvec3& t = view.cam_from_world.translation;
-    images += fmt::format("{} {} {} {} {} {} {} {} {} {}\n\n", i + 1, q.w, q.x, q.y, q.z, t.x, t.y,
-                          t.z, id->second, photos.names[i]);
+    const auto [id, is_new] = camera_ids.emplace(view.camera, uint32_t(camera_ids.size() + 1));
+    if (is_new) model.cameras[id->second] = PinholeLens(scene.cameras[size_t(view.camera)]);
+    model.images[uint32_t(i + 1)] = {
+        .name = photos.names[i], .camera = id->second, .cam_from_world = view.cam_from_world};
   }
-  fs::remove_all(folder);
-  fs::create_directories(folder);
-  WriteText(folder / "cameras.txt", cameras);
-  WriteText(folder / "images.txt", images);
-  WriteText(folder / "points3D.txt", "");
+  return model;
 }
 
 // Checks that COLMAP's model is in the frame of the cameras that it was given.
 void CheckUnmoved(const ColmapModel& model, const Scene& scene, const Photos& photos,
                   const ColmapProgram& colmap) {
-  constexpr double kTolerance = 1e-9;  // text with full precision, quaternions normalised again
+  constexpr double kTolerance = 1e-9;  // quaternions normalised again
   for (const auto& [id, image] : model.images) {
     TETREC_CHECK(id >= 1 && id <= photos.views.size() && photos.names[id - 1] == image.name,
                  "COLMAP numbered the image " + image.name + " differently");
@@ -173,7 +164,8 @@ Triangulation TriangulatePoints(const fs::path& folder, const Scene& scene,
   LogInfo("{} matches in {} pairs", WithThousands(matches.matches), WithThousands(matches.pairs));
 
   const fs::path known = place.scratch / "known", found = place.scratch / "triangulated";
-  WriteKnownCameras(scene, photos, known);
+  fs::remove_all(known);
+  WriteColmapModel(known, KnownCameras(scene, photos));
   fs::remove_all(found);
   fs::create_directories(found);
   Triangulation result;

@@ -17,10 +17,6 @@
 namespace tetrec {
 namespace {
 
-bool Contains(const ExportOptions& options, ExportFormat format) {
-  return std::find(options.formats.begin(), options.formats.end(), format) != options.formats.end();
-}
-
 glm::dvec3 Point(const std::vector<double>& numbers, size_t first) {
   return {numbers[first], numbers[first + 1], numbers[first + 2]};
 }
@@ -31,11 +27,10 @@ void WriteSurface(const TexturedMesh& surface, const ExportOptions& options, Sta
   const bool textured = !surface.texture.pixels.empty();
   if (textured) WriteImage(stage.Output(kTextureFile), surface.texture);
   WriteTriangleMeshPly(stage.Output("surface.ply"), surface.mesh, textured ? kTextureFile : "");
-  if (Contains(options, ExportFormat::kStl)) {
+  if (options.Wants(ExportFormat::kStl)) {
     WriteTriangleMeshStl(stage.Output("surface.stl"), surface.mesh);
   }
-  const bool obj = Contains(options, ExportFormat::kObj),
-             glb = Contains(options, ExportFormat::kGlb);
+  const bool obj = options.Wants(ExportFormat::kObj), glb = options.Wants(ExportFormat::kGlb);
   if (!obj && !glb) return;
   const TriangleMesh turned = Transformed(surface.mesh, YUpFromExport(options));
   if (obj && textured) WriteTextureMaterial(stage.Output(kMaterialFile), kTextureFile);
@@ -46,8 +41,8 @@ void WriteSurface(const TexturedMesh& surface, const ExportOptions& options, Sta
 }
 
 bool WantsField(const ExportOptions& options) {
-  return Contains(options, ExportFormat::kVtu) || Contains(options, ExportFormat::kMedit) ||
-         Contains(options, ExportFormat::kGmsh);
+  return options.Wants(ExportFormat::kVtu) || options.Wants(ExportFormat::kMedit) ||
+         options.Wants(ExportFormat::kGmsh);
 }
 
 void WriteField(const RadianceField& field_in_world, const Similarity3& export_from_world,
@@ -57,9 +52,9 @@ void WriteField(const RadianceField& field_in_world, const Similarity3& export_f
   LogInfo("field: {} of {} tets are exported", WithThousands(field.mesh.tets.size()),
           WithThousands(field_in_world.mesh.tets.size()));
   stage.Count("exported_tets", field.mesh.tets.size());
-  if (Contains(options, ExportFormat::kVtu)) WriteVtu(stage.Output("field.vtu"), field);
-  if (Contains(options, ExportFormat::kMedit)) WriteMedit(stage.Output("field.mesh"), field.mesh);
-  if (Contains(options, ExportFormat::kGmsh)) WriteGmsh(stage.Output("field.msh"), field);
+  if (options.Wants(ExportFormat::kVtu)) WriteVtu(stage.Output("field.vtu"), field);
+  if (options.Wants(ExportFormat::kMedit)) WriteMedit(stage.Output("field.mesh"), field.mesh);
+  if (options.Wants(ExportFormat::kGmsh)) WriteGmsh(stage.Output("field.msh"), field);
 }
 
 }  // namespace
@@ -78,6 +73,10 @@ void ExportOptions::Check() const {
         fmt::format("crop is {}; expected x0,y0,z0,x1,y1,z1 with x0 < x1, y0 < y1 and z0 < z1",
                     fmt::join(crop, ",")));
   }
+}
+
+bool ExportOptions::Wants(ExportFormat format) const {
+  return std::ranges::find(formats, format) != formats.end();
 }
 
 double ExportOptions::Scale() const {

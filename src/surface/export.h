@@ -13,7 +13,7 @@
 
 namespace tetrec {
 
-enum class ExportFormat { kPly, kObj, kGlb, kStl, kVtu, kMedit, kGmsh };
+enum class ExportFormat { kPly, kObj, kGlb, kStl, kVtu, kMedit, kGmsh, kColmap, kTransforms };
 template <>
 inline constexpr auto kWords<ExportFormat> =
     std::to_array<Word<ExportFormat>>({{ExportFormat::kPly, "ply"},
@@ -22,7 +22,9 @@ inline constexpr auto kWords<ExportFormat> =
                                        {ExportFormat::kStl, "stl"},
                                        {ExportFormat::kVtu, "vtu"},
                                        {ExportFormat::kMedit, "mesh"},
-                                       {ExportFormat::kGmsh, "msh"}});
+                                       {ExportFormat::kGmsh, "msh"},
+                                       {ExportFormat::kColmap, "colmap"},
+                                       {ExportFormat::kTransforms, "transforms"}});
 
 // World: the run's world, z up. Formats whose convention is y up (OBJ, GLB) are turned to it.
 // Input: the coordinates of the input, the same in all formats.
@@ -43,6 +45,7 @@ struct ExportOptions {
   std::vector<double> crop;
 
   void Check() const;  // throws UsageError naming the option and its value
+  bool Wants(ExportFormat format) const;
   double Scale() const;
   std::optional<Bounds3> Crop() const;
 };

@@ -14,6 +14,7 @@
 #include "run/field_world.h"
 #include "surface/align_with_photos.h"
 #include "surface/crop.h"
+#include "surface/export_cameras.h"
 #include "surface/fill_holes.h"
 #include "surface/level.h"
 #include "surface/marching_tetrahedra.h"
@@ -311,6 +312,8 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
   const FieldWorld world = ReadFieldWorld(stage.Input("field") / kFieldWorldFile);
   CheckFloatsSuffice(options.exports, world.input_from_world, world.subject_bounds);
   CheckCropHasTets(options.exports, world.input_from_world, stored.mesh);
+  WriteCameraExports(options.exports, stage.Input("field"),
+                     ExportFromWorld(options.exports, world.input_from_world), stage);
   const Timer timer;
   LevelSet set = ChosenSet(stored, world, options, stage);
   const size_t triangles = set.triangles.size();

@@ -38,6 +38,48 @@ class ExportsTest(StageCase):
         corners = [re.search(rf"{name} point\s+\(([^)]*)\)", result.stdout) for name in ("Minimum", "Maximum")]
         return [[float(number) for number in corner.group(1).split()] for corner in corners]
 
+    def check_cameras(self, field, scene):
+        """Cameras and points, in the input's coordinates, as COLMAP and our own import read them."""
+        out = self.folder / "run" / "cameras"
+        self.assert_done(self.run_stage("surface", field, "-o", out, "--formats", "colmap,transforms",
+                                        "--texture", "off", "--coordinates", "input"))
+        views = len(scene["views"])
+        self.assertEqual(self.manifest(out)["counts"]["exported_cameras"], views)
+        colmap = subprocess.run(["colmap", "model_converter", "--input_path", out / "sparse" / "0",
+                                 "--output_path", self.folder, "--output_type", "TXT"],
+                                check=False, capture_output=True, text=True)
+        self.assertEqual(colmap.returncode, 0, colmap.stdout + colmap.stderr)
+        lines = [line.split() for line in (self.folder / "images.txt").read_text().splitlines()
+                 if line and not line.startswith("#")]
+        self.assertEqual(sorted(line[9] for line in lines),
+                         sorted(view["image"].removeprefix("images/") for view in scene["views"]))
+        transforms = json.loads((out / "transforms.json").read_text())
+        self.assertEqual(len(transforms["frames"]), views)
+        self.assertEqual(sorted(transforms["train_filenames"] + transforms["test_filenames"]),
+                         sorted(frame["file_path"] for frame in transforms["frames"]))
+        self.assertTrue(all((out / frame["file_path"]).exists() for frame in transforms["frames"]))
+        for data, name in ((out, "again"), (self.folder / "model", "modelled")):
+            if name == "modelled":
+                data.mkdir()
+                shutil.copytree(out / "sparse", data / "sparse")
+                shutil.copytree(self.folder / "run" / "1_scene" / "images", data / "images")
+            self.assert_done(self.run_stage("import", data, "-o", self.folder / name))
+            self.assert_same_cameras(scene, json.loads((self.folder / name / "scene.json").read_text()))
+
+    def assert_same_cameras(self, scene, other):
+        """In the input's coordinates."""
+        def poses(some):
+            way = some["input_from_world"]
+            for view in sorted(some["views"], key=lambda view: pathlib.Path(view["image"]).name):
+                pose = view["cam_from_world"]
+                centre = [-sum(pose["rotation"][i][j] * pose["translation"][i] for i in range(3)) for j in range(3)]
+                yield [way["scale"] * sum(way["rotation"][i][j] * centre[j] for j in range(3)) + way["translation"][i]
+                       for i in range(3)]
+                yield [sum(pose["rotation"][2][j] * way["rotation"][i][j] for j in range(3)) for i in range(3)]
+        for one, two in zip(poses(scene), poses(other), strict=True):
+            for a, b in zip(one, two, strict=True):
+                self.assertAlmostEqual(a, b, places=6)
+
     def test_every_file_is_upright_in_one_frame_and_others_read_it(self):
         field = self.folder / "run" / "3_field"
         self.assert_done(self.run_stage("optimize", self.tiny_tetrahedra(), "-o", field,
@@ -77,6 +119,8 @@ class ExportsTest(StageCase):
             self.assert_done(result)
             self.assertEqual(self.manifest(few)["counts"]["triangles"] <= limit, limit == faces)
             self.assertEqual("triangles are left instead of 1," in result.stderr, limit == 1)
+
+        self.check_cameras(field, scene)
 
         # In the input's coordinates, where the ball has RADIUS, and in metres of a known distance.
         for name, options, expected in (
