@@ -53,6 +53,11 @@ fs::path Stage::Output(const std::string& relative) {
   return Declare(relative, "own", true);
 }
 
+void Stage::KeepSeconds() {
+  status_["seconds"] = TotalSeconds();
+  WriteJson(folder_ / kStatusFile, status_);
+}
+
 void Stage::Degrade(const std::string& why) {
   LogWarning("{}", why);
   degraded_.push_back(why);

@@ -4,6 +4,8 @@
 // which contains manifest.json, status.json, log.txt and the stage's own files.
 #pragma once
 
+#include "core/timer.h"
+
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
@@ -36,6 +38,8 @@ class Stage {
 
   void Count(const std::string& name, const nlohmann::json& value) { counts_[name] = value; }
   void Seconds(const std::string& name, double seconds) { seconds_[name] = seconds; }
+  // What was done so far survives a kill: a run that continues it counts its seconds, too.
+  void KeepSeconds();
   void Device(const nlohmann::json& device) { device_ = device; }
   // Warns of something that the result lacks although it may be there another time, such as a
   // program or a device. The same command then runs again instead of finding the folder up to date.
@@ -52,7 +56,11 @@ class Stage {
   void RemoveEarlierCaches();
 
   std::filesystem::path folder_;
-  nlohmann::json status_;  // as in status.json
+  double TotalSeconds() const { return seconds_before_ + timer_.seconds(); }
+
+  const Timer timer_;
+  double seconds_before_ = 0;  // of the run that this one continues
+  nlohmann::json status_;      // as in status.json
   // Removes an earlier result, before the first output is declared; empty then. A run that fails
   // before leaves that result as it is.
   std::function<void()> remove_earlier_result_;

@@ -96,12 +96,9 @@ class StageRun {
   void StartLog();
   void RecordFailure(const char* state, const std::string& message);
   void Finish();
-  double Seconds() const { return seconds_before_ + timer_.seconds(); }
 
-  const Timer timer_;
   const StageRequest& request_;
   const json old_manifest_, old_status_;  // null if there are none
-  double seconds_before_ = 0;             // of the run that this one continues
   uint64_t log_begin_ = 0;                // of this run in the log file
   Stage stage_;
 };
@@ -131,8 +128,10 @@ StageRun::StageRun(const StageRequest& request)
   if (stage_.resume_) {
     for (const char* role : {"own", "scratch"})
       stage_.status_[role] = DeclaredPaths(old_status_, role);
-    if (old_status_.contains("seconds") && old_status_["seconds"].is_number())
-      seconds_before_ = old_status_["seconds"];
+    if (old_status_.contains("seconds") && old_status_["seconds"].is_number()) {
+      stage_.seconds_before_ = old_status_["seconds"];
+      stage_.status_["seconds"] = stage_.seconds_before_;
+    }
   } else {
     RemoveDeclared(request.folder, old_status_, "scratch");
     stage_.status_["own"] = ResultPaths(old_manifest_, old_status_);
@@ -213,7 +212,7 @@ void StageRun::Call(const std::function<void(Stage&)>& body) {
 void StageRun::RecordFailure(const char* state, const std::string& message) {
   stage_.status_["status"] = state;
   stage_.status_["error"] = message;
-  stage_.status_["seconds"] = Seconds();
+  stage_.status_["seconds"] = stage_.TotalSeconds();
   LogToFileOnly("error: " + message);
   try {
     if (stage_.remove_earlier_result_ && old_status_.is_object()) KeepEarlierResult();
@@ -234,7 +233,7 @@ void StageRun::KeepEarlierResult() {
 void StageRun::Finish() {
   stage_.RemoveEarlierResult();
   RemoveDeclared(request_.folder, stage_.status_, "scratch");  // of earlier attempts, too
-  const double seconds = Seconds();
+  const double seconds = stage_.TotalSeconds();
   stage_.seconds_["total"] = seconds;
   ManifestFacts facts = {.stage = request_.stage,
                          .version = request_.version,

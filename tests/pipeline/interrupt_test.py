@@ -198,6 +198,9 @@ class InterruptTest(StageCase):
         self.assert_done(self.run_stage(*command, "-o", killed))
         self.assertIn("continues from iteration", (killed / "log.txt").read_text())
         self.assertEqual(hashes(killed)["field.tetf"], hashes(whole)["field.tetf"])
+        # The time of the killed process counts, too.
+        seconds = self.manifest(killed)["seconds"]
+        self.assertGreaterEqual(seconds["total"], seconds["optimize"])
         counts = [self.manifest(folder)["counts"] for folder in (whole, killed)]
         self.assertGreater(counts[0]["vertex_moves"], 0)
         for name in ("vertex_moves", "shortened_moves", "stopped_moves", "min_volume", "min_radius_ratio"):
