@@ -385,6 +385,7 @@ class Trainer {
     checkpoint.poses = poses_.state();
     checkpoint.stray = stray_.state();
     WriteCheckpoint(checkpoint_path_, checkpoint);
+    stage_.KeepSeconds();
   }
 
   // `psnr`: of the watched views.
@@ -465,9 +466,11 @@ void RunOptimize(const OptimizeOptions& options, Stage& stage) {
   TrainingSet set = LoadTrainingSet(scene_folder, scene, scene.ViewsOf(Split::kTrain));
   Trainer trainer(options, scene_folder, scene, std::move(set),
                   PhotoSight::Read(scene, start_folder), start.mesh, stage);
-  WriteField(stage.Output("field.tetf"), trainer.Run(std::move(start)));
+  const RadianceField field = trainer.Run(std::move(start));
   trainer.WriteEstimates();
   WriteWorld(scene, scene_folder, stage);
+  // Last, because tetrec-view reads the others when it finds a new field.
+  WriteField(stage.Output("field.tetf"), field);
 }
 
 }  // namespace tetrec
