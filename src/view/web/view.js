@@ -5,6 +5,7 @@ const canvas = document.querySelector('canvas'), form = document.querySelector('
 const message = document.querySelector('[role=status]');
 const context = canvas.getContext('2d');
 const kDraftMs = 90, kRestMs = 180, kFlightMs = 700, kFewestPixels = 3000;
+const kLongestSide = 4096;
 const kPhotoModes = ['photo', 'error'];
 const kSilence = 'The viewer does not answer; is tetrec-view still running?';
 const kLegends = {
@@ -34,13 +35,19 @@ function shownMode() {
   return camera.view === null && kPhotoModes.includes(mode) ? 'color' : mode;
 }
 
+// The largest picture of the window that the server paints; both sides shrink alike.
+function fullSize() {
+  const box = canvas.parentElement.getBoundingClientRect();
+  const ratio = Math.min(devicePixelRatio, 2, kLongestSide / Math.max(box.width, box.height, 1));
+  return {width: box.width * ratio, height: box.height * ratio};
+}
+
 function addressOf(isDraft) {
-  const box = canvas.parentElement.getBoundingClientRect(), ratio = Math.min(devicePixelRatio, 2);
-  const full = box.width * box.height * ratio * ratio;
-  const scale = isDraft ? Math.min(1, Math.sqrt(draftPixels / full)) : 1;
-  const side = length => Math.min(4096, Math.max(8, Math.round(length * ratio * scale)));
+  const full = fullSize();
+  const scale = isDraft ? Math.min(1, Math.sqrt(draftPixels / (full.width * full.height))) : 1;
+  const side = length => Math.max(8, Math.round(length * scale));
   const query = new URLSearchParams({
-    mode: shownMode(), w: side(box.width), h: side(box.height), draft: isDraft ? 1 : 0
+    mode: shownMode(), w: side(full.width), h: side(full.height), draft: isDraft ? 1 : 0
   });
   if (shownMode() === 'slice') {
     const depth = distanceOf(camera) + (form.slice.value - 0.5) * 1.8 * scene.subject.size;
@@ -111,7 +118,9 @@ function show(bitmap, isDraft, ms) {
   facts.ms = Math.round(ms);
   if (!isDraft) return;
   facts.draftMs = Math.round(ms);
-  draftPixels = Math.max(kFewestPixels, draftPixels * Math.min(1.4, Math.max(0.4, kDraftMs / ms)));
+  const full = fullSize();
+  const wished = draftPixels * Math.min(1.4, Math.max(0.4, kDraftMs / ms));
+  draftPixels = Math.max(kFewestPixels, Math.min(full.width * full.height, wished));
 }
 
 function say(text) {
