@@ -80,17 +80,17 @@ void EncodeVideo(const fs::path& ffmpeg, const fs::path& folder, double fps) {
 
 std::vector<Rigid3> PathOf(const RenderPathOptions& options, const RenderViewsOptions& views,
                            const Scene& scene, const fs::path& scene_folder) {
-  const std::vector<int> chosen = ChooseViews(scene, views.views);
-  const size_t needed = options.path == CameraPath::kCameras ? 2 : 1;
-  if (chosen.size() < needed) {
-    throw DataError(
-        fmt::format("{}: the scene has {} {} views, and the path {} needs {} or more; "
-                    "choose others with --views",
-                    scene_folder.string(), chosen.size(), views.views, Name(options.path), needed));
+  if (options.path == CameraPath::kOrbit) {
+    return OrbitPath(scene, ChooseViews(scene, "all"), options.FrameCount());
   }
-  return options.path == CameraPath::kOrbit
-             ? OrbitPath(scene, chosen, options.FrameCount())
-             : PathThroughCameras(scene, chosen, options.FrameCount());
+  const std::vector<int> chosen = ChooseViews(scene, views.views);
+  if (chosen.size() < 2) {
+    throw DataError(
+        fmt::format("{}: the scene has {} {} views, and a path through cameras needs 2 or more; "
+                    "choose others with --views",
+                    scene_folder.string(), chosen.size(), views.views));
+  }
+  return PathThroughCameras(scene, chosen, options.FrameCount());
 }
 
 // The camera of most views: portrait and landscape photos have different ones.

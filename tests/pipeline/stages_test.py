@@ -1,5 +1,6 @@
 """How stages behave in a chain: wrong and missing folders, second runs, changed options."""
 import json
+import shutil
 import unittest
 
 from stage_case import StageCase, hashes
@@ -159,6 +160,10 @@ class StagesTest(StageCase):
         self.assertIn("warning: no view is held out", result.stderr)
         self.assertEqual(json.loads((views / "views.json").read_text())["split"], "train")
         self.assert_done(self.run_stage("evaluate", views, "-o", run / "6_report"))
+        # An orbit goes by all cameras.
+        if shutil.which("ffmpeg"):
+            self.assert_done(self.run_stage("render", field, "-o", run / "video", "--renderer", "reference",
+                                            "--samples", 1, "--path", "orbit", "--frames", 1, "--size", 16))
         self.assert_done(self.run_stage("import", self.folder / "ball", "-o", scene, "--holdout", 0,
                                         "--background", "black"))
         result = self.run_stage("evaluate", views, "-o", run / "other_report")
