@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace tetrec {
 namespace {
@@ -49,10 +50,13 @@ bool SameImage(const std::string& a, const std::string& b) {
   return IsTail(x, y) || IsTail(y, x);
 }
 
-const TrueCamera* FindCamera(const View& view, std::span<const TrueCamera> cameras) {
+// Null if no camera's file matches the view's name; throws DataError if two do.
+template <class Matches>
+const TrueCamera* FindOnly(const View& view, std::span<const TrueCamera> cameras,
+                           const Matches& matches) {
   const TrueCamera* found = nullptr;
   for (const TrueCamera& camera : cameras) {
-    if (!SameImage(view.name, camera.file)) continue;
+    if (!matches(view.name, camera.file)) continue;
     if (found) {
       throw DataError(
           fmt::format("view '{}' matches two true cameras, '{}' and '{}'; give their full names",
@@ -61,6 +65,12 @@ const TrueCamera* FindCamera(const View& view, std::span<const TrueCamera> camer
     found = &camera;
   }
   return found;
+}
+
+// Equal names count before tails: "a.jpg" is a tail of "x/a.jpg".
+const TrueCamera* FindCamera(const View& view, std::span<const TrueCamera> cameras) {
+  const TrueCamera* same = FindOnly(view, cameras, std::equal_to<std::string>());
+  return same ? same : FindOnly(view, cameras, SameImage);
 }
 
 double AngleDegrees(const glm::dmat3& a, const glm::dmat3& b) {

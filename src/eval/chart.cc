@@ -63,11 +63,8 @@ std::string ProtocolOf(const fs::path& field_folder) {
       const Camera& camera = scene.cameras[size_t(view.camera)];
       sizes.push_back({camera.width, camera.height});
     }
-    // A run watches some of the held-out views only, and its curve is the mean of these.
-    const nlohmann::json watched = facts.stages.back().Count("watched_views");
-    parts = {watched.is_number_unsigned() ? fmt::format("{} held-out views", watched.get<size_t>())
-                                          : std::string("some held-out views"),
-             SizesInWords(sizes), fmt::format("background {}", Name(scene.background))};
+    parts = {WatchedViewsInWords(facts.stages.back()), SizesInWords(sizes),
+             fmt::format("background {}", Name(scene.background))};
   }
   if (const std::string device = facts.stages.back().Device(); !device.empty()) {
     parts.push_back(device);

@@ -151,6 +151,8 @@ json ImageMetrics(const RenderedViews& rendered, const std::vector<ViewScore>& s
                      {"psnr", Finite(score.psnr)},
                      {"ssim", score.ssim},
                      {"mse", score.mse},
+                     {"width", score.width},
+                     {"height", score.height},
                      {"psnr_right_half", Finite(score.right_half_psnr)},
                      {"psnr_color_corrected", Finite(score.corrected_psnr)},
                      {"psnr_refined_cameras", Finite(score.refined_psnr)},
@@ -233,9 +235,11 @@ json RunMetrics(const RunFacts& run) {
           {"git", run.stages.back().manifest.value("git", json())}};
 }
 
-std::vector<Plot> ConvergencePlots(const std::vector<TrainingRow>& rows) {
+// `watched`: which views the curve of those is about.
+std::vector<Plot> ConvergencePlots(const std::vector<TrainingRow>& rows,
+                                   const std::string& watched) {
   PlotSeries train{"training batches", {}, {}, 5, false, false};
-  PlotSeries held_out{"held-out views", {}, {}, 1, false, true};
+  PlotSeries held_out{watched, {}, {}, 1, false, true};
   PlotSeries loss{"loss (left)", {}, {}, 0, false, false},
       tets{"tets (right)", {}, {}, 2, true, false};
   for (const TrainingRow& row : rows) {
@@ -293,7 +297,7 @@ void DrawConvergence(const RunFacts& run, Stage& stage, ReportContent& content) 
     if (!optimize) throw DataError("the optimiser's folder is missing");
     const auto rows = ReadTrainingLog(optimize->folder / kTrainingLogFile);
     const fs::path scratch = stage.Scratch("gnuplot");
-    for (const Plot& plot : ConvergencePlots(rows)) {
+    for (const Plot& plot : ConvergencePlots(rows, WatchedViewsInWords(*optimize))) {
       const fs::path svg = scratch / "curve.svg";
       DrawPlot(plot, svg, scratch);
       content.curves_svg.push_back(ReadText(svg));

@@ -95,6 +95,12 @@ double RunFacts::Seconds() const {
   return seconds;
 }
 
+std::string WatchedViewsInWords(const StageFacts& optimize) {
+  const nlohmann::json watched = optimize.Count("watched_views");
+  return watched.is_number_unsigned() ? fmt::format("{} held-out views", watched.get<size_t>())
+                                      : "some held-out views";
+}
+
 RunFacts ReadRunFacts(const std::filesystem::path& last) {
   RunFacts facts;
   facts.stages.push_back(FactsOf(last));

@@ -34,6 +34,9 @@ struct RunFacts {
   double Seconds() const;                                  // of all stages
 };
 
+// Which views the curve of a run is about, of which it watches only some: "4 held-out views".
+std::string WatchedViewsInWords(const StageFacts& optimize);
+
 // Follows the manifests from `last` back to the first stage. A missing folder ends the chain with a
 // warning; `last` itself must exist, and no folder may have been recreated since the next one was
 // made from it (DataError): scores by other cameras would be wrong.

@@ -45,8 +45,8 @@ std::optional<SurfaceViewScore> ScoreView(const TriangleMesh& mesh, const Image&
     score.vertex_color_psnr = CappedPsnrFromMse(*MaskedMeanSquaredError(plain.image, truth, mask));
   }
   score.field_psnr = CappedPsnrFromMse(*MaskedMeanSquaredError(render, truth, mask));
-  score.covered = double(std::count(picture.covered.begin(), picture.covered.end(), true)) /
-                  double(picture.covered.size());
+  score.covered = double(std::count(mask.pixels.begin(), mask.pixels.end(), uint8_t{255})) /
+                  double(mask.pixels.size());
   return score;
 }
 

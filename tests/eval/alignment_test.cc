@@ -110,6 +110,9 @@ TEST(Alignment, ViewsMatchByImageNameAndUnmatchedOnesAreNamed) {
 
   cameras[1].file = "other/r_0.png";
   ExpectError<DataError>([&] { AlignByCameras(scene, cameras); }, {"'r_0.png'", "other/r_0.png"});
+  scene.views[0].name = "other/r_0.png";  // the same name counts before its tail
+  cameras[0].file = "r_0.png";
+  EXPECT_EQ(AlignByCameras(scene, cameras).matched, 6u);
   ExpectError<DataError>([&] { AlignByCameras(scene, std::span(cameras).last(2)); },
                          {"of 8 views"});
 }

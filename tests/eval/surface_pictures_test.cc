@@ -115,6 +115,15 @@ TEST(SurfacePictures, ATextureScoresBetterThanVertexColoursAndOnlyWhereTheSurfac
   EXPECT_NEAR(pictures->views[0].covered, 400.0 / 1200, 1e-9);
   EXPECT_EQ(SurfacePicturesJson(*pictures)["psnr"], pictures->views[0].psnr);
 
+  // Only pixels that count are covered: here those of the left half.
+  Image seen = MakeImage(40, 30, 3);
+  for (int y = 0; y < 30; ++y) std::fill_n(seen.At(0, y), 3 * 20, uint8_t{255});
+  WriteImage(folder / "seen.png", seen);
+  rendered.views[0].seen = folder / "seen.png";
+  const auto half = ScoreSurfacePictures(square.mesh, square.texture, scene, rendered);
+  EXPECT_NEAR(half->views[0].covered, 200.0 / 1200, 1e-9);
+  rendered.views[0].seen.reset();
+
   const auto plain = ScoreSurfacePictures(square.mesh, {}, scene, rendered);
   EXPECT_FALSE(plain->textured);
   EXPECT_EQ(plain->views[0].psnr, pictures->views[0].vertex_color_psnr);

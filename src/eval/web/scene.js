@@ -150,12 +150,28 @@
   scene.add(surface);
   const clay = new THREE.MeshPhongMaterial({color: 0xccc7bf, shininess: 0, side: THREE.DoubleSide});
   const wires = new THREE.MeshBasicMaterial({color: 0x888888, wireframe: true});
+  // Vertices at the borders of texture charts are there once for each chart. They all get the sum
+  // of their normals, so that the borders do not look like creases.
+  const addSmoothNormals = (geometry) => {
+    geometry.computeVertexNormals();
+    const {position, normal} = geometry.attributes, sums = new Map();
+    const keyOf = (i) => `${position.getX(i)} ${position.getY(i)} ${position.getZ(i)}`;
+    const normalOf = (i) => new THREE.Vector3(normal.getX(i), normal.getY(i), normal.getZ(i));
+    for (let i = 0; i < position.count; ++i) {
+      sums.set(keyOf(i), normalOf(i).add(sums.get(keyOf(i)) || new THREE.Vector3()));
+    }
+    for (const sum of sums.values()) sum.normalize();
+    for (let i = 0; i < position.count; ++i) {
+      const sum = sums.get(keyOf(i));
+      normal.setXYZ(i, sum.x, sum.y, sum.z);
+    }
+  };
   const show = () => {
     const look = control('look').value;
     surface.visible = look !== 'none';
     surface.traverse((mesh) => {
       if (!mesh.isMesh) return;
-      if (look === 'clay' && !mesh.geometry.attributes.normal) mesh.geometry.computeVertexNormals();
+      if (look === 'clay' && !mesh.geometry.attributes.normal) addSmoothNormals(mesh.geometry);
       mesh.material = look === 'clay' ? clay : look === 'wires' ? wires : mesh.userData.colored;
     });
     points.visible = control('points').checked;
