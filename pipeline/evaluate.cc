@@ -9,7 +9,7 @@
 int main(int argc, char** argv) {
   tetrec::EvaluateOptions options;
   tetrec::StageCommand command(
-      "evaluate", 8,
+      "evaluate", 9,
       "Measures the quality of rendered views (PSNR, SSIM) and of a surface (accuracy, "
       "completeness, F-score), and writes metrics.json and a self-contained report.html.\n"
       "Example: tetrec-evaluate RUN/4_views RUN/5_surface -o RUN/6_report");

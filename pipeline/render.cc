@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   tetrec::RenderViewsOptions options;
   tetrec::RenderPathOptions path;
   tetrec::StageCommand command(
-      "render", 8,
+      "render", 9,
       "Renders views of a fitted field: writes images, depth and normal maps with the ground truth "
       "beside them, and views.json. With --path it writes a video of a moving camera instead.\n"
       "Examples: tetrec-render RUN/3_field -o RUN/4_views\n"
