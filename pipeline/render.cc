@@ -60,6 +60,11 @@ int main(int argc, char** argv) {
           tetrec::RefuseOptions(app, {"--refine-cameras"},
                                 "is for views, but --path makes a video; leave one of them out");
         }
+        if (path.path == tetrec::CameraPath::kOrbit) {
+          tetrec::RefuseOptions(
+              app, {"--views"},
+              "has no effect on an orbit, which goes by all cameras; leave it out");
+        }
         options.renderer.Check();
         path.Check();
       });

@@ -38,7 +38,8 @@ class Stage {
 
   void Count(const std::string& name, const nlohmann::json& value) { counts_[name] = value; }
   void Seconds(const std::string& name, double seconds) { seconds_[name] = seconds; }
-  // What was done so far survives a kill: a run that continues it counts its seconds, too.
+  // Records the seconds so far in status.json, so that a run that continues this one after a kill
+  // counts them, too.
   void KeepSeconds();
   void Device(const nlohmann::json& device) { device_ = device; }
   // Warns of something that the result lacks although it may be there another time, such as a
@@ -54,10 +55,9 @@ class Stage {
   std::filesystem::path Declare(const std::string& relative, const char* role, bool by_top_name);
   void RemoveEarlierResult();
   void RemoveEarlierCaches();
-
-  std::filesystem::path folder_;
   double TotalSeconds() const { return seconds_before_ + timer_.seconds(); }
 
+  std::filesystem::path folder_;
   const Timer timer_;
   double seconds_before_ = 0;  // of the run that this one continues
   nlohmann::json status_;      // as in status.json

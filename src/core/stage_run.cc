@@ -9,7 +9,6 @@
 #include "core/progress.h"
 #include "core/stage_folder.h"
 #include "core/stop_request.h"
-#include "core/timer.h"
 #include "core/version.h"
 
 #include <fmt/format.h>

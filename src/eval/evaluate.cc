@@ -235,7 +235,7 @@ json RunMetrics(const RunFacts& run) {
           {"git", run.stages.back().manifest.value("git", json())}};
 }
 
-// `watched`: which views the curve of those is about.
+// `watched`: the legend of the held-out curve.
 std::vector<Plot> ConvergencePlots(const std::vector<TrainingRow>& rows,
                                    const std::string& watched) {
   PlotSeries train{"training batches", {}, {}, 5, false, false};

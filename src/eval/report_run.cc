@@ -46,11 +46,12 @@ std::string Convergence(const ReportContent& content) {
   if (content.curves_svg.empty()) {
     return html + "<p class=\"note\">No curves: " + E(content.no_curves_reason) + "</p>";
   }
-  const char* alts[] = {"PSNR of training batches and watched views over seconds of optimisation",
+  const char* alts[] = {"PSNR of training batches and held-out views over seconds of optimisation",
                         "loss and number of tets over seconds of optimisation"};
   html +=
-      "<p class=\"note\">Held-out views are here those that the run watched: of the validation "
-      "split if there is one. During the run, some of their pixels were judged.</p>";
+      "<p class=\"note\">The curve of held-out views is the mean over those that the run watched, "
+      "which are validation views if there are any. During the run, only a sample of their pixels "
+      "was rendered.</p>";
   for (size_t i = 0; i < content.curves_svg.size(); ++i) {
     html += fmt::format("<div class=\"plot\"><img src=\"{}\" alt=\"{}\"></div>",
                         SvgDataUri(content.curves_svg[i]), alts[std::min<size_t>(i, 1)]);

@@ -97,8 +97,9 @@ double RunFacts::Seconds() const {
 
 std::string WatchedViewsInWords(const StageFacts& optimize) {
   const nlohmann::json watched = optimize.Count("watched_views");
-  return watched.is_number_unsigned() ? fmt::format("{} held-out views", watched.get<size_t>())
-                                      : "some held-out views";
+  if (!watched.is_number_unsigned()) return "some held-out views";
+  const auto count = watched.get<size_t>();
+  return fmt::format("{} held-out view{}", count, count == 1 ? "" : "s");
 }
 
 RunFacts ReadRunFacts(const std::filesystem::path& last) {

@@ -34,7 +34,8 @@ struct RunFacts {
   double Seconds() const;                                  // of all stages
 };
 
-// Which views the curve of a run is about, of which it watches only some: "4 held-out views".
+// The held-out views that a run watched, of which its curve is the mean, in words: "4 held-out
+// views".
 std::string WatchedViewsInWords(const StageFacts& optimize);
 
 // Follows the manifests from `last` back to the first stage. A missing folder ends the chain with a

@@ -12,14 +12,30 @@ namespace tetrec {
 namespace {
 using nlohmann::json;
 
-// The pixels of both, as a mask of MaskedMeanSquaredError.
-Image MaskOf(const SurfacePicture& picture, const std::optional<Image>& seen) {
+// A mask of the view's pixels that count.
+Image CountingPixels(const RenderedView& rendered, const Image& truth) {
+  if (rendered.seen) return ReadImage(*rendered.seen);
+  Image all = MakeImage(truth.width, truth.height, 3);
+  std::ranges::fill(all.pixels, uint8_t{255});
+  return all;
+}
+
+// Those of them that the surface fills, as a mask of MaskedMeanSquaredError.
+Image MaskOf(const SurfacePicture& picture, const Image& counting) {
   Image mask = MakeImage(picture.image.width, picture.image.height, 3);
   for (size_t i = 0; i < picture.covered.size(); ++i) {
-    const bool counts = !seen || seen->pixels[i * size_t(seen->channels)] >= kSelectedByMask;
+    const bool counts = counting.pixels[i * size_t(counting.channels)] >= kSelectedByMask;
     if (picture.covered[i] && counts) std::fill_n(&mask.pixels[3 * i], 3, uint8_t{255});
   }
   return mask;
+}
+
+size_t SelectedPixels(const Image& mask) {
+  size_t selected = 0;
+  for (size_t i = 0; i < mask.pixels.size(); i += size_t(mask.channels)) {
+    selected += mask.pixels[i] >= kSelectedByMask;
+  }
+  return selected;
 }
 
 // Nothing if the view shows nothing of the surface.
@@ -34,8 +50,7 @@ std::optional<SurfaceViewScore> ScoreView(const TriangleMesh& mesh, const Image&
     return DrawSurface(mesh, colors, camera, view.cam_from_world, kJudgingRaysPerSide);
   };
   const SurfacePicture picture = draw(texture);
-  const Image mask =
-      MaskOf(picture, rendered.seen ? std::optional(ReadImage(*rendered.seen)) : std::nullopt);
+  const Image counting = CountingPixels(rendered, truth), mask = MaskOf(picture, counting);
   const auto error = MaskedMeanSquaredError(picture.image, truth, mask);
   if (!error) return std::nullopt;
   SurfaceViewScore score{view.name, CappedPsnrFromMse(*error), 0, 0, 0};
@@ -45,8 +60,7 @@ std::optional<SurfaceViewScore> ScoreView(const TriangleMesh& mesh, const Image&
     score.vertex_color_psnr = CappedPsnrFromMse(*MaskedMeanSquaredError(plain.image, truth, mask));
   }
   score.field_psnr = CappedPsnrFromMse(*MaskedMeanSquaredError(render, truth, mask));
-  score.covered = double(std::count(mask.pixels.begin(), mask.pixels.end(), uint8_t{255})) /
-                  double(mask.pixels.size());
+  score.covered = double(SelectedPixels(mask)) / double(SelectedPixels(counting));
   return score;
 }
 

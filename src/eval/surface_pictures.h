@@ -21,7 +21,7 @@ struct SurfaceViewScore {
   double psnr = 0;               // of the surface
   double vertex_color_psnr = 0;  // without the texture
   double field_psnr = 0;         // of the field's rendering, over the same pixels
-  double covered = 0;            // share of the picture's pixels
+  double covered = 0;            // share of the pixels that count
 };
 struct SurfacePictures {
   bool textured = false;

@@ -16,7 +16,8 @@ namespace {
 // Types of values, and their tags. (Exif 2.32, section 4.6)
 constexpr uint16_t kAscii = 2, kShort = 3, kLong = 4, kRational = 5;
 constexpr uint16_t kMake = 0x010F, kModel = 0x0110, kOrientation = 0x0112, kExifDirectory = 0x8769,
-                   kFocalLength = 0x920A, kInteroperability = 0xA005, kFocalLength35 = 0xA405;
+                   kFocalLength = 0x920A, kColorSpace = 0xA001, kInteroperability = 0xA005,
+                   kFocalLength35 = 0xA405;
 constexpr uint16_t kInteroperabilityIndex = 1;  // in the directory of that name
 constexpr size_t kEntryBytes = 12;
 constexpr std::string_view kExifMark("Exif\0\0", 6);  // in front of EXIF in a JPEG's segment
@@ -97,13 +98,18 @@ int OrientationIn(const TiffStructure& exif, size_t directory) {
   return orientation >= 1 && orientation <= 8 ? int(orientation) : 1;
 }
 
-// By the index of the DCF's optional files, which are all in Adobe RGB. (DCF 2.0, section 3.2)
+// By the index of the DCF's optional files, which are all in Adobe RGB (DCF 2.0, section 3.2),
+// unless a program has converted the image since and noted sRGB.
 bool IsAdobeRgb(const TiffStructure& exif, size_t directory) {
   const auto inner = [&](size_t outer, uint16_t tag) -> size_t {
     const size_t place = outer > 0 ? exif.Find(outer, tag, kLong, 1) : 0;
     return place > 0 ? exif.At(place, 4) : 0;
   };
-  const size_t notes = inner(inner(directory, kExifDirectory), kInteroperability);
+  constexpr uint32_t kSrgb = 1;
+  const size_t details = inner(directory, kExifDirectory);
+  const size_t space = details > 0 ? exif.Find(details, kColorSpace, kShort, 1) : 0;
+  if (space > 0 && exif.At(space, 2) == kSrgb) return false;
+  const size_t notes = inner(details, kInteroperability);
   const size_t index = notes > 0 ? exif.Find(notes, kInteroperabilityIndex, kAscii, 4) : 0;
   return index > 0 && index + 4 <= exif.bytes.size() &&
          std::memcmp(&exif.bytes[index], "R03", 4) == 0;

@@ -18,7 +18,7 @@ struct CameraNotes {
 // The JPEG file with the notes as EXIF, in front of all that it contains.
 std::vector<uint8_t> WithExif(std::span<const uint8_t> jpeg, const CameraNotes& notes);
 
-// How the pixels of a JPEG are meant.
+// How the pixels of a JPEG are to be interpreted.
 struct PixelNotes {
   // How the stored image must be turned or mirrored to be upright, from 1 (not at all) to 8.
   int orientation = 1;

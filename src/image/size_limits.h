@@ -1,4 +1,4 @@
-// How large what an image file contains may be, checked before memory is allocated.
+// Limits on the sizes that an image file states, checked before memory is allocated.
 #pragma once
 
 #include <cstddef>

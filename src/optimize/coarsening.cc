@@ -86,9 +86,11 @@ bool Coarsening::Advance(double seconds, const RunMoment& moment) {
   const CoarseningState before = state_;
   const uint64_t iteration = parts_.steps.iteration(), rays = parts_.steps.rays();
   const WaitingField finer = Save(finer_file_);
-  const std::optional<bool> is_coarser =
-      state_.reference.empty() ? LookAtFinest(moment) : TryCoarser(finer, seconds, moment);
-  if (is_coarser) return *is_coarser;
+  if (state_.reference.empty()) {
+    if (LookAtFinest(moment)) return false;
+  } else if (const auto is_coarser = TryCoarser(finer, seconds, moment)) {
+    return *is_coarser;
+  }
   PutBack(finer);
   parts_.steps.Resume(iteration, rays);
   state_ = before;
@@ -122,7 +124,7 @@ std::optional<bool> Coarsening::TryCoarser(const WaitingField& finer, double sec
   return stays;
 }
 
-// `views`: what the judging pictures said of the coarser mesh.
+// `views`: the errors of the judging pictures with the coarser mesh.
 void Coarsening::ChooseNextShare(bool stays, std::span<const ErrorSum> views) {
   if (stays) {
     RaiseReference({views.begin(), views.end()});
@@ -161,15 +163,16 @@ void Coarsening::PutBack(const WaitingField& waiting) {
   waiting.PutBack(parts_.field, parts_.motion);
 }
 
-// False: the mesh stays as it is; nothing if the run is asked to stop meanwhile.
-std::optional<bool> Coarsening::LookAtFinest(const RunMoment& moment) {
-  const uint64_t steps = TrialSteps(parts_.steps.iteration());
+// Returns false if the run is asked to stop meanwhile.
+bool Coarsening::LookAtFinest(const RunMoment& moment) {
+  const uint64_t iteration = parts_.steps.iteration();
+  const uint64_t steps = parts_.motion.StepsToAMotion(iteration, TrialSteps(iteration));
   const uint64_t vertices = parts_.field.mesh().positions.size();
   state_.finest_vertices = std::max(state_.finest_vertices, vertices);
-  if (!parts_.steps.TryUnlessStopped(steps, kRatesOfTrials, moment)) return std::nullopt;
+  if (!parts_.steps.TryUnlessStopped(steps, kRatesOfTrials, moment)) return false;
   parts_.steps.CountTried(steps);
   state_.reference = parts_.pictures.JudgeField().views;
-  return false;
+  return true;
 }
 
 // Returns false if the mesh would get no coarser.

@@ -69,7 +69,7 @@ class Coarsening {
   uint64_t StepsOfTrial() const;
   WaitingField Save(const std::filesystem::path& file) const;
   void PutBack(const WaitingField& waiting);
-  std::optional<bool> LookAtFinest(const RunMoment& moment);
+  bool LookAtFinest(const RunMoment& moment);
   std::optional<bool> TryCoarser(const WaitingField& finer, double seconds,
                                  const RunMoment& moment);
   void ChooseNextShare(bool stays, std::span<const ErrorSum> views);

@@ -63,7 +63,7 @@ bool RefinementRounds::IsDue(double growth) const {
 }
 
 bool RefinementRounds::IsTaught() const {
-  return options_.iterations > 0 || options_.time_limit_s <= 0 ||
+  return options_.iterations > 0 || options_.time_limit_s <= 0 || HasSettled() ||
          parts_.steps.iteration() - last_iteration_ >= options_.schedule.min_round_steps;
 }
 
@@ -117,11 +117,14 @@ bool RefinementRounds::IsWorthRefining(const Judgement& now, GrowthStep& step) {
 
 // True if the noise of high learning rates may hide that the pictures are matched.
 bool RefinementRounds::MustSettle(const Judgement& now) const {
-  const bool has_settled = state_.settled > 0 && state_.settled == parts_.steps.iteration();
   // Once a judgement has settled, later ones must, too: otherwise, noise would look like a loss.
   const double best = std::max(now.psnr, state_.best_psnr);
   const bool may_be_matched = best >= options_.schedule.matched_psnr - kMostNoise;
-  return !has_settled && may_be_matched && !AsksForAll() && !IsMatched(now, options_.schedule);
+  return !HasSettled() && may_be_matched && !AsksForAll() && !IsMatched(now, options_.schedule);
+}
+
+bool RefinementRounds::HasSettled() const {
+  return state_.settled > 0 && state_.settled == parts_.steps.iteration();
 }
 
 // Ends where a motion would, so that no further step comes before a round that is a trial.

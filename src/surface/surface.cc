@@ -312,8 +312,9 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
   const FieldWorld world = ReadFieldWorld(stage.Input("field") / kFieldWorldFile);
   CheckFloatsSuffice(options.exports, world.input_from_world, world.subject_bounds);
   CheckCropHasTets(options.exports, world.input_from_world, stored.mesh);
-  WriteCameraExports(options.exports, stage.Input("field"),
-                     ExportFromWorld(options.exports, world.input_from_world), stage);
+  const std::optional<ExportedScene> cameras =
+      SceneToExport(options.exports, stage.Input("field"),
+                    ExportFromWorld(options.exports, world.input_from_world));
   const Timer timer;
   LevelSet set = ChosenSet(stored, world, options, stage);
   const size_t triangles = set.triangles.size();
@@ -345,6 +346,7 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
                              ExportFromWorld(options.exports, world.input_from_world));
   Report(surface.mesh, stage);
   WriteExports(surface, stored, world.input_from_world, options.exports, stage);
+  if (cameras) WriteCameraExports(*cameras, options.exports, stage);
 }
 
 }  // namespace tetrec

@@ -121,7 +121,7 @@ TEST(SurfacePictures, ATextureScoresBetterThanVertexColoursAndOnlyWhereTheSurfac
   WriteImage(folder / "seen.png", seen);
   rendered.views[0].seen = folder / "seen.png";
   const auto half = ScoreSurfacePictures(square.mesh, square.texture, scene, rendered);
-  EXPECT_NEAR(half->views[0].covered, 200.0 / 1200, 1e-9);
+  EXPECT_NEAR(half->views[0].covered, 200.0 / 600, 1e-9);
   rendered.views[0].seen.reset();
 
   const auto plain = ScoreSurfacePictures(square.mesh, {}, scene, rendered);

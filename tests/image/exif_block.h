@@ -24,9 +24,8 @@ class ExifBlock {
     }
   }
 
-  // The front of a directory with one entry, whose value of four bytes comes next.
+  // The front of an entry, whose value of four bytes comes next.
   void PutEntry(uint32_t tag, uint32_t type, uint32_t count) {
-    Put(1, 2);
     Put(tag, 2);
     Put(type, 2);
     Put(count, 4);
@@ -45,6 +44,7 @@ class ExifBlock {
 // From byte 14 a directory with one entry of 12 bytes, the orientation.
 inline std::vector<uint8_t> ExifOfOrientation(uint32_t orientation, bool is_big_endian = false) {
   ExifBlock exif(is_big_endian);
+  exif.Put(1, 2);               // entries
   exif.PutEntry(0x0112, 3, 1);  // a short
   exif.Put(orientation, 2);
   exif.Put(0, 2);
@@ -52,15 +52,23 @@ inline std::vector<uint8_t> ExifOfOrientation(uint32_t orientation, bool is_big_
   return exif.bytes();
 }
 
-// From bytes 14, 32 and 50 directories of one entry each: the place of the second one, that of the
-// third one, and the interoperability index, of three letters.
-inline std::vector<uint8_t> ExifOfIndex(const std::string& index, bool is_big_endian = false) {
+// From bytes 14, 32 and 62 directories: the place of the second one; the colour space and the place
+// of the third one; the interoperability index, of three letters.
+inline std::vector<uint8_t> ExifOfIndex(const std::string& index, bool is_big_endian = false,
+                                        uint32_t color_space = 65535) {
   ExifBlock exif(is_big_endian);
-  for (const uint32_t directory : {0x8769, 0xA005}) {
-    exif.PutEntry(directory, 4, 1);  // a long
-    exif.PutPlaceOfNext();
-    exif.Put(0, 4);  // no further directory beside this one
-  }
+  exif.Put(1, 2);
+  exif.PutEntry(0x8769, 4, 1);  // a long
+  exif.PutPlaceOfNext();
+  exif.Put(0, 4);  // no further directory beside this one
+  exif.Put(2, 2);
+  exif.PutEntry(0xA001, 3, 1);
+  exif.Put(color_space, 2);
+  exif.Put(0, 2);
+  exif.PutEntry(0xA005, 4, 1);
+  exif.PutPlaceOfNext();
+  exif.Put(0, 4);
+  exif.Put(1, 2);
   exif.PutEntry(1, 2, 4);  // text
   for (const char letter : index) exif.Put(uint8_t(letter), 1);
   exif.Put(0, 1);

@@ -59,13 +59,15 @@ TEST(Exif, AdobeRgbIsReadInBothByteOrders) {
     const std::vector<uint8_t> adobe = ExifOfIndex("R03", is_big_endian);
     EXPECT_TRUE(PixelNotesOfExif(adobe).are_adobe_rgb);
     EXPECT_FALSE(PixelNotesOfExif(ExifOfIndex("R98", is_big_endian)).are_adobe_rgb);
-    constexpr size_t kBehindIndex = 64;
+    const std::vector<uint8_t> converted = ExifOfIndex("R03", is_big_endian, 1);
+    EXPECT_FALSE(PixelNotesOfExif(converted).are_adobe_rgb) << "converted to sRGB";
+    constexpr size_t kBehindIndex = 76;
     for (size_t length = 0; length <= adobe.size(); ++length) {
       const std::vector<uint8_t> cut(adobe.begin(), adobe.begin() + std::ptrdiff_t(length));
       EXPECT_EQ(PixelNotesOfExif(cut).are_adobe_rgb, length >= kBehindIndex) << length;
     }
   }
-  for (const size_t place : {24, 42}) {  // of a directory that is at the end of all bytes
+  for (const size_t place : {24, 54}) {  // of a directory that is at the end of all bytes
     std::vector<uint8_t> astray = ExifOfIndex("R03");
     std::fill_n(astray.begin() + std::ptrdiff_t(place), 4, uint8_t(0xFF));
     EXPECT_FALSE(PixelNotesOfExif(astray).are_adobe_rgb) << place;

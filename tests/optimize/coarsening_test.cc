@@ -5,6 +5,7 @@
 #include "scratch_folder.h"
 
 #include <gtest/gtest.h>
+#include <sys/time.h>
 
 #include <cmath>
 #include <csignal>
@@ -68,27 +69,41 @@ TEST(Coarsening, TakesBackACoarserMeshThatLost) {
   EXPECT_TRUE(grown.coarsening.IsOver());
 }
 
+// After `delay_us` microseconds; at once if it is 0.
+void StopLater(int delay_us) {
+  if (delay_us == 0) std::raise(SIGINT);
+  std::signal(SIGALRM, [](int) { std::raise(SIGINT); });
+  const itimerval once = {{0, 0}, {0, delay_us}};
+  setitimer(ITIMER_REAL, &once, nullptr);
+}
+
+// Of the first look, of a trial whose mesh would stay, and of one that it may lose: each is undone,
+// or has ended before.
 TEST(Coarsening, IsUndoneByAStop) {
-  const auto stopped = [](bool is_first) {
+  const auto stopped = [](int kind, int delay_us) {
     CatchStopSignals();
     GrownRun grown;
-    if (!is_first) grown.coarsening.Advance(0.0, AtProgress(0.6));
-    grown.run.options.schedule.matched_psnr = 1;
+    if (kind > 0) grown.coarsening.Advance(0.0, AtProgress(0.6));
+    grown.run.options.schedule.matched_psnr = kind == 1 ? 1 : 1000;
     const CoarseningState state = grown.coarsening.state();
     const std::vector<glm::vec3> positions = grown.run.field.mesh().positions;
     const std::vector<float> parameters = grown.run.field.ReadState().parameters;
-    const uint64_t iteration = grown.run.steps.iteration();
-    std::raise(SIGINT);
+    const uint64_t iteration = grown.run.steps.iteration(), rays = grown.run.steps.rays();
+    StopLater(delay_us);
     const bool is_coarser = grown.coarsening.Advance(0.0, AtProgress(0.6));
-    const bool is_as_before = !is_coarser && grown.coarsening.state() == state &&
-                              grown.run.field.mesh().positions == positions &&
+    const bool has_ended = grown.coarsening.state() != state;
+    const bool is_as_before = !is_coarser && grown.run.field.mesh().positions == positions &&
                               grown.run.field.ReadState().parameters == parameters &&
                               grown.run.steps.iteration() == iteration &&
+                              grown.run.steps.rays() == rays &&
                               grown.rounds.state().steps.empty() && grown.coarsening.IsDue(0.6);
-    std::exit(is_as_before ? 0 : 1);
+    std::exit(is_as_before || (has_ended && delay_us > 0) ? 0 : 1);
   };
-  EXPECT_EXIT(stopped(true), ::testing::ExitedWithCode(0), "");
-  EXPECT_EXIT(stopped(false), ::testing::ExitedWithCode(0), "");
+  for (const int kind : {0, 1, 2}) {
+    for (const int delay_us : {0, 2'000, 20'000, 100'000}) {
+      EXPECT_EXIT(stopped(kind, delay_us), ::testing::ExitedWithCode(0), "") << kind << delay_us;
+    }
+  }
 }
 
 TEST(Coarsening, TriesMilderSharesAsLongAsTheyMaySucceed) {

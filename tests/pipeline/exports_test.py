@@ -58,6 +58,13 @@ class ExportsTest(StageCase):
         lists = [transforms[f"{split}_filenames"] for split in ("train", "val", "test")]
         self.assertEqual(sorted(sum(lists, [])), sorted(frame["file_path"] for frame in transforms["frames"]))
         self.assertTrue(all((out / frame["file_path"]).exists() for frame in transforms["frames"]))
+        # A view that the fit left out is not exported.
+        left_out = field / "left_out.json"
+        left_out.write_text(json.dumps({"schema": 1, "views": [{"name": scene["views"][0]["name"]}]}))
+        self.assert_done(self.run_stage("surface", field, "-o", self.folder / "fewer", "--formats", "transforms",
+                                        "--texture", "off"))
+        self.assertEqual(self.manifest(self.folder / "fewer")["counts"]["exported_cameras"], views - 1)
+        left_out.unlink()
         # Data sets of their own, because an import reads nothing outside of its folder.
         for kind in ("posed", "modelled"):
             data = self.folder / kind
@@ -80,7 +87,10 @@ class ExportsTest(StageCase):
                 centre = [-sum(pose["rotation"][i][j] * pose["translation"][i] for i in range(3)) for j in range(3)]
                 yield [way["scale"] * sum(way["rotation"][i][j] * centre[j] for j in range(3)) + way["translation"][i]
                        for i in range(3)]
-                yield [sum(pose["rotation"][2][j] * way["rotation"][i][j] for j in range(3)) for i in range(3)]
+                for axis in pose["rotation"]:
+                    yield [sum(axis[j] * way["rotation"][i][j] for j in range(3)) for i in range(3)]
+                camera = some["cameras"][view["camera"]]
+                yield [camera[name] for name in ("width", "height", "fx", "fy", "cx", "cy")]
         for one, two in zip(poses(scene), poses(other), strict=True):
             for a, b in zip(one, two, strict=True):
                 self.assertAlmostEqual(a, b, places=6)

@@ -195,11 +195,14 @@ class InterruptTest(StageCase):
         self.wait_for_rows(killed, process, rows=20)
         process.kill()
         process.communicate()
+        before = json.loads((killed / "status.json").read_text())["seconds"]
+        self.assertGreater(before, 0)
         self.assert_done(self.run_stage(*command, "-o", killed))
         self.assertIn("continues from iteration", (killed / "log.txt").read_text())
         self.assertEqual(hashes(killed)["field.tetf"], hashes(whole)["field.tetf"])
         # The time of the killed process counts, too.
         seconds = self.manifest(killed)["seconds"]
+        self.assertGreater(seconds["total"], before)
         self.assertGreaterEqual(seconds["total"], seconds["optimize"])
         counts = [self.manifest(folder)["counts"] for folder in (whole, killed)]
         self.assertGreater(counts[0]["vertex_moves"], 0)
