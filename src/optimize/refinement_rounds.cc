@@ -163,9 +163,9 @@ bool RefinementRounds::NeedsTrial() const {
 GrowthDecision RefinementRounds::Decide(const Judgement& now, const JudgedGain& gain) const {
   const bool is_matched = !AsksForAll() && IsMatched(now, options_.schedule);
   if (state_.rounds == 0) return is_matched ? GrowthDecision::kMatched : GrowthDecision::kRefine;
-  if (!(now.psnr > state_.best_psnr - options_.schedule.judged_loss)) {
-    return GrowthDecision::kReturn;
-  }
+  // High learning rates make noise, so that a loss within the standard error shows nothing.
+  const double least_loss = std::max(options_.schedule.judged_loss, gain.standard_error);
+  if (!(now.psnr > state_.best_psnr - least_loss)) return GrowthDecision::kReturn;
   if (AsksForAll()) return GrowthDecision::kRefine;
   if (is_matched) return GrowthDecision::kMatched;
   // One early round may gain nothing by the noise of high learning rates; two in a row do not.

@@ -70,16 +70,15 @@ class RefinementRounds {
   bool NeedsTrial() const;
   // Where the noise of high learning rates may hide that the judging pictures are matched, takes
   // some steps that settle the field; the round is then still due. Otherwise refines the mesh. If
-  // the judging pictures lost since the round before, the run returns to the field before that one
-  // and refines no more; nor does it once growth has gained no more than the standard error, by one
-  // late round or by two rounds in a row, or once the judging pictures are matched, unless the
-  // options ask for all. A late round stays only if the finer mesh then gains more than the
-  // standard error over the mesh before, once each has learned as long. A round that comes so late
-  // that the judging pictures are about to be learned, on a machine of few steps per second, is
-  // left out with all that follow, because little would be left to learn a finer mesh, and nothing
-  // to judge it by. If the run is asked to stop meanwhile, the round is taken back, and is due
-  // again.
-  // `seconds`: of the run so far, for the record.
+  // the judging pictures clearly lost since the round before, the run returns to the field before
+  // that one and refines no more; nor does it once growth has gained no more than the standard
+  // error, by one late round or by two rounds in a row, or once the judging pictures are matched,
+  // unless the options ask for all. A late round stays only if the finer mesh then gains more than
+  // the standard error over the mesh before, once each has learned as long. A round that comes so
+  // late that the judging pictures are about to be learned, on a machine of few steps per second,
+  // is left out with all that follow, because little would be left to learn a finer mesh, and
+  // nothing to judge it by. If the run is asked to stop meanwhile, the round is taken back, and is
+  // due again. `seconds`: of the run so far, for the record.
   void Advance(double seconds, const RunMoment& moment);
   // An entry about a mesh that another part of the run decided about.
   void Record(const GrowthStep& step) { state_.steps.push_back(step); }

@@ -18,7 +18,8 @@ struct ScheduleOptions {
   double fine_rays = 0.75;  // growth from which pixels may be learned by 2 x 2 rays each
   // Until this progress the judging pictures are kept from learning.
   double last_judging = 0.7;
-  // A refinement that loses more than this on the judging pictures is taken back [dB].
+  // A refinement that loses more than this on the judging pictures, and more than the standard
+  // error, is taken back [dB].
   double judged_loss = 0.1;
   // From this PSNR on, an error of 2.6 grey levels of 255 (root mean square), the judging pictures
   // are matched: more vertices are not needed, and fewer are tried [dB] (IsMatched).

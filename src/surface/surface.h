@@ -51,7 +51,7 @@ struct SurfaceOptions {
   TextureChoice texture;
   // Holes with at most this perimeter are closed, and edges are collapsed as long as no vertex ends
   // farther than this from the surface; both in % of the diagonal of the subject's bounds.
-  double fill_holes = 2, max_deviation = 0.05;
+  double fill_holes = 25, max_deviation = 0.05;
   uint64_t max_faces = 0;  // simplify to this many triangles, however far they move; 0: keep all
   int rays = 10000;        // that find the isovalue
   uint64_t seed = 1;       // of those rays

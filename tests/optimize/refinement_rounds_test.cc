@@ -79,6 +79,17 @@ TEST_F(RefinementRoundsTest, EndLateWhereTheJudgingPicturesGainNothing) {
   EXPECT_GT(steps[3].psnr, 0.0);
 }
 
+// Noise of high learning rates is no reason to refine no more.
+TEST_F(RefinementRoundsTest, GoOnWhereALossIsWithinItsStandardError) {
+  const Judgement now = run_.pictures.JudgeField();
+  std::vector<ErrorSum> before = now.views;
+  for (size_t i = 0; i < before.size(); ++i) before[i].squares *= i % 2 == 0 ? 2.0 : 0.5;
+  ASSERT_GT(GainBetween(before, now.views).standard_error, 0.3);
+  rounds_.Resume({.rounds = 1, .best_psnr = now.psnr + 0.25, .last_views = before});
+  rounds_.Advance(0.0, AtProgress(0.5));
+  EXPECT_EQ(rounds_.state().steps.back().decision, GrowthDecision::kRefine);
+}
+
 TEST_F(RefinementRoundsTest, EndEarlyOnceTwoInARowGainNothing) {
   for (uint32_t round = 1; round <= 2; ++round) {
     run_.PutField(0.3);
