@@ -102,7 +102,7 @@ void CheckOptionsFor(const CLI::App& app, bool is_volume) {
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "import", 10,
+      "import", 11,
       "Imports a data set with known cameras, or a volume, into a scene folder.\n"
       "Example: tetrec-import DATASET -o RUN/1_scene");
   tetrec::ImportOptions options;

@@ -87,11 +87,29 @@ std::string Text(const glm::dvec3& v) {
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", v.x, v.y, v.z);
 }
 
-bool HoldsTrainingCamera(const Bounds3& box, const Dataset& set) {
-  return std::any_of(set.pictures.begin(), set.pictures.end(), [&](const PosedPicture& picture) {
-    return picture.split == Split::kTrain &&
-           box.Contains(picture.cam_from_input.Inverse().translation);
-  });
+// The data set's own box, if it bounds the subject: around the cameras it contains more, and where
+// they do not look it contains something else.
+std::optional<Bounds3> OwnBox(const Dataset& set, const std::vector<AlphaMask>& training) {
+  if (!set.box_in_input) return std::nullopt;
+  const Bounds3& box = *set.box_in_input;
+  const auto count = [&](const auto& holds) {
+    return size_t(std::count_if(training.begin(), training.end(), holds));
+  };
+  if (count([&](const AlphaMask& view) {
+        return box.Contains(view.cam_from_world.Inverse().translation);
+      }) > 0) {
+    LogInfo("the data set's box, {} to {}, contains cameras and so more than the subject",
+            Text(box.min), Text(box.max));
+    return std::nullopt;
+  }
+  const size_t seeing = count(
+      [&](const AlphaMask& view) { return view.camera.Shows(view.cam_from_world * box.Center()); });
+  if (2 * seeing >= training.size()) return box;
+  LogWarning(
+      "the data set's box, {} to {}, is not used, because only {} of {} training images show its "
+      "centre",
+      Text(box.min), Text(box.max), seeing, training.size());
+  return std::nullopt;
 }
 
 // The subject's bounds without the help of points.
@@ -102,12 +120,7 @@ Bounds3 SubjectBoundsInInput(const Dataset& set, std::vector<StoredPicture>& sto
     masks.push_back({stored[i].camera, set.pictures[i].cam_from_input, std::move(stored[i].alpha)});
   }
   if (stored[0].has_alpha) return FindSubjectBounds(masks);
-  if (set.box_in_input) {
-    const Bounds3& box = *set.box_in_input;
-    if (!HoldsTrainingCamera(box, set)) return box;
-    LogInfo("the data set's box, {} to {}, contains cameras and so more than the subject",
-            Text(box.min), Text(box.max));
-  }
+  if (const std::optional<Bounds3> box = OwnBox(set, masks)) return *box;
   if (const std::optional<Bounds3> seen = BoxSeenByAll(masks)) {
     LogWarning(
         "the images have neither alpha nor points: the subject's bounds are what all training "

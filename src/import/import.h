@@ -63,11 +63,11 @@ struct ImportedScene {
 // moves the world so that the subject's longest side is 2 and its centre 0, and writes the scene
 // folder. Alpha that is 255 in all images is dropped. Unless given, the bounds come from the first
 // of these that exists: carving the training masks (images with alpha); the points; the data set's
-// own box, if it contains no training camera; what all training cameras see; a box around the
-// cameras, if they look outwards or all in one direction. The last two cause a warning. Images are
-// read as stored; if only the image rotated by its EXIF orientation has the size of its camera, it
-// is rotated. With `options.triangulate` COLMAP works at `place`. Throws DataError, and
-// EnvironmentError about COLMAP.
+// own box, if it contains no training camera and half of the training images show its centre; what
+// all training cameras see; a box around the cameras, if they look outwards or all in one
+// direction. The last two cause a warning. Images are read as stored; if only the image rotated by
+// its EXIF orientation has the size of its camera, it is rotated. With `options.triangulate` COLMAP
+// works at `place`. Throws DataError, and EnvironmentError about COLMAP.
 ImportedScene ImportDataset(const std::filesystem::path& dataset,
                             const std::filesystem::path& folder, const ImportOptions& options,
                             const ColmapPlace& place = {});

@@ -467,6 +467,15 @@ TEST(Import, UsesTheGivenBox) {
   folder.Write("transforms.json", json.dump());
   EXPECT_LT(glm::length(place().translation - kInputFromSynthetic.translation), 1e-9);
 
+  // So is one where few cameras look, with a warning.
+  json.update({{"aabb_scale", 1}, {"offset", -100}});
+  folder.Write("transforms.json", json.dump());
+  TakeWarnings();
+  EXPECT_LT(glm::length(place().translation - kInputFromSynthetic.translation), 1e-9);
+  EXPECT_THAT(
+      TakeWarnings(),
+      testing::Contains(testing::HasSubstr("only 2 of 25 training images show its centre")));
+
   options.bounds_in_input = {{0, 1, 2}, {1, 2, 6}};
   EXPECT_EQ(place().scale, 2);
   EXPECT_EQ(place().translation, glm::dvec3(0.5, 1.5, 4));
