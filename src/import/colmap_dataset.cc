@@ -77,6 +77,15 @@ void CountOthers(const fs::path& images, Dataset& set) {
       fmt::format("{}: {} images are not in the model and are left out", images.string(), others));
 }
 
+std::vector<ScenePoint> PointsOf(const ColmapModel& model) {
+  std::vector<ScenePoint> points;
+  for (const auto& [id, point] : model.points) {
+    points.push_back(
+        {point.position, point.color_srgb, float(point.error_px), uint32_t(point.track.size())});
+  }
+  return points;
+}
+
 }  // namespace
 
 std::optional<fs::path> FindColmapModel(const fs::path& folder) {
@@ -87,8 +96,7 @@ std::optional<fs::path> FindColmapModel(const fs::path& folder) {
   return std::nullopt;
 }
 
-Dataset ReadColmapDataset(const fs::path& folder, const std::string& images_name,
-                          MissingPictures missing) {
+Dataset ReadColmapDataset(const fs::path& folder, const DatasetReading& reading) {
   const std::optional<fs::path> folder_of_model = FindColmapModel(folder);
   if (!folder_of_model) {
     throw DataError(fmt::format(
@@ -100,6 +108,7 @@ Dataset ReadColmapDataset(const fs::path& folder, const std::string& images_name
   if (model.images.empty()) {
     throw DataError(fmt::format("{}: the model has no images", folder_of_model->string()));
   }
+  const std::string images_name = reading.images.empty() ? "images" : reading.images;
   const fs::path above = FolderOfImages(Plain(folder), *folder_of_model, images_name);
   const fs::path images = above / images_name;
   Dataset set;
@@ -118,14 +127,15 @@ Dataset ReadColmapDataset(const fs::path& folder, const std::string& images_name
     picture.lens = model.cameras.at(image.camera);
     set.pictures.push_back(std::move(picture));
   }
-  HandleMissingPictures(images, missing, set);
+  HandleMissingPictures(images, reading.missing, set);
   CountOthers(images, set);
   std::sort(set.pictures.begin(), set.pictures.end(),
             [](const PosedPicture& a, const PosedPicture& b) { return a.name < b.name; });
   FindMasks(above / "masks", set);
-  for (const auto& [id, point] : model.points) {
-    set.points.push_back(
-        {point.position, point.color_srgb, float(point.error_px), uint32_t(point.track.size())});
+  if (reading.points) {
+    set.points = PointsOf(model);
+  } else if (!model.points.empty()) {
+    set.remarks.push_back(PointsNotNeeded(folder_of_model->string()));
   }
   return set;
 }

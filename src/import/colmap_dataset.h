@@ -14,10 +14,9 @@ namespace tetrec {
 // The folder of the model, if there is one.
 std::optional<std::filesystem::path> FindColmapModel(const std::filesystem::path& folder);
 
-// `images` is the name of the folder of images, such as images_4 for the same images at a quarter
-// of the size. Throws DataError if there is no model, if ReadColmapModel refuses it, if it has no
-// images, or if images are missing (see HandleMissingPictures).
-Dataset ReadColmapDataset(const std::filesystem::path& folder, const std::string& images = "images",
-                          MissingPictures missing = MissingPictures::kRefuse);
+// Throws UsageError if the folder of images is not inside the data set, DataError if there is no
+// model, if ReadColmapModel refuses it, if it has no images, or if images are missing (see
+// HandleMissingPictures).
+Dataset ReadColmapDataset(const std::filesystem::path& folder, const DatasetReading& reading = {});
 
 }  // namespace tetrec

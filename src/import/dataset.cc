@@ -15,18 +15,16 @@ namespace tetrec {
 namespace {
 
 Dataset ReadInFormat(const std::filesystem::path& folder, DatasetFormat format,
-                     const std::string& images, MissingPictures missing) {
-  if (format == DatasetFormat::kColmap) {
-    return ReadColmapDataset(folder, images.empty() ? "images" : images, missing);
-  }
-  if (!images.empty()) {
+                     const DatasetReading& reading) {
+  if (format == DatasetFormat::kColmap) return ReadColmapDataset(folder, reading);
+  if (!reading.images.empty()) {
     throw UsageError(fmt::format(
         "images is \"{}\", but only a COLMAP model has a folder of images to choose; {} is read as "
         "{}, which names each image",
-        images, folder.string(), Name(format)));
+        reading.images, folder.string(), Name(format)));
   }
-  return format == DatasetFormat::kTransforms ? ReadTransforms(folder, missing)
-                                              : ReadNerfSynthetic(folder, missing);
+  return format == DatasetFormat::kTransforms ? ReadTransforms(folder, reading)
+                                              : ReadNerfSynthetic(folder, reading);
 }
 
 }  // namespace
@@ -65,10 +63,15 @@ DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
                   folder.string()));
 }
 
+std::string PointsNotNeeded(const std::string& points) {
+  return fmt::format("{}: points of the data set, not used: triangulated points replace them",
+                     points);
+}
+
 Dataset ReadDataset(const std::filesystem::path& folder, DatasetFormat format,
-                    const std::string& images, MissingPictures missing) {
+                    const DatasetReading& reading) {
   Dataset set = ReadInFormat(
-      folder, format == DatasetFormat::kAuto ? RecogniseDataset(folder) : format, images, missing);
+      folder, format == DatasetFormat::kAuto ? RecogniseDataset(folder) : format, reading);
   std::vector<std::string> names;
   for (const PosedPicture& picture : set.pictures) names.push_back(picture.name);
   const std::vector<std::string> files = ImageFiles(names);

@@ -40,6 +40,14 @@ struct Dataset {
 // What to do about images that a data set names but that are missing.
 enum class MissingPictures { kRefuse, kSkip };
 
+// How a data set is read.
+struct DatasetReading {
+  // The folder of a COLMAP model's images, such as images_4. Empty: images.
+  std::string images = {};
+  MissingPictures missing = MissingPictures::kRefuse;
+  bool points = true;  // false: its own points are not needed, a remark notes that it has some
+};
+
 // The formats that import reads. kAuto goes by the files that exist.
 enum class DatasetFormat { kAuto, kNerfSynthetic, kTransforms, kColmap };
 template <>
@@ -55,10 +63,12 @@ std::vector<DatasetFormat> FormatsOf(const std::filesystem::path& folder);
 // Throws DataError if the folder has none of the known formats, naming the files looked for.
 DatasetFormat RecogniseDataset(const std::filesystem::path& folder);
 
-// Throws DataError like the readers. `images` is the folder of a COLMAP model's images (such as
-// images_4; empty: images); throws UsageError if it is given with any other format.
+// The remark on points that are not needed, because others are triangulated.
+std::string PointsNotNeeded(const std::string& points);
+
+// Throws DataError like the readers, and UsageError if a folder of images is given with a format
+// other than a COLMAP model.
 Dataset ReadDataset(const std::filesystem::path& folder, DatasetFormat format,
-                    const std::string& images = "",
-                    MissingPictures missing = MissingPictures::kRefuse);
+                    const DatasetReading& reading = {});
 
 }  // namespace tetrec

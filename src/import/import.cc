@@ -221,15 +221,6 @@ ViewAlphas AlphasOf(const std::vector<StoredPicture>& stored) {
   return alphas;
 }
 
-Triangulation Triangulate(const std::filesystem::path& folder, const Scene& scene,
-                          const std::vector<StoredPicture>& stored, const ColmapPlace& place) {
-  if (!scene.points.empty()) {
-    LogWarning("the data set has {} points of its own; triangulated points replace them",
-               scene.points.size());
-  }
-  return TriangulatePoints(folder, scene, AlphasOf(stored), place);
-}
-
 // Drops the points of the data set that some training view sees through.
 size_t DropTransparentPoints(const std::vector<StoredPicture>& stored, Scene& scene) {
   const ViewAlphas alphas = AlphasOf(stored);
@@ -356,9 +347,11 @@ void ImportOptions::Check() const {
 
 Dataset ReadForImport(const std::filesystem::path& dataset, const ImportOptions& options) {
   options.Check();
-  Dataset set =
-      ReadDataset(dataset, options.format, options.images,
-                  options.skip_missing ? MissingPictures::kSkip : MissingPictures::kRefuse);
+  Dataset set = ReadDataset(
+      dataset, options.format,
+      {.images = options.images,
+       .missing = options.skip_missing ? MissingPictures::kSkip : MissingPictures::kRefuse,
+       .points = !options.triangulate});
   if (set.pictures.empty()) {
     throw DataError(fmt::format("{}: the data set has no images", dataset.string()));
   }
@@ -391,7 +384,7 @@ ImportedScene ImportDataset(const Dataset& set, const std::filesystem::path& fol
   scene = SceneInInput(set, stored);
   scene.background = BackgroundOf(scene, options);
   if (options.triangulate) {
-    imported.triangulation = Triangulate(folder, scene, stored, place);
+    imported.triangulation = TriangulatePoints(folder, scene, AlphasOf(stored), place);
     scene.points = imported.triangulation->points;
   } else if (scene.has_alpha) {
     imported.points_transparent = DropTransparentPoints(stored, scene);

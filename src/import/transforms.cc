@@ -380,20 +380,23 @@ std::optional<Bounds3> ReadBox(const CheckedJson& json) {
 }
 
 // Data sets are in circulation both with and without this file.
-void ReadPoints(const CheckedJson& json, const std::filesystem::path& folder, Dataset& set) {
+void ReadPoints(const CheckedJson& json, const std::filesystem::path& folder,
+                const DatasetReading& reading, Dataset& set) {
   constexpr const char* kField = "ply_file_path";
   if (!json.Has(kField)) return;
   const std::filesystem::path relative = PathInside(json.Field(kField), folder);
-  if (IsFile(folder / relative)) {
+  if (!IsFile(folder / relative)) {
+    set.missing_files.push_back(relative.string());
+  } else if (reading.points) {
     set.points = ReadColoredPoints(folder / relative);
   } else {
-    set.missing_files.push_back(relative.string());
+    set.remarks.push_back(PointsNotNeeded((folder / relative).string()));
   }
 }
 
 }  // namespace
 
-Dataset ReadNerfSynthetic(const std::filesystem::path& folder, MissingPictures missing) {
+Dataset ReadNerfSynthetic(const std::filesystem::path& folder, const DatasetReading& reading) {
   if (!std::filesystem::is_directory(folder)) {
     throw DataError(
         fmt::format("{}: no such folder; expected a NeRF-synthetic data set", folder.string()));
@@ -420,19 +423,19 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder, MissingPictures m
     }
     if (split_file.split == Split::kTrain) {
       set.box_in_input = ReadBox(json);
-      ReadPoints(json, folder, set);
+      ReadPoints(json, folder, reading, set);
     }
     if (split_file.split == Split::kTrain && set.pictures.empty()) {
       throw DataError(fmt::format("{}: frames is empty; expected training views", path.string()));
     }
   }
   MakeNamesUnique(folder, set);
-  HandleMissingFrames(folder, missing, set);
+  HandleMissingFrames(folder, reading.missing, set);
   LogUnused(folder.string(), unused);
   return set;
 }
 
-Dataset ReadTransforms(const std::filesystem::path& folder, MissingPictures missing) {
+Dataset ReadTransforms(const std::filesystem::path& folder, const DatasetReading& reading) {
   const std::filesystem::path path = folder / "transforms.json";
   const nlohmann::json file = ReadJson(path);
   const CheckedJson json(file, path);
@@ -450,9 +453,9 @@ Dataset ReadTransforms(const std::filesystem::path& folder, MissingPictures miss
     throw DataError(fmt::format("{}: frames has no training view; expected some", path.string()));
   }
   MakeNamesUnique(folder, set);
-  HandleMissingFrames(folder, missing, set);
+  HandleMissingFrames(folder, reading.missing, set);
   set.box_in_input = ReadBox(json);
-  ReadPoints(json, folder, set);
+  ReadPoints(json, folder, reading, set);
   LogUnused(path.string(), unused);
   return set;
 }

@@ -32,15 +32,13 @@ namespace tetrec {
 // missing images see HandleMissingPictures. Throws DataError for a missing transforms_train.json, a
 // field that is missing or of the wrong kind, a matrix that is not a rigid transform, a lens that
 // is absurd or not supported, a path that leaves the folder, and an image that is listed twice.
-Dataset ReadNerfSynthetic(const std::filesystem::path& folder,
-                          MissingPictures missing = MissingPictures::kRefuse);
+Dataset ReadNerfSynthetic(const std::filesystem::path& folder, const DatasetReading& reading = {});
 
 // transforms.json of instant-ngp and nerfstudio. Its split is nerfstudio's train_filenames,
 // val_filenames and test_filenames, if any: frames in none of them are left out, with a warning,
 // unless there is no train_filenames. Its box is aabb, or the cube of side aabb_scale around the
 // middle of instant-ngp's own frame (input * scale + offset, by default 0.33 and 0.5). Throws
 // DataError like ReadNerfSynthetic.
-Dataset ReadTransforms(const std::filesystem::path& folder,
-                       MissingPictures missing = MissingPictures::kRefuse);
+Dataset ReadTransforms(const std::filesystem::path& folder, const DatasetReading& reading = {});
 
 }  // namespace tetrec

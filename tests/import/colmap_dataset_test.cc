@@ -68,6 +68,15 @@ TEST(ColmapDataset, FindsTheModelItsImagesAndMasksOfBothNamings) {
   EXPECT_EQ(ReadDataset(folder.path(), DatasetFormat::kColmap).pictures[0].image, "images/a.png");
 }
 
+TEST(ColmapDataset, PointsThatAreNotNeededAreLeftOutWithARemark) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, "images", kNames, 64, 48);
+  const Dataset set = ReadColmapDataset(folder.path(), {.points = false});
+  EXPECT_TRUE(set.points.empty());
+  EXPECT_THAT(set.remarks, testing::ElementsAre(testing::HasSubstr("points of the data set")));
+}
+
 TEST(ColmapDataset, HowTheFolderIsWrittenDoesNotMatter) {
   const ScratchFolder folder;
   WriteModel(folder, "set/sparse/0", kNames, kPinhole);
@@ -75,12 +84,14 @@ TEST(ColmapDataset, HowTheFolderIsWrittenDoesNotMatter) {
   WritePictures(folder, "set/masks", {"a.jpg.png", "sub folder/b.png", "c.png"}, 16, 12);
   for (const char* set : {"set", "set/", "set/.", "set/../set"}) {
     for (const char* images : {"images_4", "images_4/"}) {
-      const Dataset read = ReadColmapDataset(folder.path().string() + "/" + set, images);
+      const Dataset read =
+          ReadColmapDataset(folder.path().string() + "/" + set, {.images = images});
       EXPECT_EQ(read.pictures.size(), 3u) << set;
       EXPECT_FALSE(read.pictures[0].mask.empty()) << set << " " << images;
     }
   }
-  const Dataset model_alone = ReadColmapDataset(folder / "set/sparse/0/../..", "images_4");
+  const Dataset model_alone =
+      ReadColmapDataset(folder / "set/sparse/0/../..", {.images = "images_4"});
   EXPECT_EQ(model_alone.pictures.size(), 3u);
 }
 
@@ -136,7 +147,8 @@ TEST(ColmapDataset, MissingImagesAreLeftOutOnRequest) {
   WriteModel(folder, "sparse", kNames, kPinhole);
   WritePictures(folder, "images", {"c.png"}, 64, 48);
   WritePictures(folder, "masks", {"c.png"}, 64, 48);
-  const Dataset set = ReadDataset(folder.path(), DatasetFormat::kAuto, "", MissingPictures::kSkip);
+  const Dataset set =
+      ReadDataset(folder.path(), DatasetFormat::kAuto, {.missing = MissingPictures::kSkip});
   ASSERT_EQ(set.pictures.size(), 1u);
   EXPECT_EQ(set.pictures[0].name, "c.png");
   EXPECT_EQ(set.pictures[0].mask, folder / "masks/c.png");
@@ -144,7 +156,9 @@ TEST(ColmapDataset, MissingImagesAreLeftOutOnRequest) {
   EXPECT_EQ(set.points.size(), 200u);
   std::filesystem::remove(folder / "images/c.png");
   ExpectError<DataError>(
-      [&] { ReadDataset(folder.path(), DatasetFormat::kAuto, "", MissingPictures::kSkip); },
+      [&] {
+        ReadDataset(folder.path(), DatasetFormat::kAuto, {.missing = MissingPictures::kSkip});
+      },
       {"3 of 3 images are missing"});
 }
 
@@ -176,10 +190,10 @@ TEST(ColmapDataset, ErrorsSayWhyAFolderIsNotADataSet) {
   WriteModel(folder, "sparse", kNames, kPinhole);
   ExpectError<DataError>([&] { ReadColmapDataset(folder.path()); },
                          {"no folder images", "the folder of images"});
-  ExpectError<UsageError>([&] { ReadColmapDataset(folder.path(), "../x"); },
+  ExpectError<UsageError>([&] { ReadColmapDataset(folder.path(), {.images = "../x"}); },
                           {"images is \"../x\""});
   ExpectError<UsageError>(
-      [&] { ReadDataset(folder.path(), DatasetFormat::kNerfSynthetic, "images_4"); },
+      [&] { ReadDataset(folder.path(), DatasetFormat::kNerfSynthetic, {.images = "images_4"}); },
       {"images is \"images_4\"", "nerf-synthetic"});
 }
 

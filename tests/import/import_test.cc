@@ -409,6 +409,12 @@ TEST(Import, ReadsPointsOfNerfSyntheticSetsAndRefusesThoseOfAnotherFrame) {
              "end_header\n1 -2 90000 1 2 3\n1 -2 -90000 1 2 3\n");
   ExpectError<DataError>([&] { ImportDataset(data.path(), out.path(), AtSize(80)); },
                          {"2 of 2 points are within no training image", "different frames"});
+  // Triangulation, which the message advises, replaces them.
+  ImportOptions options = AtSize(80);
+  options.triangulate = true;
+  const Dataset set = ReadForImport(data.path(), options);
+  EXPECT_TRUE(set.points.empty());
+  EXPECT_THAT(set.remarks, testing::ElementsAre(testing::HasSubstr("points.ply: points of the")));
 }
 
 // Later stages need held-out views to judge.

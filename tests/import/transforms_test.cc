@@ -192,7 +192,7 @@ TEST(NerfSynthetic, NamesAllMissingImagesOfAllFilesAtOnce) {
       {"2 of 4 images are missing", ": train/r_1, val/r_0.jpg; ",
        "copy them there, or skip missing images",
        "tetrec-sfm finds new cameras for the images in " + (folder / "train").string()});
-  const Dataset set = ReadNerfSynthetic(folder.path(), MissingPictures::kSkip);
+  const Dataset set = ReadNerfSynthetic(folder.path(), {.missing = MissingPictures::kSkip});
   ASSERT_EQ(set.pictures.size(), 2u);
   EXPECT_EQ(set.pictures[0].name, "train/r_0");
   EXPECT_EQ(set.pictures[1].name, "test/r_0");
@@ -205,7 +205,7 @@ TEST(NerfSynthetic, SkippingLeavesATrainingView) {
   for (const char* file : {"train/r_0.png", "train/r_1.png"}) {
     std::filesystem::remove(folder / file);
   }
-  const auto skip = [&] { ReadNerfSynthetic(folder.path(), MissingPictures::kSkip); };
+  const auto skip = [&] { ReadNerfSynthetic(folder.path(), {.missing = MissingPictures::kSkip}); };
   ExpectError<DataError>(skip, {"without the missing images there is no view to train on", "2 of 4",
                                 "train/r_0, train/r_1"});
   // If all listed images are missing, there may be others.
@@ -426,7 +426,7 @@ TEST(Transforms, SkipMissingImagesInSplitListsToo) {
   ExpectError<DataError>(
       [&] { ReadOneFile(folder, json); },
       {"1 of 3 images are missing", ": images/gone.jpg; copy them there, or skip"});
-  const Dataset set = ReadTransforms(folder.path(), MissingPictures::kSkip);
+  const Dataset set = ReadTransforms(folder.path(), {.missing = MissingPictures::kSkip});
   ASSERT_EQ(set.pictures.size(), 2u);
   EXPECT_EQ(set.pictures[1].split, Split::kTest);
   EXPECT_EQ(set.skipped, std::vector<std::string>{"images/gone.jpg"});
