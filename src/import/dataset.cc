@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <utility>
 #include <vector>
 
 namespace tetrec {
@@ -49,10 +50,16 @@ DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
     throw DataError(
         fmt::format("{}: no such folder; expected a data set with known cameras", folder.string()));
   }
-  const std::vector<DatasetFormat> found = FormatsOf(folder);
+  std::vector<DatasetFormat> found = FormatsOf(folder);
+  const char* why = "";
+  if (found == std::vector{DatasetFormat::kTransforms, DatasetFormat::kColmap} &&
+      !HasMoreThanCameras(folder)) {
+    std::swap(found[0], found[1]);
+    why = ", since its transforms.json has no points, masks or split";
+  }
   for (size_t i = 1; i < found.size(); ++i) {
-    LogInfo("{}: read as {}; it is {} as well (choose another format to read that)",
-            folder.string(), Name(found[0]), Name(found[i]));
+    LogInfo("{}: read as {}{}; it is {} as well (choose another format to read that)",
+            folder.string(), Name(found[0]), why, Name(found[i]));
   }
   if (!found.empty()) return found[0];
   throw DataError(

@@ -58,6 +58,7 @@ inline constexpr auto kWords<DatasetFormat> =
                                         {DatasetFormat::kColmap, "colmap"}});
 
 // The formats whose files the folder contains, the preferred one first; none for photos alone.
+// RecogniseDataset prefers a COLMAP model to a transforms.json that has only the cameras of images.
 std::vector<DatasetFormat> FormatsOf(const std::filesystem::path& folder);
 
 // Throws DataError if the folder has none of the known formats, naming the files looked for.

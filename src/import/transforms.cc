@@ -379,12 +379,13 @@ std::optional<Bounds3> ReadBox(const CheckedJson& json) {
   return Bounds3{center - half, center + half};
 }
 
+constexpr const char* kPointsField = "ply_file_path";
+
 // Data sets are in circulation both with and without this file.
 void ReadPoints(const CheckedJson& json, const std::filesystem::path& folder,
                 const DatasetReading& reading, Dataset& set) {
-  constexpr const char* kField = "ply_file_path";
-  if (!json.Has(kField)) return;
-  const std::filesystem::path relative = PathInside(json.Field(kField), folder);
+  if (!json.Has(kPointsField)) return;
+  const std::filesystem::path relative = PathInside(json.Field(kPointsField), folder);
   if (!IsFile(folder / relative)) {
     set.missing_files.push_back(relative.string());
   } else if (reading.points) {
@@ -433,6 +434,22 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder, const DatasetRead
   HandleMissingFrames(folder, reading.missing, set);
   LogUnused(folder.string(), unused);
   return set;
+}
+
+bool HasMoreThanCameras(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "transforms.json";
+  const nlohmann::json file = ReadJson(path);
+  const CheckedJson json(file, path);
+  for (const SplitList& list : kSplitLists) {
+    if (json.Has(list.name)) return true;
+  }
+  if (json.Has(kPointsField) && IsFile(folder / PathInside(json.Field(kPointsField), folder)))
+    return true;
+  const CheckedJson frames = json.Field("frames");
+  for (size_t i = 0; i < frames.Size(); ++i) {
+    if (frames.Item(i).Has("mask_path")) return true;
+  }
+  return false;
 }
 
 Dataset ReadTransforms(const std::filesystem::path& folder, const DatasetReading& reading) {

@@ -34,6 +34,10 @@ namespace tetrec {
 // is absurd or not supported, a path that leaves the folder, and an image that is listed twice.
 Dataset ReadNerfSynthetic(const std::filesystem::path& folder, const DatasetReading& reading = {});
 
+// Whether transforms.json has more than the cameras of images: points that exist, masks or a split.
+// Throws DataError for a field of the wrong kind.
+bool HasMoreThanCameras(const std::filesystem::path& folder);
+
 // transforms.json of instant-ngp and nerfstudio. Its split is nerfstudio's train_filenames,
 // val_filenames and test_filenames, if any: frames in none of them are left out, with a warning,
 // unless there is no train_filenames. Its box is aabb, or the cube of side aabb_scale around the

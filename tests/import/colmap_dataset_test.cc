@@ -77,6 +77,29 @@ TEST(ColmapDataset, PointsThatAreNotNeededAreLeftOutWithARemark) {
   EXPECT_THAT(set.remarks, testing::ElementsAre(testing::HasSubstr("points of the data set")));
 }
 
+TEST(ColmapDataset, ATransformsJsonIsPreferredOnlyIfItHasMoreThanCameras) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  const auto recognise = [&](const std::string& fields, const std::string& of_frame) {
+    folder.Write("transforms.json",
+                 fmt::format(R"({{"frames": [{{"file_path": "a.jpg"{}}}]{}}})", of_frame, fields));
+    return RecogniseDataset(folder.path());
+  };
+  const std::string points = R"(, "ply_file_path": "points.ply")";
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(recognise("", ""), DatasetFormat::kColmap);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("read as colmap, since its transforms.json has no points, masks "
+                                 "or split; it is transforms as well"));
+  EXPECT_EQ(recognise(points, ""), DatasetFormat::kColmap) << "the file does not exist";
+  folder.Write("points.ply", "");
+  EXPECT_EQ(recognise(points, ""), DatasetFormat::kTransforms);
+  EXPECT_EQ(recognise(R"(, "test_filenames": [])", ""), DatasetFormat::kTransforms);
+  EXPECT_EQ(recognise("", R"(, "mask_path": "a.png")"), DatasetFormat::kTransforms);
+  folder.Write("transforms_train.json", "{}");
+  EXPECT_EQ(recognise("", ""), DatasetFormat::kNerfSynthetic);
+}
+
 TEST(ColmapDataset, HowTheFolderIsWrittenDoesNotMatter) {
   const ScratchFolder folder;
   WriteModel(folder, "set/sparse/0", kNames, kPinhole);
