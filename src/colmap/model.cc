@@ -129,6 +129,15 @@ std::map<Id, Record> ReadRecords(std::span<const uint8_t> bytes, const std::stri
   return records;
 }
 
+bool HasObservation(const ColmapModel& model, const ColmapTrackItem& item) {
+  const auto image = model.images.find(item.image);
+  return image != model.images.end() && item.observation < image->second.observations.size();
+}
+
+bool SeesNothing(const ColmapModel& model, const ColmapObservation& observation) {
+  return observation.point != kNoColmapPoint && !model.points.contains(observation.point);
+}
+
 }  // namespace
 
 std::map<uint32_t, Lens> ParseColmapCameras(std::span<const uint8_t> bytes,
@@ -162,7 +171,7 @@ void CheckColmapModel(const ColmapModel& model, const std::string& name) {
                                   internal::ComplaintOnUnknownModel(lens.unknown_model)));
     }
     for (const ColmapObservation& observation : image.observations) {
-      if (observation.point != kNoColmapPoint && !model.points.contains(observation.point)) {
+      if (SeesNothing(model, observation)) {
         throw DataError(fmt::format("{}: image {} sees point {}, which does not exist", name,
                                     image.name, observation.point));
       }
@@ -170,8 +179,7 @@ void CheckColmapModel(const ColmapModel& model, const std::string& name) {
   }
   for (const auto& [id, point] : model.points) {
     for (const ColmapTrackItem& item : point.track) {
-      const auto image = model.images.find(item.image);
-      if (image == model.images.end() || item.observation >= image->second.observations.size()) {
+      if (!HasObservation(model, item)) {
         throw DataError(
             fmt::format("{}: point {} is seen as observation {} of image {}, which does not exist",
                         name, id, item.observation, item.image));
@@ -180,7 +188,23 @@ void CheckColmapModel(const ColmapModel& model, const std::string& name) {
   }
 }
 
-ColmapModel ReadColmapModel(const fs::path& folder) {
+size_t DropDanglingReferences(ColmapModel& model) {
+  size_t dropped = 0;
+  for (auto& [id, image] : model.images) {
+    for (ColmapObservation& observation : image.observations) {
+      if (!SeesNothing(model, observation)) continue;
+      observation.point = kNoColmapPoint;
+      ++dropped;
+    }
+  }
+  for (auto& [id, point] : model.points) {
+    dropped += std::erase_if(
+        point.track, [&](const ColmapTrackItem& item) { return !HasObservation(model, item); });
+  }
+  return dropped;
+}
+
+ColmapModel ReadColmapModel(const fs::path& folder, DanglingReferences dangling) {
   // Three files of one kind. If both kinds are complete, COLMAP itself prefers the binary files.
   const auto has = [&](const char* extension) {
     return std::all_of(std::begin(kParts), std::end(kParts), [&](const char* part) {
@@ -207,6 +231,13 @@ ColmapModel ReadColmapModel(const fs::path& folder) {
   parse(kParts[0], model.cameras, ParseColmapCameras, ParseColmapCamerasText);
   parse(kParts[1], model.images, ParseColmapImages, ParseColmapImagesText);
   parse(kParts[2], model.points, ParseColmapPoints, ParseColmapPointsText);
+  const size_t dropped = dangling == DanglingReferences::kDrop ? DropDanglingReferences(model) : 0;
+  if (dropped > 0) {
+    LogWarning(
+        "{}: observations and track items that refer to nothing that exists, as after points or "
+        "images were removed: {}; left out",
+        folder.string(), dropped);
+  }
   CheckColmapModel(model, folder.string());
   std::erase_if(model.cameras,
                 [](const auto& camera) { return camera.second.model == LensModel::kUnknown; });

@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -61,10 +62,19 @@ std::map<uint64_t, ColmapPoint> ParseColmapPoints(std::span<const uint8_t> bytes
 // are known, tracks and observations refer to each other. Throws DataError("<name>: ...").
 void CheckColmapModel(const ColmapModel& model, const std::string& name);
 
+// Removes what does not exist from observations and tracks, as in models from which scripts removed
+// points or images. Returns the number of references removed.
+size_t DropDanglingReferences(ColmapModel& model);
+
+// What to do about references to points, images and observations that do not exist. kDrop: they are
+// dropped, with a warning that counts them.
+enum class DanglingReferences { kRefuse, kDrop };
+
 // Reads and checks all three parts, from the binary files if they are complete, else from the text
 // files. Cameras with unknown lenses in text models, which no image refers to, are left out. Other
 // files (of newer versions, project.ini) are ignored. Throws DataError.
-ColmapModel ReadColmapModel(const std::filesystem::path& folder);
+ColmapModel ReadColmapModel(const std::filesystem::path& folder,
+                            DanglingReferences dangling = DanglingReferences::kRefuse);
 
 // Means over the points; 0 if there are none.
 double MeanReprojectionError_px(const ColmapModel& model);

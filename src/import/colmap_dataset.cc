@@ -104,7 +104,7 @@ Dataset ReadColmapDataset(const fs::path& folder, const DatasetReading& reading)
         "colmap/sparse/0 or colmap/sparse",
         folder.string()));
   }
-  const ColmapModel model = ReadColmapModel(*folder_of_model);
+  const ColmapModel model = ReadColmapModel(*folder_of_model, DanglingReferences::kDrop);
   if (model.images.empty()) {
     throw DataError(fmt::format("{}: the model has no images", folder_of_model->string()));
   }

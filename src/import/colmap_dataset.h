@@ -15,8 +15,8 @@ namespace tetrec {
 std::optional<std::filesystem::path> FindColmapModel(const std::filesystem::path& folder);
 
 // Throws UsageError if the folder of images is not inside the data set, DataError if there is no
-// model, if ReadColmapModel refuses it, if it has no images, or if images are missing (see
-// HandleMissingPictures).
+// model, if ReadColmapModel refuses it (which drops dangling references), if it has no images, or
+// if images are missing (see HandleMissingPictures).
 Dataset ReadColmapDataset(const std::filesystem::path& folder, const DatasetReading& reading = {});
 
 }  // namespace tetrec

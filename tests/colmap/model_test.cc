@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/log.h"
 #include "expect_error.h"
 #include "scratch_folder.h"
 
@@ -75,12 +76,13 @@ Bytes Points(double x = 1, uint32_t image = 1, uint32_t observation = 0) {
   return w.bytes();
 }
 
-ColmapModel Read(const Bytes& cameras, const Bytes& images, const Bytes& points) {
+ColmapModel Read(const Bytes& cameras, const Bytes& images, const Bytes& points,
+                 DanglingReferences dangling = DanglingReferences::kRefuse) {
   const ScratchFolder folder;
   folder.Write("cameras.bin", cameras);
   folder.Write("images.bin", images);
   folder.Write("points3D.bin", points);
-  return ReadColmapModel(folder.path());
+  return ReadColmapModel(folder.path(), dangling);
 }
 
 TEST(ColmapModel, EveryFieldIsReadFromItsPlace) {
@@ -192,6 +194,22 @@ TEST(ColmapModel, ReferencesToWhatDoesNotExistAreRefused) {
   ExpectError<DataError>([] { Read(Cameras(), Images({{}}), Points(1, 2)); }, {"image 2"});
   ExpectError<DataError>([] { Read(Cameras(), Images({{}}), Points(1, 1, 2)); }, {"observation 2"});
   ExpectError<DataError>([] { Read(Cameras(), Images({{}, {}}), Points()); }, {"twice"});
+}
+
+// Scripts that remove points or images from a model leave their observations and tracks.
+TEST(ColmapModel, ReferencesToWhatDoesNotExistAreDroppedOnRequest) {
+  const auto read = [](const Bytes& images, const Bytes& points) {
+    return Read(Cameras(), images, points, DanglingReferences::kDrop);
+  };
+  TakeWarnings();
+  EXPECT_EQ(read(Images({{}}), Points()).points.at(5).track.size(), 1u);
+  EXPECT_TRUE(TakeWarnings().empty());
+  EXPECT_EQ(read(Images({{.point = 6}}), Points()).images.at(1).observations[0].point,
+            kNoColmapPoint);
+  EXPECT_THAT(TakeWarnings(), testing::ElementsAre(testing::HasSubstr("removed: 1; left out")));
+  EXPECT_TRUE(read(Images({{}}), Points(1, 2)).points.at(5).track.empty());
+  EXPECT_TRUE(read(Images({{}}), Points(1, 1, 2)).points.at(5).track.empty());
+  ExpectError<DataError>([&] { read(Images({{.camera = 8}}), Points()); }, {"camera 8"});
 }
 
 }  // namespace

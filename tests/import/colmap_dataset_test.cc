@@ -2,6 +2,7 @@
 #include "import/colmap_dataset.h"
 
 #include "core/error.h"
+#include "core/log.h"
 #include "expect_error.h"
 #include "image/image.h"
 #include "import/import.h"
@@ -98,6 +99,18 @@ TEST(ColmapDataset, ATransformsJsonIsPreferredOnlyIfItHasMoreThanCameras) {
   EXPECT_EQ(recognise("", R"(, "mask_path": "a.png")"), DatasetFormat::kTransforms);
   folder.Write("transforms_train.json", "{}");
   EXPECT_EQ(recognise("", ""), DatasetFormat::kNerfSynthetic);
+}
+
+TEST(ColmapDataset, ModelsFromWhichPointsWereRemovedAreRead) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, "images", kNames, 64, 48);
+  folder.Write("sparse/0/points3D.txt", "1 0 0 0 9 9 9 0.5 1 0 2 0 7 0\n");
+  TakeWarnings();
+  const Dataset set = ReadColmapDataset(folder.path());
+  ASSERT_EQ(set.points.size(), 1u);
+  EXPECT_EQ(set.points[0].track_length, 2u);
+  EXPECT_THAT(TakeWarnings(), testing::ElementsAre(testing::HasSubstr("removed: 1; left out")));
 }
 
 TEST(ColmapDataset, HowTheFolderIsWrittenDoesNotMatter) {
