@@ -2,11 +2,8 @@
 #include "import/colmap_dataset.h"
 
 #include "colmap/model.h"
-#include "core/checked_json.h"
 #include "core/error.h"
-#include "core/folder_files.h"
-#include "core/short_list.h"
-#include "image/image.h"
+#include "import/image_folders.h"
 #include "import/missing_pictures.h"
 
 #include <fmt/format.h>
@@ -18,6 +15,8 @@ namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kImages = "images";
+
 // The absolute path without a slash or dot at its end.
 fs::path Plain(const fs::path& folder) {
   return (fs::absolute(folder) / "").lexically_normal().parent_path();
@@ -25,18 +24,24 @@ fs::path Plain(const fs::path& folder) {
 
 // The folder that contains the folder of images: the model's, or one above it up to the data set's.
 fs::path FolderOfImages(const fs::path& dataset, const fs::path& model, const std::string& images) {
-  if (!StaysInside(images)) {
-    throw UsageError(
-        fmt::format("images is \"{}\"; expected the name of a folder in the data set", images));
-  }
+  CheckImagesFolder(images);
+  if (Plain(dataset / images) == dataset) return dataset;
+  std::string copies;
   for (fs::path above = model;; above = above.parent_path()) {
     if (fs::is_directory(above / images)) return above;
+    if (copies.empty()) copies = FindReducedCopies(above / images, "");
     if (above == dataset || !above.has_relative_path()) break;
   }
   throw DataError(fmt::format(
       "{}: no folder {} with the model's images in it or above it, up to {}; if it has another "
-      "name, give that as the folder of images",
-      model.string(), images, dataset.string()));
+      "name, give that as the folder of images{}",
+      model.string(), images, dataset.string(), AdviceOnCopies(copies)));
+}
+
+MissingPhrases PhrasesOnImages(const DatasetReading& reading) {
+  if (reading.images.empty()) return {};
+  return {.tried = ", also with other extensions",
+          .advice = fmt::format("; leave out --images to read {}", kImages)};
 }
 
 // Empty if there is none.
@@ -64,14 +69,12 @@ void FindMasks(const fs::path& masks, Dataset& set) {
 
 // Counts the images that are not in the model because COLMAP did not register them.
 void CountOthers(const fs::path& images, Dataset& set) {
-  std::set<std::string> known;
-  for (const PosedPicture& picture : set.pictures) known.insert(picture.name);
-  size_t others = 0;
-  for (const fs::path& file : FilesBelow(images)) {
-    std::error_code gone;
-    const bool is_picture = HasPhotoExtension(file) && fs::is_regular_file(file, gone);
-    others += is_picture && !known.contains(file.lexically_relative(images).generic_string());
-  }
+  std::set<fs::path> known;
+  for (const PosedPicture& picture : set.pictures) known.insert(picture.file);
+  const std::vector<std::string> photos = PhotosBelow(images);
+  const auto others = std::count_if(photos.begin(), photos.end(), [&](const std::string& photo) {
+    return !known.contains(images / photo);
+  });
   if (others == 0) return;
   set.remarks.push_back(
       fmt::format("{}: {} images are not in the model and are left out", images.string(), others));
@@ -108,9 +111,9 @@ Dataset ReadColmapDataset(const fs::path& folder, const DatasetReading& reading)
   if (model.images.empty()) {
     throw DataError(fmt::format("{}: the model has no images", folder_of_model->string()));
   }
-  const std::string images_name = reading.images.empty() ? "images" : reading.images;
+  const std::string images_name = reading.images.empty() ? kImages : reading.images;
   const fs::path above = FolderOfImages(Plain(folder), *folder_of_model, images_name);
-  const fs::path images = above / images_name;
+  const fs::path images = Plain(above / images_name);
   Dataset set;
   if (folder_of_model->filename() == "0" && fs::exists(folder_of_model->parent_path() / "1")) {
     set.remarks.push_back(
@@ -127,7 +130,8 @@ Dataset ReadColmapDataset(const fs::path& folder, const DatasetReading& reading)
     picture.lens = model.cameras.at(image.camera);
     set.pictures.push_back(std::move(picture));
   }
-  HandleMissingPictures(images, reading.missing, set);
+  FindRenamed(images, above / kImages, set.pictures);
+  HandleMissingPictures(images, reading.missing, set, PhrasesOnImages(reading));
   CountOthers(images, set);
   std::sort(set.pictures.begin(), set.pictures.end(),
             [](const PosedPicture& a, const PosedPicture& b) { return a.name < b.name; });

@@ -31,13 +31,14 @@ fs::path FolderOfPhotos(const fs::path& folder, const Dataset& set) {
 }
 
 [[noreturn]] void Refuse(const fs::path& folder, const Dataset& set,
-                         const std::vector<std::string>& names, const std::string& tried) {
+                         const std::vector<std::string>& names, const MissingPhrases& phrases) {
   const bool all = names.size() == set.pictures.size();
   std::string message =
-      fmt::format("{}: {} of {} images are missing{}: {}; {}", folder.string(), names.size(),
-                  set.pictures.size(), tried, ShortList(names),
+      fmt::format("{}: {} of {} images are missing{}: {}; {}{}", folder.string(), names.size(),
+                  set.pictures.size(), phrases.tried, ShortList(names),
                   all ? "copy them there (skipping missing images needs some that exist)"
-                      : "copy them there, or skip missing images");
+                      : "copy them there, or skip missing images",
+                  phrases.advice);
   if (const fs::path photos = FolderOfPhotos(folder, set); !photos.empty()) {
     message += fmt::format("; tetrec-sfm finds new cameras for the images in {}", photos.string());
   }
@@ -47,7 +48,7 @@ fs::path FolderOfPhotos(const fs::path& folder, const Dataset& set) {
 }  // namespace
 
 void HandleMissingPictures(const fs::path& folder, MissingPictures missing, Dataset& set,
-                           const std::string& tried) {
+                           const MissingPhrases& phrases) {
   std::vector<std::string> names;
   for (const PosedPicture& picture : set.pictures) {
     if (picture.file.empty()) names.push_back(picture.name);
@@ -55,7 +56,7 @@ void HandleMissingPictures(const fs::path& folder, MissingPictures missing, Data
   if (names.empty()) return;
   const size_t count = set.pictures.size();
   if (missing == MissingPictures::kRefuse || names.size() == count)
-    Refuse(folder, set, names, tried);
+    Refuse(folder, set, names, phrases);
   std::erase_if(set.pictures, [](const PosedPicture& picture) { return picture.file.empty(); });
   const bool has_training =
       std::any_of(set.pictures.begin(), set.pictures.end(),
@@ -64,7 +65,7 @@ void HandleMissingPictures(const fs::path& folder, MissingPictures missing, Data
     throw DataError(
         fmt::format("{}: without the missing images there is no view to train on: {} of {} images "
                     "are missing{}: {}",
-                    folder.string(), names.size(), count, tried, ShortList(names)));
+                    folder.string(), names.size(), count, phrases.tried, ShortList(names)));
   }
   set.skipped = std::move(names);
 }

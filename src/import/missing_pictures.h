@@ -8,11 +8,16 @@
 
 namespace tetrec {
 
+// Phrases for the error.
+struct MissingPhrases {
+  std::string tried = {};   // in which other ways images were looked for
+  std::string advice = {};  // what else to do
+};
+
 // Missing pictures are those whose file is empty. kRefuse: throws a DataError that counts and names
 // all of them and says what to do. kSkip: removes them from the set and notes their names; throws
-// DataError if no training view is left. Their names are relative to `folder`; `tried` is a phrase
-// for the error about the other ways in which they were looked for.
+// DataError if no training view is left. Their names are relative to `folder`.
 void HandleMissingPictures(const std::filesystem::path& folder, MissingPictures missing,
-                           Dataset& set, const std::string& tried = "");
+                           Dataset& set, const MissingPhrases& phrases = {});
 
 }  // namespace tetrec

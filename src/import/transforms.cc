@@ -253,8 +253,8 @@ void HandleMissingFrames(const std::filesystem::path& folder, MissingPictures mi
                          Dataset& set) {
   HandleMissingPictures(
       folder, missing, set,
-      fmt::format(", both as written and with {}",
-                  fmt::join(std::begin(kExtensions), std::end(kExtensions), ", ")));
+      {.tried = fmt::format(", both as written and with {}",
+                            fmt::join(std::begin(kExtensions), std::end(kExtensions), ", "))});
 }
 
 // The JSON file that lists an image, and the image's place among the pictures.

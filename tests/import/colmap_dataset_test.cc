@@ -254,6 +254,58 @@ TEST(ColmapDataset, TheLensIsScaledToSmallerCopiesOfTheImages) {
                          {"33 x 27", "64 x 48", "another aspect ratio"});
 }
 
+// As gsplat names its copies.
+TEST(ColmapDataset, ReducedCopiesWithOtherExtensionsAreFound) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, "images_4_png", {"a.png", "sub folder/b.PNG", "c.png"}, 16, 12);
+  ::testing::internal::CaptureStderr();
+  const Dataset set = ReadColmapDataset(folder.path(), {.images = "images_4_png"});
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("images with other names, found by their stems: 2: a.jpg is "
+                                 "a.png, sub folder/b.jpg is sub folder/b.PNG"));
+  EXPECT_EQ(set.pictures[0].name, "a.jpg");
+  EXPECT_EQ(set.pictures[0].file, folder / "images_4_png/a.png");
+  EXPECT_TRUE(set.remarks.empty());
+}
+
+// As LLFF names its copies; the model lacks d.jpg.
+TEST(ColmapDataset, ReducedCopiesWithOtherNamesArePairedInOrder) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, "images", kNames, 64, 48);
+  WritePictures(folder, "images", {"d.jpg"}, 64, 48);
+  WritePictures(folder, "images_8", {"image000.png", "image001.png", "image002.png"}, 8, 6);
+  const auto read = [&] { return ReadColmapDataset(folder.path(), {.images = "images_8"}); };
+  ExpectError<DataError>(read, {"images_8: 3 of 3 images are missing, also with other extensions",
+                                "leave out --images to read images"});
+  WritePictures(folder, "images_8", {"image003.png"}, 8, 6);
+  ::testing::internal::CaptureStderr();
+  const Dataset set = read();
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("images_8: images with other names, found by the order of those "
+                                 "in images: 3: a.jpg is image000.png"));
+  EXPECT_EQ(set.pictures[1].name, "c.png");
+  EXPECT_EQ(set.pictures[1].file, folder / "images_8/image001.png");
+  EXPECT_EQ(set.pictures[2].file, folder / "images_8/image003.png");
+  EXPECT_THAT(set.remarks, testing::ElementsAre(testing::HasSubstr("1 images are not in the")));
+}
+
+TEST(ColmapDataset, ImagesMayBeInTheDataSetsOwnFolder) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, ".", kNames, 64, 48);
+  EXPECT_EQ(ReadColmapDataset(folder.path(), {.images = "."}).pictures[0].file, folder / "a.jpg");
+}
+
+TEST(ColmapDataset, ReducedCopiesAreAdvisedWhereTheImagesAreMissing) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, "images_4", kNames, 16, 12);
+  ExpectError<DataError>([&] { ReadColmapDataset(folder.path()); },
+                         {"no folder images", "--images images_4"});
+}
+
 // The image shows 183 degrees in 64 pixels.
 TEST(ColmapDataset, FisheyeImagesTooWideForAPlaneAreCroppedAndCounted) {
   const ScratchFolder folder;
