@@ -118,8 +118,8 @@ int main(int argc, char** argv) {
       "its images)");
   app.add_option(
       "--images", options.images,
-      "Folder of a COLMAP model's images in the data set, e.g. images_4 for reduced copies; "
-      "default: images");
+      "Folder of the images in the data set, e.g. images_4 for reduced copies, in place of a "
+      "COLMAP model's (images) or of the first folder of each path in transforms.json");
   CLI::Option* max_size =
       app.add_option("--max-size", options.max_size,
                      "Largest length of the images' longer side [px]; 0 keeps them as stored")

@@ -18,14 +18,14 @@ namespace {
 Dataset ReadInFormat(const std::filesystem::path& folder, DatasetFormat format,
                      const DatasetReading& reading) {
   if (format == DatasetFormat::kColmap) return ReadColmapDataset(folder, reading);
+  if (format == DatasetFormat::kTransforms) return ReadTransforms(folder, reading);
   if (!reading.images.empty()) {
     throw UsageError(fmt::format(
-        "images is \"{}\", but only a COLMAP model has a folder of images to choose; {} is read as "
-        "{}, which names each image",
+        "images is \"{}\", but only a COLMAP model and transforms.json have a folder of images to "
+        "choose; {} is read as {}",
         reading.images, folder.string(), Name(format)));
   }
-  return format == DatasetFormat::kTransforms ? ReadTransforms(folder, reading)
-                                              : ReadNerfSynthetic(folder, reading);
+  return ReadNerfSynthetic(folder, reading);
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ enum class MissingPictures { kRefuse, kSkip };
 
 // How a data set is read.
 struct DatasetReading {
-  // The folder of a COLMAP model's images, such as images_4. Empty: images.
+  // The folder of images, such as images_4, in place of that of a COLMAP model (images) or of the
+  // first folder of each path in transforms.json. Empty: as the data set has it.
   std::string images = {};
   MissingPictures missing = MissingPictures::kRefuse;
   bool points = true;  // false: its own points are not needed, a remark notes that it has some
@@ -67,8 +68,8 @@ DatasetFormat RecogniseDataset(const std::filesystem::path& folder);
 // The remark on points that are not needed, because others are triangulated.
 std::string PointsNotNeeded(const std::string& points);
 
-// Throws DataError like the readers, and UsageError if a folder of images is given with a format
-// other than a COLMAP model.
+// Throws DataError like the readers, and UsageError if a folder of images is given with
+// NeRF-synthetic, which has one for each split.
 Dataset ReadDataset(const std::filesystem::path& folder, DatasetFormat format,
                     const DatasetReading& reading = {});
 

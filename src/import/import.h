@@ -24,7 +24,7 @@ inline constexpr auto kWords<MaskUse> = std::to_array<Word<MaskUse>>(
 
 struct ImportOptions {
   DatasetFormat format = DatasetFormat::kAuto;
-  std::string images;               // folder of a COLMAP model's images; empty: images
+  std::string images;               // as DatasetReading's
   int max_size = 400;               // upper bound of the longer side [px]; 0: as stored
   std::optional<double> downscale;  // divides the images' sides, in place of max_size
   // White or black behind images with alpha; the scene's own background without alpha. Unset: white

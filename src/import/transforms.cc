@@ -8,6 +8,7 @@
 #include "core/short_list.h"
 #include "geometry/rotation.h"
 #include "image/file_names.h"
+#include "import/image_folders.h"
 #include "import/missing_pictures.h"
 #include "import/transforms_lens.h"
 #include "scene/points.h"
@@ -15,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -205,6 +207,13 @@ void LogUnused(const std::string& name, const Unused& unused) {
   }
 }
 
+// The path without its first folder.
+std::filesystem::path WithoutFolder(const std::filesystem::path& path) {
+  std::filesystem::path rest;
+  for (auto part = std::next(path.begin()); part != path.end(); ++part) rest /= *part;
+  return rest.empty() ? path : rest;
+}
+
 // The picture of a frame and its normalised file_path.
 struct Frame {
   PosedPicture picture;
@@ -213,17 +222,19 @@ struct Frame {
 
 // A missing image has an empty file. Whether its mask exists matters only when masks are used.
 Frame ReadFrame(const internal::FrameFields& fields, const std::filesystem::path& folder,
-                Unused& unused) {
+                const std::string& images, Unused& unused) {
   const CheckedJson& json = fields.frame;
   Frame frame;
   frame.relative = PathInside(json.Field("file_path"), folder);
   RefuseRollingShutter(json);
   NoteFieldsOfFrame(json, unused);
   PosedPicture& picture = frame.picture;
-  picture.file = FindPicture(folder / frame.relative);
-  if (!picture.file.empty()) NoteFilesBeside(picture.file, folder / frame.relative, unused);
+  const std::filesystem::path as_written =
+      folder / (images.empty() ? frame.relative : images / WithoutFolder(frame.relative));
+  picture.file = FindPicture(as_written);
+  if (!picture.file.empty()) NoteFilesBeside(picture.file, as_written, unused);
   picture.name = frame.relative.generic_string();
-  if (picture.file == folder / frame.relative) picture.name = WithoutImageExtension(picture.name);
+  if (picture.file == as_written) picture.name = WithoutImageExtension(picture.name);
   picture.cam_from_input = CamFromInput(json.Field("transform_matrix"));
   if (json.Has("mask_path")) {
     picture.mask = folder / PathInside(json.Field("mask_path"), folder);
@@ -237,24 +248,37 @@ Frame ReadFrame(const internal::FrameFields& fields, const std::filesystem::path
 }
 
 std::vector<Frame> ReadFrames(const CheckedJson& json, const std::filesystem::path& path,
-                              Unused& unused) {
+                              const std::string& images, Unused& unused) {
   RefuseRollingShutter(json);
   RefuseOtherAxes(json);
   NoteFieldsOfFile(json, unused);
   const CheckedJson items = json.Field("frames");
   std::vector<Frame> frames;
   for (size_t i = 0; i < items.Size(); ++i) {
-    frames.push_back(ReadFrame({items.Item(i), json}, path.parent_path(), unused));
+    frames.push_back(ReadFrame({items.Item(i), json}, path.parent_path(), images, unused));
   }
   return frames;
 }
 
-void HandleMissingFrames(const std::filesystem::path& folder, MissingPictures missing,
+// What to do about images that are missing, besides what is done about those of any data set.
+std::string AdviceOnMissing(const std::filesystem::path& folder, const DatasetReading& reading,
+                            const Dataset& set) {
+  if (!reading.images.empty()) return "; leave out --images to read those that frames name";
+  const auto missing =
+      std::find_if(set.pictures.begin(), set.pictures.end(),
+                   [](const PosedPicture& picture) { return picture.file.empty(); });
+  if (missing == set.pictures.end()) return {};
+  const std::filesystem::path image = missing->name;
+  return AdviceOnCopies(FindReducedCopies(folder / *image.begin(), WithoutFolder(image)));
+}
+
+void HandleMissingFrames(const std::filesystem::path& folder, const DatasetReading& reading,
                          Dataset& set) {
   HandleMissingPictures(
-      folder, missing, set,
+      folder, reading.missing, set,
       {.tried = fmt::format(", both as written and with {}",
-                            fmt::join(std::begin(kExtensions), std::end(kExtensions), ", "))});
+                            fmt::join(std::begin(kExtensions), std::end(kExtensions), ", ")),
+       .advice = AdviceOnMissing(folder, reading, set)});
 }
 
 // The JSON file that lists an image, and the image's place among the pictures.
@@ -418,7 +442,7 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder, const DatasetRead
     }
     const nlohmann::json file = ReadJson(path);
     const CheckedJson json(file, path);
-    for (Frame& frame : ReadFrames(json, path, unused)) {
+    for (Frame& frame : ReadFrames(json, path, reading.images, unused)) {
       frame.picture.split = split_file.split;
       AddPicture(frame.picture, path, listed, set);
     }
@@ -431,7 +455,7 @@ Dataset ReadNerfSynthetic(const std::filesystem::path& folder, const DatasetRead
     }
   }
   MakeNamesUnique(folder, set);
-  HandleMissingFrames(folder, reading.missing, set);
+  HandleMissingFrames(folder, reading, set);
   LogUnused(folder.string(), unused);
   return set;
 }
@@ -453,11 +477,12 @@ bool HasMoreThanCameras(const std::filesystem::path& folder) {
 }
 
 Dataset ReadTransforms(const std::filesystem::path& folder, const DatasetReading& reading) {
+  if (!reading.images.empty()) CheckImagesFolder(reading.images);
   const std::filesystem::path path = folder / "transforms.json";
   const nlohmann::json file = ReadJson(path);
   const CheckedJson json(file, path);
   Unused unused;
-  std::vector<Frame> frames = ReadFrames(json, path, unused);
+  std::vector<Frame> frames = ReadFrames(json, path, reading.images, unused);
   Dataset set;
   for (const SplitList& list : kSplitLists) set.has_split |= json.Has(list.name);
   if (set.has_split) ApplySplitLists(json, path, frames);
@@ -470,7 +495,7 @@ Dataset ReadTransforms(const std::filesystem::path& folder, const DatasetReading
     throw DataError(fmt::format("{}: frames has no training view; expected some", path.string()));
   }
   MakeNamesUnique(folder, set);
-  HandleMissingFrames(folder, reading.missing, set);
+  HandleMissingFrames(folder, reading, set);
   set.box_in_input = ReadBox(json);
   ReadPoints(json, folder, reading, set);
   LogUnused(path.string(), unused);

@@ -42,7 +42,7 @@ bool HasMoreThanCameras(const std::filesystem::path& folder);
 // val_filenames and test_filenames, if any: frames in none of them are left out, with a warning,
 // unless there is no train_filenames. Its box is aabb, or the cube of side aabb_scale around the
 // middle of instant-ngp's own frame (input * scale + offset, by default 0.33 and 0.5). Throws
-// DataError like ReadNerfSynthetic.
+// DataError like ReadNerfSynthetic, and UsageError if the folder of images leaves the data set's.
 Dataset ReadTransforms(const std::filesystem::path& folder, const DatasetReading& reading = {});
 
 }  // namespace tetrec

@@ -230,7 +230,7 @@ TEST(ColmapDataset, ErrorsSayWhyAFolderIsNotADataSet) {
                           {"images is \"../x\""});
   ExpectError<UsageError>(
       [&] { ReadDataset(folder.path(), DatasetFormat::kNerfSynthetic, {.images = "images_4"}); },
-      {"images is \"images_4\"", "nerf-synthetic"});
+      {"images is \"images_4\"", "read as nerf-synthetic"});
 }
 
 // The model is of 64 x 48 pixels, the images of 33 x 25, rounded up as by some programs.

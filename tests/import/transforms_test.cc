@@ -547,6 +547,25 @@ TEST(Transforms, TakeNerfstudiosPoints) {
       {"ply_file_path is \"../points.ply\"; expected a path inside"});
 }
 
+// DL3DV-10K has no other images.
+TEST(Transforms, MayBeReadWithReducedCopiesOfTheImages) {
+  const ScratchFolder folder;
+  folder.Write("transforms.json", With(OneFile(), {{"test_filenames", {"images/b.jpg"}}}).dump());
+  for (const char* file : {"images_4/a.jpg", "images_4/b.jpg"}) folder.Write(file, "");
+  ExpectError<DataError>([&] { ReadTransforms(folder.path()); },
+                         {"2 of 2 images are missing", "images_4 has reduced copies", "--images"});
+  const Dataset set = ReadTransforms(folder.path(), {.images = "images_4"});
+  ASSERT_EQ(set.pictures.size(), 2u);
+  EXPECT_EQ(set.pictures[0].name, "images/a");
+  EXPECT_EQ(set.pictures[0].file, folder / "images_4/a.jpg");
+  EXPECT_EQ(set.pictures[0].lens.width, 40u) << "the lens is scaled when the image is read";
+  EXPECT_EQ(set.pictures[1].split, Split::kTest);
+  ExpectError<DataError>([&] { ReadTransforms(folder.path(), {.images = "images_8"}); },
+                         {"2 of 2 images are missing", "leave out --images"});
+  ExpectError<UsageError>([&] { ReadTransforms(folder.path(), {.images = "../x"}); },
+                          {"images is \"../x\""});
+}
+
 TEST(Transforms, TakeNerfstudiosSplit) {
   const ScratchFolder folder;
   const auto splits = [&](const Json& lists) {
