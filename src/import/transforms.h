@@ -10,7 +10,7 @@
 //   fl_x fl_y                      focal lengths [px], or as angles: camera_angle_x camera_angle_y
 //                                  [rad], x_fov y_fov [degrees]; one of x and y suffices
 //   cx cy                          principal point [px]; by default the middle
-//   k1 k2 k3 p1 p2                 lens distortion as in OpenCV (k1 to k4 for fisheyes)
+//   k1 k2 k3 p1 p2                 lens distortion as in OpenCV (k1 to k4, p1, p2 for fisheyes)
 //   distortion_params              all of it as nerfstudio's list k1 k2 k3 k4 p1 p2
 //   camera_model, is_fisheye       OPENCV_FISHEYE or one of the perspective models
 // A frame may name a mask (mask_path). Other features of these programs that would change the

@@ -164,9 +164,16 @@ void SetDistortion(const FrameFields& fields, Lens& lens) {
     for (const char* name : names) lens.params.push_back(fields.Coefficient(name));
   };
   if (IsFisheye(fields)) {
-    RefuseCoefficients(fields, {"p1", "p2", "k5", "k6"}, "fisheye");
-    lens.model = LensModel::kOpenCvFisheye;
-    append({"k1", "k2", "k3", "k4"});
+    RefuseCoefficients(fields, {"k5", "k6"}, "fisheye");
+    // nerfstudio applies p1 and p2 to coordinates that are scaled by the angle, as this model does.
+    const bool is_skewed = fields.Coefficient("p1") != 0 || fields.Coefficient("p2") != 0;
+    lens.model = is_skewed ? LensModel::kThinPrismFisheye : LensModel::kOpenCvFisheye;
+    if (is_skewed) {
+      append({"k1", "k2", "p1", "p2", "k3", "k4"});
+      lens.params.resize(12);  // sx1, sy1: 0
+    } else {
+      append({"k1", "k2", "k3", "k4"});
+    }
     return;
   }
   // Programs disagree on what these multiply: a divisor or the eighth power.

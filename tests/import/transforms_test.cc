@@ -4,6 +4,7 @@
 #include "core/log.h"
 #include "expect_error.h"
 #include "geometry/camera.h"
+#include "geometry/lens.h"
 #include "geometry/rotation.h"
 #include "scratch_folder.h"
 
@@ -341,6 +342,9 @@ TEST(Transforms, GiveEachDistortionItsModel) {
       {{{"is_fisheye", true}, {"k1", 0.1}, {"k2", 0.2}, {"k3", 0.3}, {"k4", 0.4}},
        LensModel::kOpenCvFisheye,
        {0.1, 0.2, 0.3, 0.4}},
+      {{{"is_fisheye", true}, {"k1", 0.1}, {"k2", 0.2}, {"k3", 0.3}, {"k4", 0.4}, {"p2", 0.5}},
+       LensModel::kThinPrismFisheye,
+       {0.1, 0.2, 0, 0.5, 0.3, 0.4, 0, 0}},
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.fields.dump());
@@ -348,6 +352,35 @@ TEST(Transforms, GiveEachDistortionItsModel) {
     params.insert(params.end(), c.coefficients.begin(), c.coefficients.end());
     EXPECT_EQ(lens(c.fields).model, c.model);
     EXPECT_EQ(lens(c.fields).params, params);
+  }
+}
+
+// Metashape's fisheyes have p1 and p2, as nerfstudio writes them. The smaller these are, the less
+// do they differ from lenses without.
+TEST(Transforms, SkewedFisheyesAreThoseOfNerfstudio) {
+  const ScratchFolder folder;
+  const auto lens = [&](double p1, double p2) {
+    const Json fields = {{"is_fisheye", true}, {"k1", 0.01}, {"k2", 0.02}, {"k3", 0.03},
+                         {"k4", 0.04},         {"p1", p1},   {"p2", p2}};
+    return ReadOneFile(folder, With(OneFile(), fields)).pictures[0].lens;
+  };
+  Lens straight = lens(0.001, 0);
+  ASSERT_EQ(straight.model, LensModel::kThinPrismFisheye);
+  straight.params[6] = 0;
+  for (const glm::dvec2 direction : {glm::dvec2(0.4, -0.3), glm::dvec2(-0.9, 0.2)}) {
+    EXPECT_LT(glm::distance(DistortedImageFromCam(straight, direction),
+                            DistortedImageFromCam(lens(0, 0), direction)),
+              1e-12);
+    // nerfstudio's formula.
+    const double p1 = 0.001, p2 = -0.002, radius = glm::length(direction);
+    const glm::dvec2 bent = direction * (std::atan(radius) / radius);
+    const double xy = bent.x * bent.y, r2 = glm::dot(bent, bent);
+    const double over = 1 + r2 * (0.01 + r2 * (0.02 + r2 * (0.03 + r2 * 0.04)));
+    const glm::dvec2 distorted = {bent.x * over + 2 * p1 * xy + p2 * (r2 + 2 * bent.x * bent.x),
+                                  bent.y * over + 2 * p2 * xy + p1 * (r2 + 2 * bent.y * bent.y)};
+    EXPECT_LT(glm::distance(DistortedImageFromCam(lens(p1, p2), direction),
+                            glm::dvec2(50, 51) * distorted + glm::dvec2(19, 16)),
+              1e-12);
   }
 }
 
@@ -652,7 +685,6 @@ TEST(Transforms, AreRefusedFieldByField) {
       {"k1 is null", {{"k1", nullptr}}},
       {"k2 is 1e+300", {{"k2", 1e300}}},
       {"k4 is 0.1; expected 0 for a perspective lens", {{"k4", 0.1}}},
-      {"p1 is 0.1; expected 0 for a fisheye lens", {{"is_fisheye", true}, {"p1", 0.1}}},
       {"k5 is 0.1; expected 0 for a fisheye lens", {{"is_fisheye", true}, {"k5", 0.1}}},
       {"distortion_params has 4 items; expected k1, k2, k3, k4, p1, p2",
        {{"distortion_params", {0.1, 0, 0, 0}}}},
