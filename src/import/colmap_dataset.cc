@@ -53,8 +53,15 @@ fs::path FindMask(const fs::path& masks, const std::string& name) {
   return {};
 }
 
-void FindMasks(const fs::path& masks, Dataset& set) {
-  if (!fs::is_directory(masks)) return;
+void FindMasks(const fs::path& above, Dataset& set) {
+  const fs::path masks = above / "masks";
+  if (!fs::is_directory(masks)) {
+    if (!fs::is_directory(above / "mask")) return;
+    set.remarks.push_back(
+        fmt::format("{} is ignored; masks are read from masks, under names like {}.png",
+                    (above / "mask").string(), set.pictures[0].name));
+    return;
+  }
   std::vector<std::string> without;
   for (PosedPicture& picture : set.pictures) {
     picture.mask = FindMask(masks, picture.name);
@@ -135,7 +142,7 @@ Dataset ReadColmapDataset(const fs::path& folder, const DatasetReading& reading)
   CountOthers(images, set);
   std::sort(set.pictures.begin(), set.pictures.end(),
             [](const PosedPicture& a, const PosedPicture& b) { return a.name < b.name; });
-  FindMasks(above / "masks", set);
+  FindMasks(above, set);
   if (reading.points) {
     set.points = PointsOf(model);
   } else if (!model.points.empty()) {

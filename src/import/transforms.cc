@@ -304,9 +304,12 @@ void AddPicture(const PosedPicture& picture, const std::filesystem::path& path,
   const bool becomes_test = earlier.split == Split::kValidation && picture.split == Split::kTest &&
                             other->second.json_file != json_file;
   if (!becomes_test) {
-    throw DataError(
-        fmt::format("{}: image \"{}\" of {} is in {} already; a view may be listed only once",
-                    path.parent_path().string(), picture.name, json_file, other->second.json_file));
+    // Some programs write the training views once more, so that the file exists.
+    const bool is_copy = picture.split == Split::kTest && earlier.split == Split::kTrain;
+    throw DataError(fmt::format(
+        "{}: image \"{}\" of {} is in {} already; a view may be listed only once{}",
+        path.parent_path().string(), picture.name, json_file, other->second.json_file,
+        is_copy ? fmt::format("; remove {} to hold out every 8th view", json_file) : ""));
   }
   earlier = picture;
   other->second.json_file = json_file;

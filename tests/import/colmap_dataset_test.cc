@@ -169,6 +169,18 @@ TEST(ColmapDataset, MasksOfNoImageAreIgnored) {
   EXPECT_TRUE(set.pictures[0].mask.empty());
 }
 
+// 2D Gaussian splatting's copies of DTU have such a folder.
+TEST(ColmapDataset, AFolderOfMasksWithAnotherNameIsIgnoredWithARemark) {
+  const ScratchFolder folder;
+  WriteModel(folder, "sparse/0", kNames, kPinhole);
+  WritePictures(folder, "images", kNames, 64, 48);
+  WritePictures(folder, "mask", {"000.png"}, 64, 48);
+  EXPECT_THAT(ReadColmapDataset(folder.path()).remarks,
+              testing::ElementsAre(testing::AllOf(
+                  testing::HasSubstr("mask is ignored"),
+                  testing::HasSubstr("read from masks, under names like a.jpg.png"))));
+}
+
 TEST(ColmapDataset, MissingImagesAreCountedAndNamed) {
   const ScratchFolder folder;
   WriteModel(folder, "sparse", kNames, kPinhole);

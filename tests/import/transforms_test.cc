@@ -95,7 +95,10 @@ TEST(NerfSynthetic, RefusesAViewThatIsListedTwice) {
   };
   const Case cases[] = {
       {"transforms_val.json", {"train/r_1"}, "is in transforms_train.json already"},
-      {"transforms_test.json", {"train/r_1"}, "is in transforms_train.json already"},
+      {"transforms_test.json",
+       {"train/r_1"},
+       "is in transforms_train.json already; a view may be listed only once; remove "
+       "transforms_test.json to hold out every 8th view"},
       {"transforms_val.json", {"val/r_0", "val/r_0.jpg"}, "is in transforms_val.json already"},
       {"transforms_test.json", {"val/r_0", "val/r_0.jpg"}, "is in transforms_test.json already"}};
   for (const Case& c : cases) {
@@ -355,8 +358,7 @@ TEST(Transforms, GiveEachDistortionItsModel) {
   }
 }
 
-// Metashape's fisheyes have p1 and p2, as nerfstudio writes them. The smaller these are, the less
-// do they differ from lenses without.
+// Metashape's fisheyes have p1 and p2, as nerfstudio writes them.
 TEST(Transforms, SkewedFisheyesAreThoseOfNerfstudio) {
   const ScratchFolder folder;
   const auto lens = [&](double p1, double p2) {
