@@ -45,7 +45,7 @@ void CheckMasks(const std::filesystem::path& masks, const std::filesystem::path&
 int main(int argc, char** argv) {
   tetrec::SfmOptions options;
   tetrec::StageCommand command(
-      "sfm", 13,
+      "sfm", 14,
       "Finds the cameras of a folder of photos with COLMAP and writes the scene folder:\n"
       "undistorted images, cameras, sparse points, the bounds of the subject and the split.\n"
       "Example: tetrec-sfm PHOTOS -o RUN/1_scene");

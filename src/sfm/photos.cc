@@ -14,6 +14,7 @@
 #include "image/image.h"
 #include "image/photo.h"
 #include "image/tiff_file.h"
+#include "sfm/data_set_folders.h"
 #include "sfm/heic.h"
 
 #include <fmt/format.h>
@@ -54,8 +55,13 @@ std::vector<std::string> PhotoNames(const fs::path& folder, const fs::path& mask
   }
   std::vector<std::string> names, unusable;
   std::vector<std::string> others, other_images;  // not read
+  std::vector<std::string> copies;
   const auto enters = [&](const fs::path& subfolder) {
     std::error_code missing;
+    if (HasReducedCopies(subfolder)) {
+      copies.push_back(subfolder.lexically_relative(folder).generic_string());
+      return false;
+    }
     return !IsHidden(subfolder) && (masks.empty() || !fs::equivalent(subfolder, masks, missing));
   };
   for (const fs::path& file : FilesBelow(folder, enters)) {
@@ -73,6 +79,10 @@ std::vector<std::string> PhotoNames(const fs::path& folder, const fs::path& mask
         fmt::format("{}: names of photos that are not UTF-8 or contain control characters: {}: {}; "
                     "rename them",
                     folder.string(), unusable.size(), ShortList(unusable)));
+  }
+  if (!copies.empty()) {
+    LogInfo("{}: folders of reduced copies of the photos in images are left out: {}",
+            folder.string(), ShortList(copies));
   }
   if (!others.empty()) {
     LogInfo("{}: files that are not photos are ignored: {}: {}", folder.string(), others.size(),
@@ -168,6 +178,7 @@ Photo ReadAndConvert(const fs::path& folder, const std::string& name, const fs::
 PhotoFolder FindPhotos(const fs::path& folder, double max_unreadable, const fs::path& converted,
                        const fs::path& masks) {
   const std::vector<std::string> names = PhotoNames(folder, masks);
+  WarnOfUnreadCameras(folder);
   if (names.empty()) {
     throw DataError(fmt::format(
         "{}: contains no photos (.jpg, .jpeg, .png, .tif, .tiff, .heic or .heif); convert other "

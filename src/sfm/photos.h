@@ -34,7 +34,8 @@ struct PhotoFolder {
 // which COLMAP cannot read, become JPEG files in the folder `converted`, where those of an earlier
 // call are used again. Throws DataError if the unreadable are more than `max_unreadable` of all
 // files, for fewer than 3 photos, and for names that cannot be stored (StaysInside). `masks` may be
-// a folder inside, whose images are no photos, or empty.
+// a folder inside, whose images are no photos, or empty. Folders such as images_4 beside images are
+// left out. Warns of known cameras that are not read.
 PhotoFolder FindPhotos(const std::filesystem::path& folder, double max_unreadable,
                        const std::filesystem::path& converted,
                        const std::filesystem::path& masks = {});

@@ -64,6 +64,39 @@ TEST_F(PhotosTest, PhotosInLinkedFoldersAreFound) {
   EXPECT_EQ(found.photos[0].name, "day2/photo 00.png");
 }
 
+TEST_F(PhotosTest, ReducedCopiesBesideTheirPhotosAreLeftOut) {
+  WriteNumberedPhotos(folder_ / "photos/images", 3);
+  WritePhoto(fs::path(photos_) / "images_4/photo 00.png", 200);
+  WritePhoto(fs::path(photos_) / "images_5/photo 00.png", 100);
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(Find(0.25).photos.size(), 4u);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              ::testing::HasSubstr("reduced copies of the photos in images are left out: "
+                                   "images_4\n"));
+  fs::rename(fs::path(photos_) / "images", fs::path(photos_) / "others");
+  EXPECT_EQ(Find(0.25).photos.size(), 5u) << "they may be the photos themselves";
+}
+
+TEST_F(PhotosTest, KnownCamerasThatAreNotReadAreNamed) {
+  for (const char* cameras :
+       {"cameras_sphere.npz", "cameras.npz", "poses_bounds.npy", "pose", "cams"}) {
+    const ScratchFolder folder;
+    WriteNumberedPhotos(folder / "image", 3);
+    const std::string name = cameras;
+    if (name == "pose") folder.Write("intrinsics.txt", "");
+    folder.Write(name == "pose" ? "pose/0.txt" : name == "cams" ? "cams/0_cam.txt" : name, "");
+    TakeWarnings();
+    FindPhotos(folder.path(), 0.25, folder_ / "converted");
+    EXPECT_THAT(TakeWarnings(), ::testing::ElementsAre(::testing::AllOf(
+                                    ::testing::HasSubstr("cameras in " + name + " are of a format"),
+                                    ::testing::HasSubstr("give " + (folder / "image").string()))));
+  }
+  WritePhotos(3);
+  folder_.Write("photos/cams/notes.txt", "");
+  Find(0.25);
+  EXPECT_TRUE(TakeWarnings().empty());
+}
+
 TEST_F(PhotosTest, ImagesOfOtherKindsAreNamed) {
   WritePhotos(1);
   folder_.Write("photos/b.WebP", "of a phone");
