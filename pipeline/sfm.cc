@@ -73,8 +73,8 @@ int main(int argc, char** argv) {
                  "are registered still; 0: none");
   tetrec::AddWordOption(
       app, "--camera-sharing", options.camera_sharing,
-      "Photos that share lens parameters: auto (those of the same size), single (all), "
-      "per-folder, per-image (none)");
+      "Photos that share lens parameters: auto (those of the same size whose EXIF notes the same "
+      "camera, focal length and digital zoom), single (all), per-folder, per-image (none)");
   tetrec::AddWordOption(
       app, "--camera-model", options.camera_model,
       "Lens model: auto (for each camera OPENCV, or SIMPLE_RADIAL if it took fewer than 8 photos; "

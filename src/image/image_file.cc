@@ -46,9 +46,11 @@ void CheckJpeg(std::span<const uint8_t> bytes, const std::string& name) {
   CheckJpegScans(bytes, name);
 }
 
-int OrientationOfPhoto(std::span<const uint8_t> bytes, const std::string& name) {
-  if (IsTiff(bytes)) return OrientationOfTiff(bytes, name);
-  return IsJpeg(bytes) ? ReadJpegMarkers(bytes, name).notes.orientation : 1;
+PhotoNotes NotesOf(std::span<const uint8_t> bytes, const std::string& name) {
+  if (IsTiff(bytes)) return {OrientationOfTiff(bytes, name), CameraNotesOfTiff(bytes, name)};
+  if (!IsJpeg(bytes)) return {};
+  const JpegFacts facts = ReadJpegMarkers(bytes, name);
+  return {facts.notes.orientation, facts.camera};
 }
 
 // OpenCV reads EXR only if this environment variable is set when it first looks. It is set before
@@ -250,14 +252,14 @@ bool IsDeepColorPng(std::span<const uint8_t> front) {
   return IsPng(front) && front.size() > kColorType && front[kDepth] == 16 && front[kColorType] != 0;
 }
 
-Image ReadPhoto(const std::filesystem::path& path, int* orientation) {
+Image ReadPhoto(const std::filesystem::path& path, PhotoNotes* notes) {
   const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
   if (!bytes.empty() && !IsPng(bytes) && !IsJpeg(bytes) && !IsTiff(bytes)) {
     throw DataError(fmt::format(
         "{}: not a photo that can be read; expected JPEG, PNG, TIFF or HEIC", path.string()));
   }
   Image image = DecodeImage(bytes, path.string());
-  if (orientation != nullptr) *orientation = OrientationOfPhoto(bytes, path.string());
+  if (notes != nullptr) *notes = NotesOf(bytes, path.string());
   return image;
 }
 

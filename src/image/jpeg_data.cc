@@ -148,9 +148,11 @@ JpegFacts ReadJpegMarkers(std::span<const uint8_t> bytes, const std::string& nam
     }
     // Other things than EXIF have such segments (APP1), too.
     if (code == 0xE1 && length > 2) {
-      const PixelNotes notes = PixelNotesOfExif(bytes.subspan(position + 2, length - 2));
+      const std::span<const uint8_t> content = bytes.subspan(position + 2, length - 2);
+      const PixelNotes notes = PixelNotesOfExif(content);
       if (facts.notes.orientation == 1) facts.notes.orientation = notes.orientation;
       if (notes.are_adobe_rgb) facts.notes.are_adobe_rgb = true;
+      if (facts.camera == CameraNotes{}) facts.camera = CameraNotesOfExif(content);
     }
     if (code == 0xE2 && length > 2) profile.Add(bytes.subspan(position + 2, length - 2));
     if (code == 0xDA) ++facts.scans;

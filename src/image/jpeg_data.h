@@ -21,6 +21,7 @@ struct JpegFacts {
   glm::u64vec2 size{0};  // of the largest frame [px]; 0 if there is none
   int scans = 0;
   PixelNotes notes;  // by EXIF
+  CameraNotes camera;
   // The ICC profile, not checked; empty if one of its parts is missing or there twice.
   std::optional<std::vector<uint8_t>> color_profile;
 };

@@ -180,15 +180,17 @@ CameraNotes CameraNotesOfTiff(std::span<const uint8_t> bytes, const std::string&
       TIFFReadEXIFDirectory(file.get(), directory) != 1) {
     return notes;
   }
-  float focal_length_mm = 0;
+  float focal_length_mm = 0, digital_zoom = 1;
   uint16_t focal_length_35mm = 0;
-  constexpr float kLongest_mm = 1e5f;
   if (TIFFGetField(file.get(), EXIFTAG_FOCALLENGTH, &focal_length_mm) == 1 && focal_length_mm > 0 &&
-      focal_length_mm < kLongest_mm) {
+      double(focal_length_mm) < kLongestFocalLength_mm) {
     notes.focal_length_mm = double(focal_length_mm);
   }
   if (TIFFGetField(file.get(), EXIFTAG_FOCALLENGTHIN35MMFILM, &focal_length_35mm) == 1) {
     notes.focal_length_35mm = focal_length_35mm;
+  }
+  if (TIFFGetField(file.get(), EXIFTAG_DIGITALZOOMRATIO, &digital_zoom) == 1 && digital_zoom > 1) {
+    notes.digital_zoom = double(digital_zoom);
   }
   return notes;
 }

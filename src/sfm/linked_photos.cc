@@ -11,11 +11,24 @@ namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
+// Another phone or lens of it, another focal length and digital zoom may have the same size.
+std::string CameraOf(const CameraNotes& notes) {
+  return fmt::format("{}\n{}\n{:.3f} {} {:.3f}", notes.make, notes.model, notes.focal_length_mm,
+                     notes.focal_length_35mm, notes.digital_zoom);
+}
+
 std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
   const std::string size = fmt::format("{}x{}", photo.width, photo.height);
-  if (sharing == CameraSharing::kPerFolder)
-    return size + fs::path(photo.name).parent_path().string();
-  if (sharing == CameraSharing::kPerImage) return photo.name;
+  switch (sharing) {
+    case CameraSharing::kAuto:
+      return size + CameraOf(photo.camera);
+    case CameraSharing::kPerFolder:
+      return size + fs::path(photo.name).parent_path().string();
+    case CameraSharing::kPerImage:
+      return photo.name;
+    case CameraSharing::kSingle:
+      break;
+  }
   return size;
 }
 

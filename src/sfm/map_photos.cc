@@ -257,7 +257,9 @@ class PhotoMapper {
         scratch_(stage.Scratch("work")),
         linked_(LinkPhotos(photos, options.camera_sharing, scratch_ / "photos")),
         first_lens_(LensFor(options, linked_)) {
-    LogInfo("COLMAP {}: {} photos", colmap_.version, photos.size());
+    const size_t cameras = linked_.photos_of_camera.size();
+    LogInfo("COLMAP {}: {} photos of {} camera{}", colmap_.version, photos.size(), cameras,
+            cameras == 1 ? "" : "s");
     stage.Note("colmap", colmap_.version);
     WriteColmapMasks(photos, scratch_ / "masks", linked_);
     extract_ = {Name(first_lens_), options_.camera_sharing == CameraSharing::kPerImage,

@@ -11,7 +11,8 @@
 
 namespace tetrec {
 
-// Which photos share the parameters of one lens. kAuto: those of one size.
+// Which photos share the parameters of one lens. kAuto: those of one size whose EXIF notes the same
+// camera, focal length and digital zoom.
 enum class CameraSharing { kAuto, kSingle, kPerFolder, kPerImage };
 template <>
 inline constexpr auto kWords<CameraSharing> =

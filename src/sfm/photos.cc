@@ -146,10 +146,8 @@ Photo ReadAndConvert(const fs::path& folder, const std::string& name, const fs::
   photo.file = photo.for_colmap = folder / name;
   const std::vector<uint8_t> front = ReadFront(photo.file, 32);
   const bool is_heic = IsHeic(front), is_tiff = IsTiff(front), is_deep_png = IsDeepColorPng(front);
-  std::vector<uint8_t> bytes;
   if (is_heic || is_tiff || is_deep_png) {
-    bytes = ReadBytes(photo.file, kMostBytesToConvert);
-    photo.for_colmap = ConvertedFile(converted, name, bytes);
+    photo.for_colmap = ConvertedFile(converted, name, ReadBytes(photo.file, kMostBytesToConvert));
     fs::create_directories(converted);
   }
   if (is_heic) {
@@ -158,15 +156,14 @@ Photo ReadAndConvert(const fs::path& folder, const std::string& name, const fs::
     }
     photo.file = photo.for_colmap;
   }
-  int orientation = 1;
-  const Image image = ReadPhoto(photo.file, &orientation);
+  PhotoNotes notes;
+  const Image image = ReadPhoto(photo.file, &notes);
   // A converted HEIC photo is upright, whatever orientation its copied EXIF specifies.
-  if (!is_heic) photo.quarter_turns = QuarterTurnsOf(orientation);
+  if (!is_heic) photo.quarter_turns = QuarterTurnsOf(notes.orientation);
   if ((is_tiff || is_deep_png) && !fs::exists(photo.for_colmap)) {
-    const CameraNotes notes =
-        is_tiff ? CameraNotesOfTiff(bytes, photo.file.string()) : CameraNotes{};
-    WriteForColmap(image, notes, photo.for_colmap);
+    WriteForColmap(image, notes.camera, photo.for_colmap);
   }
+  photo.camera = notes.camera;
   photo.width = image.width;
   photo.height = image.height;
   photo.sha256 = Sha256OfFile(photo.for_colmap);

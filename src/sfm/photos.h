@@ -1,6 +1,8 @@
 // The photos of a folder.
 #pragma once
 
+#include "image/exif.h"
+
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -17,6 +19,7 @@ struct Photo {
   std::filesystem::path for_colmap;  // the same, as JPEG or PNG
   int width = 0, height = 0;
   int quarter_turns = 0;         // clockwise, that make it upright, by its EXIF
+  CameraNotes camera;            // by its EXIF
   std::string sha256;            // of what COLMAP reads
   std::filesystem::path mask;    // empty: all of it is used
   bool mask_is_upright = false;  // it has to be turned back to fit the stored photo

@@ -76,6 +76,22 @@ inline std::vector<uint8_t> ExifOfIndex(const std::string& index, bool is_big_en
   return exif.bytes();
 }
 
+// From byte 14 a directory with one entry, whose value is the place of another one with one entry:
+// the digital zoom, from byte 50.
+inline std::vector<uint8_t> ExifOfDigitalZoom(uint32_t numerator, uint32_t denominator,
+                                              bool is_big_endian = false) {
+  ExifBlock exif(is_big_endian);
+  exif.PutEntry(0x8769, 4, 1);  // a long
+  exif.PutPlaceOfNext();
+  exif.Put(0, 4);               // no further directory beside this one
+  exif.PutEntry(0xA404, 5, 1);  // a rational number
+  exif.PutPlaceOfNext();
+  exif.Put(0, 4);
+  exif.Put(numerator, 4);
+  exif.Put(denominator, 4);
+  return exif.bytes();
+}
+
 // The JPEG with an APP1 segment after its start.
 inline std::vector<uint8_t> WithApp1(std::vector<uint8_t> jpeg,
                                      const std::vector<uint8_t>& content) {

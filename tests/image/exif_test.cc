@@ -1,4 +1,4 @@
-// Orientations that EXIF gives.
+// What EXIF gives of pixels and cameras.
 #include "image/exif.h"
 
 #include "image/exif_block.h"
@@ -100,10 +100,10 @@ TEST(Exif, APhotoIsReadAsStoredWithItsOrientationWhateverItsExifIs) {
   const ScratchFolder folder;
   const std::vector<uint8_t> jpeg = EncodeJpeg(MakeImage(24, 16, 3), 90);
   const auto orientation_of = [&](const std::vector<uint8_t>& bytes) {
-    int orientation = 0;
-    const Image image = ReadPhoto(folder.Write("a.jpg", bytes), &orientation);
+    PhotoNotes notes;
+    const Image image = ReadPhoto(folder.Write("a.jpg", bytes), &notes);
     EXPECT_EQ(image.width, 24);
-    return orientation;
+    return notes.orientation;
   };
   EXPECT_EQ(orientation_of(jpeg), 1);
   EXPECT_EQ(orientation_of(WithApp1(jpeg, ExifOfOrientation(6))), 6);
@@ -117,10 +117,58 @@ TEST(Exif, APhotoIsReadAsStoredWithItsOrientationWhateverItsExifIs) {
   const std::string xmp("http://ns.adobe.com/xap/1.0/\0<x/>", 33);
   EXPECT_EQ(orientation_of(WithApp1(turned, {xmp.begin(), xmp.end()})), 8);
 
-  int of_png = 0;
+  PhotoNotes of_png;
   WriteImage(folder / "a.png", MakeImage(4, 4, 3));
   ReadPhoto(folder / "a.png", &of_png);
-  EXPECT_EQ(of_png, 1);
+  EXPECT_EQ(of_png.orientation, 1);
+}
+
+CameraNotes NotesOfPhoto(const std::vector<uint8_t>& jpeg) {
+  const ScratchFolder folder;
+  PhotoNotes notes;
+  ReadPhoto(folder.Write("a.jpg", jpeg), &notes);
+  return notes.camera;
+}
+
+TEST(Exif, TheCameraIsReadAsItIsWritten) {
+  const std::vector<uint8_t> jpeg = EncodeJpeg(MakeImage(8, 8, 3), 90);
+  CameraNotes notes{"Acme", "P1", 4.25, 26, 1};
+  EXPECT_EQ(NotesOfPhoto(WithExif(jpeg, notes)), notes);
+  EXPECT_EQ(NotesOfPhoto(WithExif(jpeg, {})), CameraNotes{});
+  EXPECT_EQ(NotesOfPhoto(jpeg), CameraNotes{});
+  notes.model = std::string(1000, 'x');
+  EXPECT_EQ(NotesOfPhoto(WithExif(jpeg, notes)).model, std::string(100, 'x'));
+}
+
+TEST(Exif, TextsThatAnEntryContainsItselfOrThatAreDamagedAreReadWithinTheirBounds) {
+  const auto make_of = [](uint32_t type, uint32_t count, uint32_t value) {
+    ExifBlock exif(false);
+    exif.PutEntry(0x010F, type, count);
+    exif.Put(value, 4);
+    return CameraNotesOfExif(exif.bytes()).make;
+  };
+  constexpr uint32_t kLg = 'L' | 'G' << 8, kEnd = 24;  // of all bytes, from the byte order on
+  EXPECT_EQ(make_of(2, 3, kLg), "LG");
+  EXPECT_EQ(make_of(2, 0, kLg), "");
+  EXPECT_EQ(make_of(3, 3, kLg), "") << "another type";
+  EXPECT_EQ(make_of(2, 0xFFFFFFFF, kEnd), "");
+  EXPECT_EQ(make_of(2, 0xFFFFFFFF, 0xFFFFFFFF), "");
+  EXPECT_EQ(make_of(2, 0xFFFFFFFF, 0), "II*");
+}
+
+TEST(Exif, TheDigitalZoomIsReadInBothByteOrders) {
+  for (const bool is_big_endian : {false, true}) {
+    const std::vector<uint8_t> zoomed = ExifOfDigitalZoom(250, 100, is_big_endian);
+    for (size_t length = 0; length <= zoomed.size(); ++length) {
+      const std::vector<uint8_t> cut(zoomed.begin(), zoomed.begin() + std::ptrdiff_t(length));
+      EXPECT_EQ(CameraNotesOfExif(cut).digital_zoom, length < zoomed.size() ? 1 : 2.5) << length;
+    }
+  }
+  // EXIF has 0 for a zoom that was not used.
+  for (const uint32_t none : {0u, 1u}) {
+    EXPECT_EQ(CameraNotesOfExif(ExifOfDigitalZoom(none, 1)).digital_zoom, 1);
+    EXPECT_EQ(CameraNotesOfExif(ExifOfDigitalZoom(none, 0)).digital_zoom, 1);
+  }
 }
 
 }  // namespace

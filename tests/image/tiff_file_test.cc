@@ -93,10 +93,10 @@ TEST(TiffFiles, AnOrientationIsRead) {
     EXPECT_EQ(OrientationOfTiff(tiff, "a.tif"), 1) << invalid;
   }
   const ScratchFolder folder;
-  int orientation = 0;
-  const Image image = ReadPhoto(folder.Write("a.tif", GreyTiff({{274, {3, 1, 6}}})), &orientation);
+  PhotoNotes notes;
+  const Image image = ReadPhoto(folder.Write("a.tif", GreyTiff({{274, {3, 1, 6}}})), &notes);
   EXPECT_EQ(image.width, 3);
-  EXPECT_EQ(orientation, 6);
+  EXPECT_EQ(notes.orientation, 6);
 }
 
 TEST(TiffFiles, AlphaIsStraight) {
@@ -130,13 +130,11 @@ TEST(TiffFiles, TheFocalLengthReachesTheJpegForColmap) {
   constexpr uint32_t kBehind = 16 + 2 + 12 * 12 + 4;
   ByteWriter behind;
   behind.WriteArray<char>(std::string("Leica Camera\0\0", 14));
-  behind.Write(uint16_t(2));  // the directory of EXIF, at kBehind + 14
-  for (const uint32_t value :
-       {0x920Au | 5u << 16, 1u, kBehind + 14 + 30, 0xA405u | 3u << 16, 1u, 28u})
+  behind.Write(uint16_t(3));  // the directory of EXIF, at kBehind + 14
+  for (const uint32_t value : {0x920Au | 5u << 16, 1u, kBehind + 14 + 42, 0xA404u | 5u << 16, 1u,
+                               kBehind + 14 + 50, 0xA405u | 3u << 16, 1u, 28u})
     behind.Write(value);
-  behind.Write(uint32_t(0));
-  behind.Write(uint32_t(85));
-  behind.Write(uint32_t(10));
+  for (const uint32_t value : {0u, 85u, 10u, 3u, 2u}) behind.Write(value);
   const std::string text(behind.bytes().begin(), behind.bytes().end());
   const std::vector<uint8_t> tiff = GreyTiff(
       {{271, {2, 13, kBehind}}, {272, {2, 3, 'M' | '3' << 8}}, {34665, {4, 1, kBehind + 14}}},
@@ -146,6 +144,11 @@ TEST(TiffFiles, TheFocalLengthReachesTheJpegForColmap) {
   EXPECT_EQ(notes.model, "M3");
   EXPECT_NEAR(notes.focal_length_mm, 8.5, 1e-6);
   EXPECT_EQ(notes.focal_length_35mm, 28);
+  EXPECT_EQ(notes.digital_zoom, 1.5);
+  const ScratchFolder folder;
+  PhotoNotes of_file;
+  ReadPhoto(folder.Write("a.tif", tiff), &of_file);
+  EXPECT_EQ(of_file.camera, notes);
 
   const std::vector<uint8_t> jpeg = WithExif(EncodeJpeg(MakeImage(8, 8, 3), 90), notes);
   EXPECT_EQ(DecodeImage(jpeg, "a.jpg").width, 8);

@@ -392,6 +392,17 @@ TEST_F(SfmTest, EachCameraGetsTheLensThatItsPhotosDetermine) {
   EXPECT_EQ(Lens(), "OPENCV");
 }
 
+TEST_F(SfmTest, PhotosThatWereZoomedDigitallyHaveACameraOfTheirOwn) {
+  for (int i = 0; i < 12; ++i) {
+    const Image image{64, 48, 3, std::vector<uint8_t>(size_t(64) * 48 * 3, uint8_t(40 + 10 * i))};
+    folder_.Write(fmt::format("photos/{:02}.jpg", i),
+                  WithApp1(EncodeJpeg(image, 95), ExifOfDigitalZoom(i % 3 == 0 ? 2 : 1, 1)));
+  }
+  ASSERT_EQ(Run("good").exit_code, 0);
+  EXPECT_EQ(Calls("lenses SIMPLE_RADIAL OPENCV\n"), 1u) << "the four zoomed ones are first by name";
+  EXPECT_THAT(ReadText(fs::path(scene_) / "log.txt"), HasSubstr("12 photos of 2 cameras"));
+}
+
 TEST_F(SfmTest, ALensOfOblongPixelsIsReplacedByASimplerOneThatFitsAsWell) {
   WritePhotos(12);
   const Outcome outcome = Run("oblong");
