@@ -59,7 +59,11 @@ void RunOnVideo(const std::string& program, const fs::path& video,
 void RunFfmpeg(const fs::path& video, const fs::path& folder, std::vector<std::string> outputs) {
   ChildOptions options;
   options.working_folder = folder;
-  outputs.insert(outputs.begin(), "-nostdin");
+  // Each frame once. Where sound begins before the picture, ffmpeg would by itself fill the gap
+  // with copies of the first frame, in raw files, and an index would mean another frame in each
+  // pass.
+  const auto common = {"-nostdin", "-an", "-vsync", "passthrough"};
+  outputs.insert(outputs.begin(), common.begin(), common.end());
   RunOnVideo("ffmpeg", video, outputs, options);
 }
 
@@ -184,9 +188,9 @@ void WriteVideoFrames(const fs::path& video, size_t count, const fs::path& folde
   fs::remove_all(folder);
   fs::create_directories(folder);
   RunFfmpeg(video, scratch,
-            {"-an", "-vf",
-             fmt::format("fps=10,scale={}:{}:flags=area,format=gray", kWidth, kHeight), "-frames:v",
-             std::to_string(kMostCandidates + 1), "-f", "rawvideo", "-y", "candidates.grey"});
+            {"-vf", fmt::format("fps=10,scale={}:{}:flags=area,format=gray", kWidth, kHeight),
+             "-frames:v", std::to_string(kMostCandidates + 1), "-f", "rawvideo", "-y",
+             "candidates.grey"});
   const Candidates judged = Judge(scratch / "candidates.grey");
   fs::remove(scratch / "candidates.grey");
   const size_t candidates = judged.sharpness.size();
@@ -205,9 +209,8 @@ void WriteVideoFrames(const fs::path& video, size_t count, const fs::path& folde
   const VideoColors colors = ColorsOf(video);
   WarnOfHdr(video, colors.transfer);
   RunFfmpeg(video, folder,
-            {"-an", "-vf",
-             fmt::format("fps=10,select='{}',{}", fmt::join(terms, "+"), JpegColors(colors)),
-             "-vsync", "passthrough", "-q:v", "1", "-qmin", "1", "%06d.jpg"});
+            {"-vf", fmt::format("fps=10,select='{}',{}", fmt::join(terms, "+"), JpegColors(colors)),
+             "-q:v", "1", "-qmin", "1", "%06d.jpg"});
   LogInfo("{}: {} of {} frames are taken, the sharpest of stretches with equal motion",
           video.filename().string(), chosen.size(), candidates);
 }

@@ -70,6 +70,60 @@ TEST(Video, FramesOfAVideoBecomePhotos) {
   EXPECT_TRUE(std::filesystem::exists(folder / "frames/000001.jpg"));
 }
 
+// 20 frames, all blurred but every fourth.
+std::filesystem::path WriteMostlyBlurred(const ScratchFolder& folder, const std::string& delay_s) {
+  std::filesystem::path video = folder / "late.mkv";
+  const std::vector<std::string> arguments = {
+      "-loglevel",
+      "error",
+      "-y",
+      "-f",
+      "lavfi",
+      "-i",
+      "sine=duration=3",
+      "-itsoffset",
+      delay_s,
+      "-f",
+      "lavfi",
+      "-i",
+      "color=c=gray:size=480x270:rate=10:duration=2,drawgrid=w=6:h=6:color=white,"
+      "boxblur=8:enable='mod(n,4)'",
+      "-map",
+      "1:v",
+      "-map",
+      "0:a",
+      "-c:v",
+      "libx264",
+      "-qp",
+      "4",
+      "-pix_fmt",
+      "yuv420p",
+      "-c:a",
+      "aac",
+      "file:" + video.string()};
+  EXPECT_EQ(RunChild(FindProgram("ffmpeg"), arguments, {}).exit_code, 0);
+  return video;
+}
+
+double SharpnessOfPhoto(const std::filesystem::path& path) {
+  const Image photo = ReadImage(path);
+  std::vector<uint8_t> green;
+  for (size_t i = 1; i < photo.pixels.size(); i += 3) green.push_back(photo.pixels[i]);
+  return SharpnessOf(green, photo.width, photo.height);
+}
+
+TEST(Video, TheChosenFramesAreWrittenWhereTheSoundBeginsFirst) {
+  if (FindProgram("ffmpeg").empty()) GTEST_SKIP() << "ffmpeg is not installed (scripts/setup.sh)";
+  for (const char* delay_s : {"0", "0.1", "0.35"}) {
+    SCOPED_TRACE(delay_s);
+    const ScratchFolder folder;
+    WriteVideoFrames(WriteMostlyBlurred(folder, delay_s), 5, folder / "frames", folder / "scratch");
+    for (int i = 1; i <= 5; ++i) {
+      EXPECT_GT(SharpnessOfPhoto(folder / fmt::format("frames/00000{}.jpg", i)), 1000) << i;
+    }
+  }
+}
+
 // A still clip of three saturated stripes.
 struct StripesClip {
   const char* size;
