@@ -81,9 +81,11 @@ inline std::vector<uint8_t> ExifOfIndex(const std::string& index, bool is_big_en
 inline std::vector<uint8_t> ExifOfDigitalZoom(uint32_t numerator, uint32_t denominator,
                                               bool is_big_endian = false) {
   ExifBlock exif(is_big_endian);
+  exif.Put(1, 2);
   exif.PutEntry(0x8769, 4, 1);  // a long
   exif.PutPlaceOfNext();
-  exif.Put(0, 4);               // no further directory beside this one
+  exif.Put(0, 4);  // no further directory beside this one
+  exif.Put(1, 2);
   exif.PutEntry(0xA404, 5, 1);  // a rational number
   exif.PutPlaceOfNext();
   exif.Put(0, 4);
