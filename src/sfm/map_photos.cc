@@ -43,10 +43,13 @@ SfmLens LensFor(const SfmOptions& options, const LinkedPhotos& linked) {
   return all_took_few ? SfmLens::kSimpleRadial : SfmLens::kOpenCv;
 }
 
-std::string FeaturesKey(const std::vector<Photo>& photos, const LinkedPhotos& linked,
-                        const ExtractOptions& extract, const std::string& colmap_version) {
+std::string FeaturesKey(const SfmOptions& options, const std::vector<Photo>& photos,
+                        const LinkedPhotos& linked, const ExtractOptions& extract,
+                        const std::string& colmap_version) {
   nlohmann::json key = {{"colmap", colmap_version},
                         {"model", extract.camera_model},
+                        // Cameras that took few photos then have another one.
+                        {"auto", options.camera_model == SfmLens::kAuto},
                         {"per_image", extract.camera_per_image},
                         {"features", extract.max_features},
                         {"format", 3}};  // 2: numbered by camera first, one lens model for all
@@ -264,7 +267,8 @@ class PhotoMapper {
     WriteColmapMasks(photos, scratch_ / "masks", linked_);
     extract_ = {Name(first_lens_), options_.camera_sharing == CameraSharing::kPerImage,
                 options_.max_features, linked_.masks};
-    cache_ = stage_.Cache("colmap") / FeaturesKey(photos_, linked_, extract_, colmap_.version);
+    cache_ =
+        stage_.Cache("colmap") / FeaturesKey(options_, photos_, linked_, extract_, colmap_.version);
     fs::create_directories(cache_);
     FindMatches();
   }
