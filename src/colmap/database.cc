@@ -187,6 +187,9 @@ std::set<ImagePair> ColmapDatabase::PairsOf(const char* table) const {
 
 std::set<ImagePair> ColmapDatabase::MatchedPairs() const { return PairsOf("matches"); }
 std::set<ImagePair> ColmapDatabase::VerifiedPairs() const { return PairsOf("two_view_geometries"); }
+std::set<ImagePair> ColmapDatabase::PairsWithInliers() const {
+  return PairsOf("two_view_geometries WHERE rows > 0");
+}
 
 uint64_t ColmapDatabase::MatchCount() const {
   Statement select(file_, database_.get(), "SELECT coalesce(sum(rows), 0) FROM matches");

@@ -48,6 +48,7 @@ class ColmapDatabase {
   Descriptors ReadCoarsestDescriptors(uint32_t image_id, size_t count) const;
   std::set<ImagePair> MatchedPairs() const;           // with raw matches
   std::set<ImagePair> VerifiedPairs() const;          // with two-view geometries
+  std::set<ImagePair> PairsWithInliers() const;       // whose geometry has any
   uint64_t MatchCount() const;                        // raw matches of all pairs
   std::map<ImagePair, uint64_t> MatchCounts() const;  // raw matches of each matched pair
 

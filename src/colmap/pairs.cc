@@ -9,10 +9,9 @@
 namespace tetrec {
 namespace {
 
-constexpr size_t kExhaustivePhotos = 80;  // kAuto matches all pairs of this many images or fewer
-constexpr int kSequentialOverlap = 10;    // neighbours on each side; COLMAP's default
-constexpr size_t kCoarseFeatures = 300;   // per image, for the choice of pairs
-constexpr size_t kCoarsePartners = 20;    // pairs that each image may choose
+constexpr int kSequentialOverlap = 10;   // neighbours on each side; COLMAP's default
+constexpr size_t kCoarseFeatures = 300;  // per image, for the choice of pairs
+constexpr size_t kCoarsePartners = 20;   // pairs that each image may choose
 constexpr size_t kMinCoarseMatches = 4;
 
 std::vector<ImagePair> AllPairs(const std::vector<DatabaseImage>& images) {

@@ -5,6 +5,7 @@
 #include "core/words.h"
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 namespace tetrec {
@@ -18,6 +19,9 @@ inline constexpr auto kWords<PairChoice> =
     std::to_array<Word<PairChoice>>({{PairChoice::kAuto, "auto"},
                                      {PairChoice::kExhaustive, "exhaustive"},
                                      {PairChoice::kSequential, "sequential"}});
+
+// kAuto matches all pairs of this many images or fewer.
+inline constexpr size_t kExhaustivePhotos = 80;
 
 // `images` in the order of their ids.
 std::vector<ImagePair> ChoosePairs(const ColmapDatabase& database,

@@ -132,16 +132,30 @@ struct SfmWork {
   const ColmapProgram& colmap;
   const LinkedPhotos& linked;
   const ExtractOptions& extract;
-  fs::path scratch, cache;
+  SfmLens first_lens;  // of the database `matches`
+  fs::path scratch, cache, matches;
 };
 
+// The database, or a copy of it in which all cameras have another lens than the first one. No match
+// depends on the lens: all begin without distortion and with the same focal length.
+fs::path WithLens(const SfmWork& work, const fs::path& database, SfmLens lens) {
+  if (lens == work.first_lens) return database;
+  const fs::path other = fmt::format("{}-{}", database.string(), Name(lens));
+  if (!fs::exists(other)) {
+    const fs::path half = other.string() + ".half";
+    CopyDatabase(database, half);
+    ColmapDatabase(half, work.colmap.version).UseLens(*FromName<LensModel>(Name(lens)));
+    fs::rename(half, other);
+  }
+  return other;
+}
+
 // The ids of the photos in the database that the model lacks.
-std::set<uint32_t> MissingPhotos(const std::vector<DatabaseImage>& images,
-                                 const ColmapModel& model) {
+std::set<uint32_t> MissingPhotos(const ColmapDatabase& database, const ColmapModel& model) {
   std::set<std::string> registered;
   for (const auto& [id, image] : model.images) registered.insert(image.name);
   std::set<uint32_t> missing;
-  for (const DatabaseImage& image : images) {
+  for (const DatabaseImage& image : database.Images()) {
     if (!registered.contains(image.name)) missing.insert(image.id);
   }
   return missing;
@@ -149,18 +163,23 @@ std::set<uint32_t> MissingPhotos(const std::vector<DatabaseImage>& images,
 
 // Makes a database with more features of the photos that the missing ones concern, and matches
 // them.
-void WriteRicherDatabase(const SfmWork& work, const ColmapModel& model, int max_features,
+void WriteRicherDatabase(const SfmWork& work, const std::set<uint32_t>& missing, int max_features,
                          const fs::path& before, const fs::path& richer) {
   std::vector<std::string> names;
   std::vector<ImagePair> pairs;
   {
     const ColmapDatabase database(before, work.colmap.version);
     const std::vector<DatabaseImage> images = database.Images();
-    const std::set<uint32_t> missing = MissingPhotos(images, model);
     std::vector<uint32_t> ids;
     for (const DatabaseImage& image : images) ids.push_back(image.id);
-    const std::vector<uint32_t> concerned = ConcernedPhotos(ids, missing, database.MatchCounts());
-    pairs = PairsOfRetry(ids, concerned, missing);
+    const std::map<ImagePair, uint64_t> matches = database.MatchCounts();
+    const std::vector<uint32_t> concerned = ConcernedPhotos(ids, missing, matches);
+    // Where not all pairs were matched, all pairs of many photos are many times as many.
+    const bool are_few =
+        ids.size() <= kExhaustivePhotos || work.options.matcher == PairChoice::kExhaustive;
+    pairs = are_few
+                ? PairsOfRetry(ids, concerned, missing)
+                : LikelyPairsOfRetry(ids, concerned, missing, matches, database.PairsWithInliers());
     for (const DatabaseImage& image : images) {
       if (std::binary_search(concerned.begin(), concerned.end(), image.id)) {
         names.push_back(image.name);
@@ -217,21 +236,23 @@ void MapAgain(const SfmWork& work, const fs::path& database, const MapperDemands
 // Tries again where photos stayed out: with more features of them; and at last, if the model would
 // be refused, with milder demands of the mapper. Where only some photos stay out, those may well
 // show something else. Returns a note of each try.
-nlohmann::json Retry(const SfmWork& work, const fs::path& database, const std::string& model_name,
+nlohmann::json Retry(const SfmWork& work, SfmLens lens, const std::string& model_name,
                      ColmapModel& model) {
   nlohmann::json notes = nlohmann::json::array();
   int max_features = work.options.max_features;
-  fs::path richest = database;
+  fs::path richest = work.matches;
   std::string suffix;
   const size_t photos = work.linked.names.size();
   for (int i = 1; i <= work.options.retries && model.images.size() < photos; ++i) {
     const Timer timer;
     max_features = std::min(max_features * 8 / 3, kMostFeatures);
-    // What is tried again depends on the first model, and that on the seed.
-    suffix = fmt::format("-retry-{}-{}", i, work.options.seed);
-    const fs::path richer = database.string() + suffix;
-    WriteRicherDatabase(work, model, max_features, richest, richer);
-    MapAgain(work, richer, kUsualDemands, work.cache / (model_name + suffix),
+    const std::set<uint32_t> missing =
+        MissingPhotos(ColmapDatabase(richest, work.colmap.version), model);
+    suffix +=
+        "-retry-" + WorkKey(missing);  // other lenses that leave out the same photos use it, too
+    const fs::path richer = work.matches.string() + suffix;
+    WriteRicherDatabase(work, missing, max_features, richest, richer);
+    MapAgain(work, WithLens(work, richer, lens), kUsualDemands, work.cache / (model_name + suffix),
              {{"max_features", max_features}}, timer, model, notes);
     richest = richer;
   }
@@ -241,7 +262,8 @@ nlohmann::json Retry(const SfmWork& work, const fs::path& database, const std::s
         "for the first pair, and {} instead of {} for each further photo",
         model.images.size(), photos, kMildDemands.pair_inliers, kUsualDemands.pair_inliers,
         kMildDemands.image_inliers, kUsualDemands.image_inliers);
-    MapAgain(work, richest, kMildDemands, work.cache / (model_name + suffix + "-mild"),
+    MapAgain(work, WithLens(work, richest, lens), kMildDemands,
+             work.cache / (model_name + suffix + "-mild"),
              {{"pair_inliers", kMildDemands.pair_inliers},
               {"image_inliers", kMildDemands.image_inliers}},
              Timer(), model, notes);
@@ -286,24 +308,18 @@ class PhotoMapper {
 
   // From the cache as far as it has them.
   Mapping MapWith(SfmLens lens) {
+    const SfmWork work{options_,    colmap_,  linked_, extract_,
+                       first_lens_, scratch_, cache_,  matches_};
     const std::string suffix = lens == first_lens_ ? "" : fmt::format("-{}", Name(lens));
-    const fs::path database = cache_ / fmt::format("{}{}.db", Name(options_.matcher), suffix);
-    if (!fs::exists(database)) {
-      const fs::path half = database.string() + ".half";
-      CopyDatabase(matches_, half);
-      ColmapDatabase(half, colmap_.version).UseLens(*FromName<LensModel>(Name(lens)));
-      fs::rename(half, database);
-    }
     const std::string model_name =
         fmt::format("mapped-{}-{}{}", Name(options_.matcher), options_.seed, suffix);
     Timer timer;
-    Mapping mapping = Map(colmap_, linked_.folder, database, photos_.size(), options_.seed,
-                          kUsualDemands, scratch_, cache_ / model_name);
+    Mapping mapping = Map(colmap_, linked_.folder, WithLens(work, matches_, lens), photos_.size(),
+                          options_.seed, kUsualDemands, scratch_, cache_ / model_name);
     CountSeconds("mapping", timer);
     if (options_.retries > 0 && mapping.model.images.size() < photos_.size()) {
       timer = {};
-      mapping.retries = Retry({options_, colmap_, linked_, extract_, scratch_, cache_}, database,
-                              model_name, mapping.model);
+      mapping.retries = Retry(work, lens, model_name, mapping.model);
       CountSeconds("retries", timer);
     }
     Rename(mapping.model, linked_, photos_);
@@ -312,8 +328,7 @@ class PhotoMapper {
 
  private:
   // The database with features and matches, by the first lens; cameras of few photos only have it
-  // if it was asked for. No match depends on the lens: all begin without distortion and with the
-  // same focal length.
+  // if it was asked for.
   void FindMatches() {
     const fs::path features = cache_ / "features.db";
     matches_ = cache_ / fmt::format("{}.db", Name(options_.matcher));

@@ -21,11 +21,20 @@ std::vector<uint32_t> ConcernedPhotos(const std::vector<uint32_t>& photos,
                                       const std::set<uint32_t>& missing,
                                       const std::map<ImagePair, uint64_t>& matches);
 
-// The pairs to match again: all pairs of concerned photos, and those of a missing photo with any
-// other. Sorted.
+// The pairs to match again of a few photos: all pairs of concerned photos, and those of a missing
+// photo with any other. Sorted.
 std::vector<ImagePair> PairsOfRetry(const std::vector<uint32_t>& photos,
                                     const std::vector<uint32_t>& concerned,
                                     const std::set<uint32_t>& missing);
+
+// The same of many photos, of whose pairs only some were matched, too: those of a missing photo
+// with the photos that it concerns itself, and those of concerned photos that see the same.
+//   related   pairs with verified matches
+std::vector<ImagePair> LikelyPairsOfRetry(const std::vector<uint32_t>& photos,
+                                          const std::vector<uint32_t>& concerned,
+                                          const std::set<uint32_t>& missing,
+                                          const std::map<ImagePair, uint64_t>& matches,
+                                          const std::set<ImagePair>& related);
 
 // True if the second model registered more photos, without an error that shows that they are wrong:
 // above 1 px, it may be a quarter more than before. Any model is better than none.

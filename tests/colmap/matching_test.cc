@@ -412,6 +412,11 @@ TEST(ColmapDatabase, MatchesAreWrittenUnderColmapsPairIds) {
   database.WriteMatches({{{1, 2}, {{0, 0}}}, {{2, 3}, {}}});
   EXPECT_EQ(database.MatchedPairs(), (std::set<ImagePair>{{1, 2}, {2, 3}}));
   EXPECT_TRUE(database.VerifiedPairs().empty());
+  RunSql(folder / "a.db",
+         "INSERT INTO two_view_geometries (pair_id, rows, cols, config) VALUES "
+         "(2147483649, 20, 2, 2), (4294967297, 0, 2, 0)");
+  EXPECT_EQ(database.VerifiedPairs().size(), 2u);
+  EXPECT_EQ(database.PairsWithInliers(), (std::set<ImagePair>{{1, 2}}));
   EXPECT_EQ(database.MatchCount(), 1u);
   EXPECT_THROW(database.WriteMatches({{{2, 1}, {}}}), BugError);
 }

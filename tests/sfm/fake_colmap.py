@@ -11,6 +11,7 @@ wide: half of the images are registered, and all if the mapper demands few inlie
 folded: like good, but the lens model folds over inside the images.
 bent: the same by the lens OPENCV.                  oblong: good, but pixels are oblong by the lens OPENCV.
 anamorphic: the same, and other lenses fit badly.
+leaving: bent, and the last two images are never registered.
 """
 import math
 import os
@@ -142,15 +143,15 @@ def map_scene(options):
     with open(os.environ["FAKE_COLMAP_CALLS"], "a") as calls:
         calls.write("lenses " + " ".join(known[lens] for lens in lenses) + "\n")
     is_opencv = known[lenses[0]] == "OPENCV"
-    shape = "folded" if MODE == "folded" or (MODE == "bent" and is_opencv) else \
+    shape = "folded" if MODE == "folded" or (MODE in ("bent", "leaving") and is_opencv) else \
         "oblong" if MODE in ("oblong", "anamorphic") and is_opencv else "square"
     folder = os.path.join(options["output_path"], "0")
     if MODE == "none":
         print("WARNING: No images with matches found in the database.")
     elif MODE == "junk":
         write_model(folder, names[:2], 61)
-    elif MODE == "never" or (MODE == "late" and open(os.environ["FAKE_COLMAP_CALLS"]).read().count("mapper") < 2):
-        write_model(folder, names[:-2], 300)
+    elif MODE in ("never", "leaving") or (MODE == "late" and open(os.environ["FAKE_COLMAP_CALLS"]).read().count("mapper") < 2):
+        write_model(folder, names[:-2], 300, shape)
     elif MODE == "half" or (MODE == "wide" and int(options["Mapper.abs_pose_min_num_inliers"]) >= 30):
         write_model(folder, names[::2], 300)
     else:

@@ -47,6 +47,34 @@ TEST(PairsOfRetry, AreThoseOfConcernedPhotosAndOfTheMissingWithAll) {
                           ImagePair(3, 5)));
 }
 
+TEST(LikelyPairsOfRetry, AreThoseOfTheMissingWithTheirPartnersAndOfConcernedPhotosThatSeeTheSame) {
+  const std::map<ImagePair, uint64_t> matches = {{{1, 10}, 50}, {{10, 90}, 0}, {{1, 80}, 40}};
+  const std::vector<uint32_t> concerned = ConcernedPhotos(Photos(100), {10}, matches);
+  EXPECT_THAT(concerned, ElementsAre(1, 7, 8, 9, 10, 11, 12, 13));
+  EXPECT_THAT(LikelyPairsOfRetry(Photos(100), concerned, {10}, matches, {{1, 7}, {1, 80}, {8, 9}}),
+              ElementsAre(ImagePair(1, 7), ImagePair(1, 10), ImagePair(7, 10), ImagePair(8, 9),
+                          ImagePair(8, 10), ImagePair(9, 10), ImagePair(10, 11), ImagePair(10, 12),
+                          ImagePair(10, 13)));
+}
+
+TEST(LikelyPairsOfRetry, AreNoMoreThanTheFirstTimeWhereManyPhotosAreMissing) {
+  std::map<ImagePair, uint64_t> matches;
+  std::set<ImagePair> related;
+  for (uint32_t id = 1; id <= 500; ++id) {
+    for (uint32_t step = 1; step <= 20 && id + step <= 500; ++step) {
+      matches[{id, id + step}] = 100 - step;
+      related.insert({id, id + step});
+    }
+  }
+  std::set<uint32_t> missing;
+  for (uint32_t id = 5; id <= 500; id += 5) missing.insert(id);
+  const std::vector<uint32_t> concerned = ConcernedPhotos(Photos(500), missing, matches);
+  EXPECT_EQ(concerned.size(), 500u);
+  EXPECT_GT(PairsOfRetry(Photos(500), concerned, missing).size(), 10 * matches.size());
+  EXPECT_LE(LikelyPairsOfRetry(Photos(500), concerned, missing, matches, related).size(),
+            matches.size());
+}
+
 ColmapModel ModelOf(uint32_t images, double error_px) {
   ColmapModel model;
   for (uint32_t i = 0; i < images; ++i) model.images[i].name = fmt::format("{}.jpg", i);

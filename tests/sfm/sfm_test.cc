@@ -377,6 +377,17 @@ TEST_F(SfmTest, ALensThatFoldsOverIsReplacedByASimplerOne) {
   EXPECT_EQ(Lens(), "SIMPLE_RADIAL");
 }
 
+TEST_F(SfmTest, FurtherTriesOfLensesThatLeaveOutTheSamePhotosShareTheirFeatures) {
+  WritePhotos(12);
+  const Outcome outcome = Run("leaving");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(Lens(), "SIMPLE_RADIAL");
+  EXPECT_EQ(Calls("mapper"), 4u) << "each lens twice";
+  EXPECT_EQ(Calls("lenses SIMPLE_RADIAL\n"), 2u);
+  const size_t concerned = 5;  // the last two, and three neighbours before them
+  EXPECT_EQ(Calls("feature_extractor"), ExtractorsOf(12) + ExtractorsOf(concerned));
+}
+
 TEST_F(SfmTest, EachCameraGetsTheLensThatItsPhotosDetermine) {
   for (int i = 0; i < 11; ++i) {
     WritePhoto(fs::path(photos_) / fmt::format("{}/{:02}.png", i < 8 ? "many" : "few", i), 9 * i);
