@@ -15,8 +15,9 @@ namespace {
 
 constexpr double kMinRegisteredShare = 0.8;
 constexpr size_t kMinPoints = 100;
-// Proportionally more for photos larger than kErrorSize_px.
-constexpr double kMaxMeanError_px = 1.5, kErrorSize_px = 1600;
+// Proportionally more for photos larger than kErrorSize_px, but not so much that nothing could
+// exceed it: COLMAP's mapper keeps no point whose error is above 4 px.
+constexpr double kMaxMeanError_px = 1.5, kErrorSize_px = 1600, kLargestLimit_px = 2;
 constexpr double kMinTrackLength = 2.5;
 
 }  // namespace
@@ -55,7 +56,8 @@ ModelQuality JudgeModel(const ColmapModel& model, const std::vector<std::string>
   double longest = 0;
   for (const auto& [id, camera] : model.cameras)
     longest = std::max(longest, double(std::max(camera.width, camera.height)));
-  const double max_error_px = kMaxMeanError_px * std::max(1.0, longest / kErrorSize_px);
+  const double max_error_px =
+      std::min(kLargestLimit_px, kMaxMeanError_px * std::max(1.0, longest / kErrorSize_px));
   if (quality.mean_error_px > max_error_px) {
     throw DataError(fmt::format(
         "the mean reprojection error is {:.2f} px; expected at most {:.2f}; if zoom or camera were "

@@ -35,5 +35,17 @@ TEST(JudgeModel, EachLimitIsAppliedAndNamed) {
   EXPECT_NO_THROW(JudgeModel(large, names));
 }
 
+TEST(JudgeModel, TheLimitOfTheErrorCanBeReachedInLargePhotos) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 50; ++i) names.push_back(fmt::format("{}.jpg", i));
+  const auto judge = [&](double error_px) {
+    ColmapModel model = ModelOf(50, 100, error_px, 3);
+    model.cameras[1].width = 8000;
+    JudgeModel(model, names);
+  };
+  EXPECT_NO_THROW(judge(1.9));
+  ExpectError<DataError>([&] { judge(2.1); }, {"2.10 px; expected at most 2.00"});
+}
+
 }  // namespace
 }  // namespace tetrec
