@@ -2,6 +2,7 @@
 #include "sfm/linked_photos.h"
 
 #include "core/error.h"
+#include "core/log.h"
 #include "core/parallel.h"
 #include "sfm/masks.h"
 
@@ -34,6 +35,21 @@ std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
 
 }  // namespace
 
+bool LinkOrCopy(const fs::path& photo, const fs::path& link) {
+  std::error_code error;
+  fs::create_symlink(fs::absolute(photo), link, error);
+  if (!error) return true;
+  // Some file systems, such as exFAT, have no links.
+  fs::copy_file(photo, link, fs::copy_options::overwrite_existing, error);
+  if (error) {
+    throw EnvironmentError(
+        fmt::format("{}: {} can be neither linked nor copied to the file system of the run folder "
+                    "({}); free some space, or choose another file system",
+                    link.string(), photo.string(), error.message()));
+  }
+  return false;
+}
+
 LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
                         const fs::path& folder) {
   LinkedPhotos linked;
@@ -49,6 +65,7 @@ LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
   }
   linked.photos_of_camera.resize(groups.size());
   const size_t digits = std::to_string(photos.size()).size();
+  size_t copies = 0;
   for (size_t i = 0; i < photos.size(); ++i) {
     const size_t camera = groups.at(CameraGroup(photos[i], sharing));
     ++linked.photos_of_camera[camera];
@@ -56,9 +73,13 @@ LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
     const std::string extension = photos[i].for_colmap.extension().string();
     const std::string name = fmt::format("{}/{:0{}}{}", group, i, digits, extension);
     fs::create_directories(folder / group);
-    fs::create_symlink(fs::absolute(photos[i].for_colmap), folder / name);
+    if (!LinkOrCopy(photos[i].for_colmap, folder / name)) ++copies;
     linked.names.push_back(name);
     linked.photo_of_name[name] = i;
+  }
+  if (copies > 0) {
+    LogInfo("{}: the file system has no links; {} photos are copied for COLMAP", folder.string(),
+            copies);
   }
   return linked;
 }

@@ -12,8 +12,9 @@
 
 namespace tetrec {
 
-// COLMAP's view of the photos: links with plain names, in one folder per camera, whose file names
-// sort like the photos. The user's names may contain spaces, which COLMAP's lists cannot.
+// COLMAP's view of the photos: links (or copies) with plain names, in one folder per camera, whose
+// file names sort like the photos. The user's names may contain spaces, which COLMAP's lists
+// cannot.
 struct LinkedPhotos {
   std::filesystem::path folder;
   std::filesystem::path masks;     // NAME.png for each name; empty if there are none
@@ -21,6 +22,10 @@ struct LinkedPhotos {
   std::map<std::string, size_t> photo_of_name;
   std::vector<size_t> photos_of_camera;  // their number, for each camera
 };
+
+// Makes a link to a photo, or a copy of it where the file system has no links, which returns false.
+// Throws EnvironmentError if that fails, too.
+bool LinkOrCopy(const std::filesystem::path& photo, const std::filesystem::path& link);
 
 // Makes `folder` anew. Throws DataError if one camera is to have taken photos of several sizes.
 LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,

@@ -2,6 +2,7 @@
 #include "sfm/linked_photos.h"
 
 #include "core/error.h"
+#include "core/file.h"
 #include "expect_error.h"
 #include "scratch_folder.h"
 
@@ -9,9 +10,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 namespace tetrec {
 namespace {
 
+namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 
 const CameraNotes kPhone{"Acme", "P1", 4.25, 26, 1};
@@ -66,6 +70,26 @@ TEST(LinkPhotos, OneCameraCannotHaveSeveralSizes) {
   photos[0].width = 32;
   ExpectError<DataError>([&] { PhotosOfCameras(photos, CameraSharing::kSingle); },
                          {"the photos have 2 different sizes", "sharing auto"});
+}
+
+// A file in the place of the link stands in for a file system without links.
+TEST(LinkOrCopy, APhotoThatCannotBeLinkedIsCopied) {
+  const ScratchFolder folder;
+  const fs::path photo = folder.Write("a.jpg", "photo");
+  EXPECT_TRUE(LinkOrCopy(photo, folder / "1.jpg"));
+  EXPECT_TRUE(fs::is_symlink(folder / "1.jpg"));
+  const fs::path taken = folder.Write("2.jpg", "");
+  EXPECT_FALSE(LinkOrCopy(photo, taken));
+  EXPECT_FALSE(fs::is_symlink(taken));
+  EXPECT_EQ(ReadText(taken), "photo");
+}
+
+TEST(LinkOrCopy, APhotoThatCannotBeCopiedEitherNamesTheFileSystem) {
+  const ScratchFolder folder;
+  const fs::path photo = folder.Write("a.jpg", "photo");
+  ExpectError<EnvironmentError>([&] { LinkOrCopy(photo, folder / "missing/1.jpg"); },
+                                {"missing/1.jpg: ", "a.jpg can be neither linked nor copied",
+                                 "the file system of the run folder (No such file"});
 }
 
 }  // namespace
