@@ -78,8 +78,9 @@ int main(int argc, char** argv) {
   tetrec::AddWordOption(
       app, "--camera-model", options.camera_model,
       "Lens model: auto (for each camera OPENCV, or SIMPLE_RADIAL if it took fewer than 8 photos; "
-      "a simpler model for all if one folds over inside the photos, or if its pixels are oblong "
-      "and square ones fit as well), OPENCV, RADIAL, SIMPLE_RADIAL, PINHOLE, SIMPLE_PINHOLE");
+      "a simpler model for all if one folds over inside the photos, if its pixels are oblong and "
+      "square ones fit as well, or if it registers too few photos), OPENCV, RADIAL, SIMPLE_RADIAL, "
+      "PINHOLE, SIMPLE_PINHOLE");
   std::vector<double> bounds;
   app.add_option("--bounds", bounds,
                  "The subject's box x0,y0,z0,x1,y1,z1, in the coordinates of the points.ply that "

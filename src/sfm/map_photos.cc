@@ -385,9 +385,8 @@ ColmapModel MapPhotos(const SfmOptions& options, const std::vector<Photo>& photo
         "the next",
         photos.size()));
   }
-  while (options.camera_model == SfmLens::kAuto && lens != SfmLens::kSimplePinhole &&
-         HasEnoughPhotos(mapping.model, photos.size())) {
-    const std::optional<LensDoubt> doubt = DoubtOf(mapping.model, options.max_size);
+  while (options.camera_model == SfmLens::kAuto && lens != SfmLens::kSimplePinhole) {
+    const std::optional<LensDoubt> doubt = DoubtOf(mapping.model, photos.size(), options.max_size);
     if (!doubt) break;
     const SfmLens simpler =
         lens == SfmLens::kOpenCv ? SfmLens::kSimpleRadial : SfmLens::kSimplePinhole;

@@ -12,6 +12,7 @@ folded: like good, but the lens model folds over inside the images.
 bent: the same by the lens OPENCV.                  oblong: good, but pixels are oblong by the lens OPENCV.
 anamorphic: the same, and other lenses fit badly.
 leaving: bent, and the last two images are never registered.
+narrow: half of the images are registered by the lens OPENCV, and all by others.
 """
 import math
 import os
@@ -152,7 +153,7 @@ def map_scene(options):
         write_model(folder, names[:2], 61)
     elif MODE in ("never", "leaving") or (MODE == "late" and open(os.environ["FAKE_COLMAP_CALLS"]).read().count("mapper") < 2):
         write_model(folder, names[:-2], 300, shape)
-    elif MODE == "half" or (MODE == "wide" and int(options["Mapper.abs_pose_min_num_inliers"]) >= 30):
+    elif MODE == "half" or (MODE == "narrow" and is_opencv) or (MODE == "wide" and int(options["Mapper.abs_pose_min_num_inliers"]) >= 30):
         write_model(folder, names[::2], 300)
     else:
         write_model(os.path.join(options["output_path"], "0"), names[:2], 61)  # the first is not the largest

@@ -388,6 +388,16 @@ TEST_F(SfmTest, FurtherTriesOfLensesThatLeaveOutTheSamePhotosShareTheirFeatures)
   EXPECT_EQ(Calls("feature_extractor"), ExtractorsOf(12) + ExtractorsOf(concerned));
 }
 
+TEST_F(SfmTest, ASimplerLensIsTakenThatRegistersEnoughPhotos) {
+  WritePhotos(12);
+  const Outcome outcome = Run("narrow");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(ReadScene(scene_).views.size(), 12u);
+  EXPECT_EQ(Lens(), "SIMPLE_RADIAL");
+  EXPECT_THAT(ReadText(fs::path(scene_) / "log.txt"),
+              HasSubstr("only 6 of 12 photos are registered; trying again with SIMPLE_RADIAL"));
+}
+
 TEST_F(SfmTest, EachCameraGetsTheLensThatItsPhotosDetermine) {
   for (int i = 0; i < 11; ++i) {
     WritePhoto(fs::path(photos_) / fmt::format("{}/{:02}.png", i < 8 ? "many" : "few", i), 9 * i);
