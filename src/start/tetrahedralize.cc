@@ -86,28 +86,37 @@ std::vector<SparsePoint> SparsePointsOf(const Scene& scene) {
   return sparse;
 }
 
+std::string DropsOf(const FilteredPoints& filtered) {
+  return fmt::format(
+      "dropped: {} not finite, {} by reprojection error, {} by track length, {} too close to "
+      "another",
+      filtered.not_finite, filtered.high_error, filtered.short_track, filtered.too_close);
+}
+
+nlohmann::json CountsOf(const FilteredPoints& filtered, size_t read, size_t used) {
+  return {{"read", read},
+          {"used", used},
+          {"not_finite", filtered.not_finite},
+          {"high_reprojection_error", filtered.high_error},
+          {"short_track", filtered.short_track},
+          {"too_close", filtered.too_close}};
+}
+
 void ReportPoints(const FilteredPoints& filtered, size_t read, const PointStart& start,
                   Stage& stage) {
   const size_t used = filtered.kept.size() - start.dropped_far;
   LogInfo(
-      "points: {} of {} used; dropped: {} not finite, {} by reprojection error, {} by track "
-      "length, {} too close to another, {} beyond the far shell of radius {:.3g}; {} vertices of "
-      "fill",
-      WithThousands(used), WithThousands(read), filtered.not_finite, filtered.high_error,
-      filtered.short_track, filtered.too_close, start.dropped_far, start.far_radius,
-      WithThousands(start.fill));
+      "points: {} of {} used; {}, {} beyond the far shell of radius {:.3g}; {} vertices of fill",
+      WithThousands(used), WithThousands(read), DropsOf(filtered), start.dropped_far,
+      start.far_radius, WithThousands(start.fill));
   if (used < 100) {
     LogWarning(
         "only {} sparse points are left: loosen the bounds on reprojection error or track length",
         used);
   }
-  stage.Count("points", {{"read", read},
-                         {"used", used},
-                         {"not_finite", filtered.not_finite},
-                         {"high_reprojection_error", filtered.high_error},
-                         {"short_track", filtered.short_track},
-                         {"too_close", filtered.too_close},
-                         {"beyond_far_shell", start.dropped_far}});
+  nlohmann::json counts = CountsOf(filtered, read, used);
+  counts["beyond_far_shell"] = start.dropped_far;
+  stage.Count("points", counts);
   stage.Count("fill_vertices", start.fill);
   stage.Note("far_radius", start.far_radius);
 }
@@ -155,7 +164,12 @@ void ReportStereo(const StereoResult& stereo, Stage& stage) {
                         {"spacing_px", stereo.fusion.spacing_px}});
 }
 
-void ReportDense(const DenseStart& start, Stage& stage) {
+// `filtered`: the sparse points that were read.
+void ReportDense(const DenseStart& start, const FilteredPoints& filtered, size_t read,
+                 Stage& stage) {
+  LogInfo("sparse points: {} of {} used; {}", WithThousands(filtered.kept.size()),
+          WithThousands(read), DropsOf(filtered));
+  stage.Count("points", CountsOf(filtered, read, filtered.kept.size()));
   LogInfo(
       "start: {} points, {} before and {} behind them, {} vertices of fill, {} beyond the far "
       "shell of radius {:.3g}; {} sight lines ({} lost); {} tets full, {} free; {} points in "
@@ -229,9 +243,8 @@ std::optional<RadianceField> StartDense(const Scene& scene, const Tetrahedralize
   }
   const std::vector<SparsePoint> sparse = SparsePointsOf(scene);
   std::vector<ScenePoint> kept;
-  for (const uint32_t i : FilterPoints(sparse, options.filter).kept) {
-    kept.push_back(scene.points[i]);
-  }
+  const FilteredPoints filtered = FilterPoints(sparse, options.filter);
+  for (const uint32_t i : filtered.kept) kept.push_back(scene.points[i]);
   std::vector<glm::dvec3> centers, all_cameras;
   for (const StereoView& view : views) {
     centers.push_back(view.cam_from_world.Inverse().translation);
@@ -242,7 +255,7 @@ std::optional<RadianceField> StartDense(const Scene& scene, const Tetrahedralize
   DenseStart start =
       StartFromDense(stereo.fusion.points, kept, centers, all_cameras, scene.subject_bounds,
                      options.shell, options.dense, options.field, options.seed);
-  ReportDense(start, stage);
+  ReportDense(start, filtered, sparse.size(), stage);
   return std::move(start.field);
 }
 

@@ -76,6 +76,8 @@ class DenseStartTest(StageCase):
         self.assertEqual(counts["depth"]["views_without"], 0)
         self.assertGreater(counts["depth"]["confirmed"], 0.3 * counts["depth"]["pixels"])
         self.assertEqual(counts["dense"]["lost_sight_lines"], 0)
+        points = counts["points"]
+        self.assertEqual(points.pop("read"), sum(points.values()), "each sparse point is used or counted as dropped")
         self.assertGreater(counts["dense"]["full_tets"], 0)
         self.assertGreater(counts["dense"]["free_tets"], 0)
         self.check_points(scene, read_dense_points(tetrahedra / "depth" / "points.ply"), subject)
