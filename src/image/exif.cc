@@ -109,7 +109,7 @@ struct TiffStructure {
     const size_t entry = FindEntry(directory, tag, kAscii);
     if (entry == 0) return "";
     const size_t count = At(entry + 4, 4), place = count > 4 ? At(entry + 8, 4) : entry + 8;
-    if (place > bytes.size()) return "";
+    if (place == 0 || place > bytes.size()) return "";
     const std::span<const uint8_t> text =
         bytes.subspan(place, std::min({count, bytes.size() - place, kMostText}));
     return {text.begin(), std::find(text.begin(), text.end(), uint8_t(0))};
@@ -118,8 +118,8 @@ struct TiffStructure {
   // 0 if there is none.
   double RationalOf(size_t directory, uint16_t tag) const {
     const size_t entry = Find(directory, tag, kRational, 1);
-    const size_t place = entry > 0 ? At(entry, 4) : bytes.size();
-    const uint32_t denominator = At(place + 4, 4);
+    const size_t place = entry > 0 ? At(entry, 4) : 0;
+    const uint32_t denominator = place > 0 ? At(place + 4, 4) : 0;
     return denominator > 0 ? double(At(place, 4)) / denominator : 0;
   }
 };
