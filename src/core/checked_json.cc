@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
+#include <system_error>
 
 namespace tetrec {
 namespace {
@@ -75,6 +77,20 @@ double CheckedJson::Number() const {
 
 double CheckedJson::NumberIn(double min, double max) const {
   const double number = Number();
+  if (number < min || number > max) {
+    Fail(fmt::format("is {}; expected {}", Excerpt(), Range(min, max)));
+  }
+  return number;
+}
+
+double CheckedJson::NumberOrTextIn(double min, double max) const {
+  if (!value_.is_string()) return NumberIn(min, max);
+  const std::string& text = value_.get_ref<const std::string&>();
+  const char* end = text.data() + text.size();
+  double number = 0;
+  const std::from_chars_result parsed = std::from_chars(text.data(), end, number);
+  const bool is_number = parsed.ec == std::errc() && parsed.ptr == end && std::isfinite(number);
+  if (!is_number) Fail(fmt::format("is {}; expected a number", Excerpt()));
   if (number < min || number > max) {
     Fail(fmt::format("is {}; expected {}", Excerpt(), Range(min, max)));
   }

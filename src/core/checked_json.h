@@ -28,6 +28,8 @@ class CheckedJson {
 
   double Number() const;  // finite
   double NumberIn(double min, double max) const;
+  // The same, where a text that is nothing but a number, such as "0.01", counts as that number.
+  double NumberOrTextIn(double min, double max) const;
   int64_t IntegerIn(int64_t min, int64_t max) const;
   bool Flag() const;
   bool IsNull() const;

@@ -13,6 +13,7 @@
 //   k1 k2 k3 p1 p2                 lens distortion as in OpenCV (k1 to k4, p1, p2 for fisheyes)
 //   distortion_params              all of it as nerfstudio's list k1 k2 k3 k4 p1 p2
 //   camera_model, is_fisheye       OPENCV_FISHEYE or one of the perspective models
+// Coefficients of the distortion may be text ("0.01").
 // A frame may name a mask (mask_path). Other features of these programs that would change the
 // result cause a warning (alpha and masks in files beside an image, colours that mean transparency)
 // or are refused (rolling_shutter; normal_mts_args and from_na, which mean other axes). Depth

@@ -75,9 +75,10 @@ std::optional<CheckedJson> FrameFields::FindCoefficient(const std::string& name)
   return (*this)[name];
 }
 
+// nerfstudio's converter of RealityCapture's cameras writes coefficients as text.
 double FrameFields::Coefficient(const std::string& name) const {
   const std::optional<CheckedJson> found = FindCoefficient(name);
-  return found ? found->NumberIn(-kLargestCoefficient, kLargestCoefficient) : 0.0;
+  return found ? found->NumberOrTextIn(-kLargestCoefficient, kLargestCoefficient) : 0.0;
 }
 
 const CheckedJson& FrameFields::SourceOf(const std::string& name) const {
