@@ -58,7 +58,7 @@ void CheckSeen(const std::vector<ScenePoint>& points) {
   if (2 * unseen <= points.size()) return;
   throw DataError(fmt::format(
       "{} of {} points are within no training image: points and cameras have different frames; "
-      "give the points of these cameras, or remove them and triangulate",
+      "give the points of these cameras, or triangulate points, which replace them",
       unseen, points.size()));
 }
 
