@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 namespace tetrec {
@@ -22,15 +23,31 @@ fs::path Plain(const fs::path& folder) {
   return (fs::absolute(folder) / "").lexically_normal().parent_path();
 }
 
-// The folder that contains the folder of images: the model's, or one above it up to the data set's.
+// The model's folder and those above it up to the data set's.
+std::vector<fs::path> FoldersAbove(const fs::path& dataset, const fs::path& model) {
+  std::vector<fs::path> folders;
+  for (fs::path above = model;; above = above.parent_path()) {
+    folders.push_back(above);
+    if (above == dataset || !above.has_relative_path()) return folders;
+  }
+}
+
+// The folder that contains the folder of images; empty if there is none.
+fs::path FindFolderOfImages(const fs::path& dataset, const fs::path& model,
+                            const std::string& images) {
+  if (Plain(dataset / images) == dataset) return dataset;
+  for (const fs::path& above : FoldersAbove(dataset, model)) {
+    if (fs::is_directory(above / images)) return above;
+  }
+  return {};
+}
+
 fs::path FolderOfImages(const fs::path& dataset, const fs::path& model, const std::string& images) {
   CheckImagesFolder(images);
-  if (Plain(dataset / images) == dataset) return dataset;
+  if (fs::path found = FindFolderOfImages(dataset, model, images); !found.empty()) return found;
   std::string copies;
-  for (fs::path above = model;; above = above.parent_path()) {
-    if (fs::is_directory(above / images)) return above;
+  for (const fs::path& above : FoldersAbove(dataset, model)) {
     if (copies.empty()) copies = FindReducedCopies(above / images, "");
-    if (above == dataset || !above.has_relative_path()) break;
   }
   throw DataError(fmt::format(
       "{}: no folder {} with the model's images in it or above it, up to {}; if it has another "
@@ -106,6 +123,17 @@ std::optional<fs::path> FindColmapModel(const fs::path& folder) {
   return std::nullopt;
 }
 
+bool HasWholeColmapModel(const fs::path& folder) {
+  const std::optional<fs::path> model = FindColmapModel(folder);
+  if (!model || FindFolderOfImages(Plain(folder), *model, kImages).empty()) return false;
+  const auto has_all = [&](const char* extension) {
+    return std::ranges::all_of(std::array{"cameras", "images", "points3D"}, [&](const char* part) {
+      return fs::exists(*model / (std::string(part) + extension));
+    });
+  };
+  return has_all(".bin") || has_all(".txt");
+}
+
 Dataset ReadColmapDataset(const fs::path& folder, const DatasetReading& reading) {
   const std::optional<fs::path> folder_of_model = FindColmapModel(folder);
   if (!folder_of_model) {
@@ -139,7 +167,8 @@ Dataset ReadColmapDataset(const fs::path& folder, const DatasetReading& reading)
   }
   FindRenamed(images, above / kImages, set.pictures);
   HandleMissingPictures(images, reading.missing, set, PhrasesOnImages(reading));
-  CountOthers(images, set);
+  // A data set's own folder may contain images of other kinds.
+  if (images != Plain(folder)) CountOthers(images, set);
   std::sort(set.pictures.begin(), set.pictures.end(),
             [](const PosedPicture& a, const PosedPicture& b) { return a.name < b.name; });
   FindMasks(above, set);

@@ -14,6 +14,9 @@ namespace tetrec {
 // The folder of the model, if there is one.
 std::optional<std::filesystem::path> FindColmapModel(const std::filesystem::path& folder);
 
+// True if none of the model's three parts is missing, nor its folder images/.
+bool HasWholeColmapModel(const std::filesystem::path& folder);
+
 // Throws UsageError if the folder of images is not inside the data set, DataError if there is no
 // model, if ReadColmapModel refuses it (which drops dangling references), if it has no images, or
 // if images are missing (see HandleMissingPictures).

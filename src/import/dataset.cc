@@ -53,7 +53,7 @@ DatasetFormat RecogniseDataset(const std::filesystem::path& folder) {
   std::vector<DatasetFormat> found = FormatsOf(folder);
   const char* why = "";
   if (found == std::vector{DatasetFormat::kTransforms, DatasetFormat::kColmap} &&
-      !HasMoreThanCameras(folder)) {
+      HasWholeColmapModel(folder) && !HasMoreThanCameras(folder)) {
     std::swap(found[0], found[1]);
     why = ", since its transforms.json has no points, masks or split";
   }

@@ -42,10 +42,19 @@ PhotoOfImage PairByStem(const std::vector<std::string>& images,
   return pairs;
 }
 
+// True if the order of the names is that of their numbers: "10" comes before "9", but not "09".
+bool HaveOneLength(const std::vector<std::string>& files) {
+  const auto length = [](const std::string& file) { return fs::path(file).stem().string().size(); };
+  return std::ranges::all_of(
+      files, [&](const std::string& file) { return length(file) == length(files[0]); });
+}
+
 PhotoOfImage PairInOrder(const std::vector<std::string>& originals,
                          const std::vector<std::string>& photos) {
   PhotoOfImage pairs;
-  if (originals.size() != photos.size()) return pairs;
+  if (originals.size() != photos.size() || !HaveOneLength(originals) || !HaveOneLength(photos)) {
+    return pairs;
+  }
   for (size_t i = 0; i < photos.size(); ++i) pairs[originals[i]] = photos[i];
   return pairs;
 }

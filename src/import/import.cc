@@ -92,8 +92,8 @@ std::string Text(const glm::dvec3& v) {
 std::optional<Bounds3> OwnBox(const Dataset& set, const std::vector<AlphaMask>& training) {
   if (!set.box_in_input) return std::nullopt;
   const Bounds3& box = *set.box_in_input;
-  const auto count = [&](const auto& holds) {
-    return size_t(std::count_if(training.begin(), training.end(), holds));
+  const auto count = [&](const auto& condition) {
+    return size_t(std::count_if(training.begin(), training.end(), condition));
   };
   if (count([&](const AlphaMask& view) {
         return box.Contains(view.cam_from_world.Inverse().translation);

@@ -15,8 +15,8 @@ struct MissingPhrases {
 };
 
 // Missing pictures are those whose file is empty. kRefuse: throws a DataError that counts and names
-// all of them and says what to do. kSkip: removes them from the set and notes their names; throws
-// DataError if no training view is left. Their names are relative to `folder`.
+// all of them and advises what to do. kSkip: removes them from the set and notes their names;
+// throws DataError if no training view is left. Their names are relative to `folder`.
 void HandleMissingPictures(const std::filesystem::path& folder, MissingPictures missing,
                            Dataset& set, const MissingPhrases& phrases = {});
 

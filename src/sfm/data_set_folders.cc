@@ -50,6 +50,15 @@ std::string AdviceOnImages(const fs::path& folder) {
   return {};
 }
 
+size_t CountFiles(const fs::path& folder) {
+  std::error_code unusable;
+  return size_t(std::count_if(fs::directory_iterator(folder, unusable), fs::directory_iterator(),
+                              [](const fs::directory_entry& entry) {
+                                std::error_code unreadable;
+                                return entry.is_regular_file(unreadable);
+                              }));
+}
+
 }  // namespace
 
 void WarnOfUnreadCameras(const fs::path& folder) {
@@ -62,7 +71,9 @@ void WarnOfUnreadCameras(const fs::path& folder) {
 bool HasReducedCopies(const fs::path& folder) {
   const std::string name = folder.filename().string();
   const bool is_reduced = name == "images_2" || name == "images_4" || name == "images_8";
-  return is_reduced && HasFolder(folder.parent_path(), "images");
+  const fs::path images = folder.parent_path() / "images";
+  return is_reduced && HasFolder(folder.parent_path(), "images") &&
+         CountFiles(images) >= CountFiles(folder);
 }
 
 }  // namespace tetrec

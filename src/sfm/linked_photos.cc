@@ -8,18 +8,23 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace tetrec {
 namespace fs = std::filesystem;
 namespace {
 
+// The same number for lengths that differ by hardly more than 2 %.
+long Step(double length) { return length > 0 ? std::lround(std::log(length) / 0.02) : 0; }
+
 // Another phone or lens of it, another focal length and digital zoom may have the same size.
 std::string CameraOf(const CameraNotes& notes) {
-  return fmt::format("{}\n{}\n{:.3f} {} {:.3f}", notes.make, notes.model, notes.focal_length_mm,
-                     notes.focal_length_35mm, notes.digital_zoom);
+  return fmt::format("{}\n{}\n{} {} {}", notes.make, notes.model, Step(notes.focal_length_mm),
+                     Step(notes.focal_length_35mm), Step(notes.digital_zoom));
 }
 
 std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
-  const std::string size = fmt::format("{}x{}", photo.width, photo.height);
+  const std::string size = fmt::format("{}x{}\n", photo.width, photo.height);
   switch (sharing) {
     case CameraSharing::kAuto:
       return size + CameraOf(photo.camera);
@@ -36,16 +41,16 @@ std::string CameraGroup(const Photo& photo, CameraSharing sharing) {
 }  // namespace
 
 bool LinkOrCopy(const fs::path& photo, const fs::path& link) {
-  std::error_code error;
-  fs::create_symlink(fs::absolute(photo), link, error);
-  if (!error) return true;
+  std::error_code no_link, no_copy;
+  fs::create_symlink(fs::absolute(photo), link, no_link);
+  if (!no_link) return true;
   // Some file systems, such as exFAT, have no links.
-  fs::copy_file(photo, link, fs::copy_options::overwrite_existing, error);
-  if (error) {
+  fs::copy_file(photo, link, fs::copy_options::overwrite_existing, no_copy);
+  if (no_copy) {
     throw EnvironmentError(
-        fmt::format("{}: {} can be neither linked nor copied to the file system of the run folder "
-                    "({}); free some space, or choose another file system",
-                    link.string(), photo.string(), error.message()));
+        fmt::format("{}: {} can be neither linked ({}) nor copied ({}) to the file system of the "
+                    "run folder; free some space, or choose another file system",
+                    link.string(), photo.string(), no_link.message(), no_copy.message()));
   }
   return false;
 }
@@ -78,8 +83,8 @@ LinkedPhotos LinkPhotos(const std::vector<Photo>& photos, CameraSharing sharing,
     linked.photo_of_name[name] = i;
   }
   if (copies > 0) {
-    LogInfo("{}: the file system has no links; {} photos are copied for COLMAP", folder.string(),
-            copies);
+    LogInfo("{}: links cannot be made on this file system; {} photos are copied for COLMAP",
+            folder.string(), copies);
   }
   return linked;
 }

@@ -378,13 +378,6 @@ ColmapModel MapPhotos(const SfmOptions& options, const std::vector<Photo>& photo
   PhotoMapper mapper(options, photos, stage);
   SfmLens lens = mapper.first_lens();
   Mapping mapping = mapper.MapWith(lens);
-  if (mapping.model.images.empty()) {
-    throw DataError(fmt::format(
-        "COLMAP found no model: the {} photos do not overlap enough, or were taken from almost one "
-        "place; take photos of one scene from many places, each sharing most of what it shows with "
-        "the next",
-        photos.size()));
-  }
   while (options.camera_model == SfmLens::kAuto && lens != SfmLens::kSimplePinhole) {
     const std::optional<LensDoubt> doubt = DoubtOf(mapping.model, photos.size(), options.max_size);
     if (!doubt) break;
@@ -403,6 +396,13 @@ ColmapModel MapPhotos(const SfmOptions& options, const std::vector<Photo>& photo
     if (!is_taken) break;
     lens = simpler;
     mapping = std::move(other);
+  }
+  if (mapping.model.images.empty()) {
+    throw DataError(fmt::format(
+        "COLMAP found no model: the {} photos do not overlap enough, or were taken from almost one "
+        "place; take photos of one scene from many places, each sharing most of what it shows with "
+        "the next",
+        photos.size()));
   }
   if (mapping.models > 0) stage.Count("models", mapping.models);
   stage.Count("retries", mapping.retries.size());

@@ -16,8 +16,9 @@ namespace {
 constexpr double kMinRegisteredShare = 0.8;
 constexpr size_t kMinPoints = 100;
 // Proportionally more for photos larger than kErrorSize_px, but not so much that nothing could
-// exceed it: COLMAP's mapper keeps no point whose error is above 4 px.
-constexpr double kMaxMeanError_px = 1.5, kErrorSize_px = 1600, kLargestLimit_px = 2;
+// exceed it: COLMAP's mapper keeps no point whose error is above 4 px, so that errors of any size
+// up to that have a mean of 2.7 px.
+constexpr double kMaxMeanError_px = 1.5, kErrorSize_px = 1600, kLargestLimit_px = 2.5;
 constexpr double kMinTrackLength = 2.5;
 
 }  // namespace

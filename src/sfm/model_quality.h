@@ -17,8 +17,8 @@ struct ModelQuality {
 bool HasEnoughPhotos(const ColmapModel& model, size_t photos);
 
 // Throws DataError, which names what is wrong and the unregistered photos, if the model cannot be
-// built on. Errors are judged in pixels of a photo of 1,600 px, and 2 px are too large in any
-// photo.
+// built on. The mean error may be 1.5 px in photos of up to 1,600 px, and in proportion to their
+// size up to 2.5 px in larger ones.
 ModelQuality JudgeModel(const ColmapModel& model, const std::vector<std::string>& photo_names);
 
 // The names that the model does not have, in their order.

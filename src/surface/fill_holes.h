@@ -1,4 +1,4 @@
-// Small holes of a surface are closed.
+// Holes of a limited perimeter are closed.
 #pragma once
 
 #include "mesh/triangle_mesh.h"

@@ -1,4 +1,4 @@
-// What EXIF gives of pixels and cameras.
+// Notes in EXIF about pixels and cameras.
 #include "image/exif.h"
 
 #include "image/exif_block.h"

@@ -86,6 +86,8 @@ TEST(ColmapDataset, ATransformsJsonIsPreferredOnlyIfItHasMoreThanCameras) {
                  fmt::format(R"({{"frames": [{{"file_path": "a.jpg"{}}}]{}}})", of_frame, fields));
     return RecogniseDataset(folder.path());
   };
+  EXPECT_EQ(recognise("", ""), DatasetFormat::kTransforms) << "the model has no images";
+  WritePictures(folder, "images", kNames, 64, 48);
   const std::string points = R"(, "ply_file_path": "points.ply")";
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(recognise("", ""), DatasetFormat::kColmap);
@@ -97,6 +99,8 @@ TEST(ColmapDataset, ATransformsJsonIsPreferredOnlyIfItHasMoreThanCameras) {
   EXPECT_EQ(recognise(points, ""), DatasetFormat::kTransforms);
   EXPECT_EQ(recognise(R"(, "test_filenames": [])", ""), DatasetFormat::kTransforms);
   EXPECT_EQ(recognise("", R"(, "mask_path": "a.png")"), DatasetFormat::kTransforms);
+  std::filesystem::remove(folder / "sparse/0/points3D.txt");
+  EXPECT_EQ(recognise("", ""), DatasetFormat::kTransforms) << "the model lacks a part";
   folder.Write("transforms_train.json", "{}");
   EXPECT_EQ(recognise("", ""), DatasetFormat::kNerfSynthetic);
 }
@@ -301,13 +305,19 @@ TEST(ColmapDataset, ReducedCopiesWithOtherNamesArePairedInOrder) {
   EXPECT_EQ(set.pictures[1].file, folder / "images_8/image001.png");
   EXPECT_EQ(set.pictures[2].file, folder / "images_8/image003.png");
   EXPECT_THAT(set.remarks, testing::ElementsAre(testing::HasSubstr("1 images are not in the")));
+  // By their names, 10 would come before 9.
+  std::filesystem::rename(folder / "images_8/image003.png", folder / "images_8/image03.png");
+  ExpectError<DataError>(read, {"images_8: 3 of 3 images are missing"});
 }
 
 TEST(ColmapDataset, ImagesMayBeInTheDataSetsOwnFolder) {
   const ScratchFolder folder;
   WriteModel(folder, "sparse/0", kNames, kPinhole);
   WritePictures(folder, ".", kNames, 64, 48);
-  EXPECT_EQ(ReadColmapDataset(folder.path(), {.images = "."}).pictures[0].file, folder / "a.jpg");
+  WritePictures(folder, "depths", {"a.png"}, 64, 48);
+  const Dataset set = ReadColmapDataset(folder.path(), {.images = "."});
+  EXPECT_EQ(set.pictures[0].file, folder / "a.jpg");
+  EXPECT_THAT(set.remarks, testing::IsEmpty());
 }
 
 TEST(ColmapDataset, ReducedCopiesAreAdvisedWhereTheImagesAreMissing) {

@@ -80,7 +80,7 @@ TEST_F(RefinementRoundsTest, EndLateWhereTheJudgingPicturesGainNothing) {
 }
 
 // Noise of high learning rates is no reason to refine no more.
-TEST_F(RefinementRoundsTest, GoOnWhereALossIsWithinItsStandardError) {
+TEST_F(RefinementRoundsTest, ContinueWhereALossIsWithinItsStandardError) {
   const Judgement now = run_.pictures.JudgeField();
   std::vector<ErrorSum> before = now.views;
   for (size_t i = 0; i < before.size(); ++i) before[i].squares *= i % 2 == 0 ? 2.0 : 0.5;

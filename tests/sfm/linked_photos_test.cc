@@ -87,9 +87,10 @@ TEST(LinkOrCopy, APhotoThatCannotBeLinkedIsCopied) {
 TEST(LinkOrCopy, APhotoThatCannotBeCopiedEitherNamesTheFileSystem) {
   const ScratchFolder folder;
   const fs::path photo = folder.Write("a.jpg", "photo");
-  ExpectError<EnvironmentError>([&] { LinkOrCopy(photo, folder / "missing/1.jpg"); },
-                                {"missing/1.jpg: ", "a.jpg can be neither linked nor copied",
-                                 "the file system of the run folder (No such file"});
+  ExpectError<EnvironmentError>(
+      [&] { LinkOrCopy(photo, folder / "missing/1.jpg"); },
+      {"missing/1.jpg: ", "a.jpg can be neither linked (No such file or directory) nor copied",
+       "the file system of the run folder"});
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ TEST(JudgeModel, TheLimitOfTheErrorCanBeReachedInLargePhotos) {
     JudgeModel(model, names);
   };
   EXPECT_NO_THROW(judge(1.9));
-  ExpectError<DataError>([&] { judge(2.1); }, {"2.10 px; expected at most 2.00"});
+  ExpectError<DataError>([&] { judge(2.6); }, {"2.60 px; expected at most 2.50"});
 }
 
 }  // namespace

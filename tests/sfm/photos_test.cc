@@ -75,6 +75,8 @@ TEST_F(PhotosTest, ReducedCopiesBesideTheirPhotosAreLeftOut) {
                                    "images_4\n"));
   fs::rename(fs::path(photos_) / "images", fs::path(photos_) / "others");
   EXPECT_EQ(Find(0.25).photos.size(), 5u) << "they may be the photos themselves";
+  fs::create_directory(fs::path(photos_) / "images");
+  EXPECT_EQ(Find(0.25).photos.size(), 5u) << "images is empty";
 }
 
 TEST_F(PhotosTest, KnownCamerasThatAreNotReadAreNamed) {
