@@ -58,7 +58,7 @@ class Stage {
   double TotalSeconds() const { return seconds_before_ + timer_.seconds(); }
 
   std::filesystem::path folder_;
-  const Timer timer_;
+  Timer timer_;
   double seconds_before_ = 0;  // of the run that this one continues
   nlohmann::json status_;      // as in status.json
   // Removes an earlier result, before the first output is declared; empty then. A run that fails
