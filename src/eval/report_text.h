@@ -32,7 +32,7 @@ std::string Duration(double seconds);
 // "1 view", "5 views"
 std::string Plural(size_t count, const std::string& noun);
 
-// Of a table of measures: its name, its value, and how it was measured.
+// A row of a table of measures: name, value, and how it was measured.
 std::string Row(const std::string& name, const std::string& value, const std::string& protocol);
 
 }  // namespace tetrec::report

@@ -124,7 +124,8 @@ struct TiffStructure {
   }
 };
 
-// Of the content of a JPEG's APP1 segment; empty if that is not EXIF.
+// Returns the TIFF structure in the content of a JPEG's APP1 segment; it is empty if the segment is
+// not EXIF.
 TiffStructure StructureIn(std::span<const uint8_t> app1) {
   const std::string_view text(reinterpret_cast<const char*>(app1.data()), app1.size());
   if (!text.starts_with(kExifMark)) return {};

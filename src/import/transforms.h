@@ -35,7 +35,7 @@ namespace tetrec {
 // is absurd or not supported, a path that leaves the folder, and an image that is listed twice.
 Dataset ReadNerfSynthetic(const std::filesystem::path& folder, const DatasetReading& reading = {});
 
-// Whether transforms.json has more than the cameras of images: points that exist, masks or a split.
+// True if transforms.json has more than cameras: points that exist, masks or a split.
 // Throws DataError for a field of the wrong kind.
 bool HasMoreThanCameras(const std::filesystem::path& folder);
 

@@ -97,7 +97,7 @@ bool Coarsening::Advance(double seconds, const RunMoment& moment) {
   return false;
 }
 
-// Whether the mesh has become coarser; nothing if the run is asked to stop meanwhile.
+// Returns true if the mesh has become coarser, and nothing if the run is asked to stop meanwhile.
 std::optional<bool> Coarsening::TryCoarser(const WaitingField& finer, double seconds,
                                            const RunMoment& moment) {
   const uint64_t steps = StepsOfTrial();

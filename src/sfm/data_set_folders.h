@@ -9,7 +9,8 @@ namespace tetrec {
 // LLFF, NSVF, MVSNet), since they are ignored; names its folder of images, if there is one.
 void WarnOfUnreadCameras(const std::filesystem::path& folder);
 
-// Whether this is images_2, images_4 or images_8 beside images: the same photos in smaller sizes.
+// True for images_2, images_4 and images_8 beside a folder images with at least as many files: they
+// contain the same photos in smaller sizes.
 bool HasReducedCopies(const std::filesystem::path& folder);
 
 }  // namespace tetrec

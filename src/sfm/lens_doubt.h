@@ -1,4 +1,4 @@
-// Whether photos determine the lens that a model has of them.
+// Doubts about a lens that the photos may not determine.
 #pragma once
 
 #include "colmap/model.h"

@@ -34,6 +34,14 @@ class ExifBlock {
   // The place behind the next value and the end of its directory, where another one begins.
   void PutPlaceOfNext() { Put(uint32_t(bytes_.size()) - 6 + 8, 4); }
 
+  // A first directory with one entry: the place of the directory that comes next.
+  void PutPlaceOfDetails() {
+    Put(1, 2);
+    PutEntry(0x8769, 4, 1);  // a long
+    PutPlaceOfNext();
+    Put(0, 4);  // no further directory beside this one
+  }
+
   const std::vector<uint8_t>& bytes() const { return bytes_; }
 
  private:
@@ -57,10 +65,7 @@ inline std::vector<uint8_t> ExifOfOrientation(uint32_t orientation, bool is_big_
 inline std::vector<uint8_t> ExifOfIndex(const std::string& index, bool is_big_endian = false,
                                         uint32_t color_space = 65535) {
   ExifBlock exif(is_big_endian);
-  exif.Put(1, 2);
-  exif.PutEntry(0x8769, 4, 1);  // a long
-  exif.PutPlaceOfNext();
-  exif.Put(0, 4);  // no further directory beside this one
+  exif.PutPlaceOfDetails();
   exif.Put(2, 2);
   exif.PutEntry(0xA001, 3, 1);
   exif.Put(color_space, 2);
@@ -81,10 +86,7 @@ inline std::vector<uint8_t> ExifOfIndex(const std::string& index, bool is_big_en
 inline std::vector<uint8_t> ExifOfDigitalZoom(uint32_t numerator, uint32_t denominator,
                                               bool is_big_endian = false) {
   ExifBlock exif(is_big_endian);
-  exif.Put(1, 2);
-  exif.PutEntry(0x8769, 4, 1);  // a long
-  exif.PutPlaceOfNext();
-  exif.Put(0, 4);  // no further directory beside this one
+  exif.PutPlaceOfDetails();
   exif.Put(1, 2);
   exif.PutEntry(0xA404, 5, 1);  // a rational number
   exif.PutPlaceOfNext();
