@@ -88,14 +88,15 @@ Extent ExtentOf(const std::array<SeenVertex, 3>& corners) {
 PixelBox BoxOf(const std::array<SeenVertex, 3>& corners, const Camera& camera) {
   constexpr double kRounding = 1e-3;  // [px]
   const Extent extent = ExtentOf(corners);
-  const auto clamped = [](double value, int size) {
-    return int(std::clamp(value, 0.0, double(size)));
+  // Clamped first, so that conversion to int rounds down: far faster than std::ceil and std::floor
+  // where the processor has no instruction for them that every machine has.
+  const auto begin = [](double least, int size) {
+    const double position = std::clamp(least - 0.5 - kRounding, 0.0, double(size));
+    const int below = int(position);
+    return below + int(below < position);
   };
-  const auto begin = [&](double least, int size) {
-    return clamped(std::ceil(least - 0.5 - kRounding), size);
-  };
-  const auto end = [&](double most, int size) {
-    return clamped(std::floor(most - 0.5 + kRounding) + 1, size);
+  const auto end = [](double most, int size) {
+    return int(std::clamp(most + 0.5 + kRounding, 0.0, double(size)));
   };
   return {begin(extent.low.x, camera.width), end(extent.high.x, camera.width),
           begin(extent.low.y, camera.height), end(extent.high.y, camera.height)};
@@ -164,17 +165,22 @@ SeenTriangles FindSeenTriangles(const TriangleMesh& mesh, const Camera& camera,
   return seen;
 }
 
-glm::dvec3 CornerWeights(const TriangleMesh& mesh, uint32_t triangle, const Camera& camera,
-                         const Rigid3& cam_from_mesh, const glm::dvec2& pixel) {
-  const auto corner = [&](int i) {
-    return cam_from_mesh * glm::dvec3(mesh.positions[mesh.triangles[triangle][i]]);
-  };
-  const HomogeneousTriangle t(corner(0), corner(1), corner(2));
+glm::dvec3 CornerWeights(const std::array<glm::dvec3, 3>& corners_in_cam, const Camera& camera,
+                         const glm::dvec2& pixel) {
+  const HomogeneousTriangle t(corners_in_cam[0], corners_in_cam[1], corners_in_cam[2]);
   const glm::dvec3 ray = camera.CamFromImage(pixel);
   const glm::dvec3 weights(glm::dot(t.edges[0], ray), glm::dot(t.edges[1], ray),
                            glm::dot(t.edges[2], ray));
   const double sum = weights.x + weights.y + weights.z;
   return sum != 0 ? weights / sum : glm::dvec3(1.0 / 3);
+}
+
+glm::dvec3 CornerWeights(const TriangleMesh& mesh, uint32_t triangle, const Camera& camera,
+                         const Rigid3& cam_from_mesh, const glm::dvec2& pixel) {
+  const auto corner = [&](int i) {
+    return cam_from_mesh * glm::dvec3(mesh.positions[mesh.triangles[triangle][i]]);
+  };
+  return CornerWeights({corner(0), corner(1), corner(2)}, camera, pixel);
 }
 
 }  // namespace tetrec

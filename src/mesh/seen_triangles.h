@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -27,7 +28,9 @@ struct SeenTriangles {
 SeenTriangles FindSeenTriangles(const TriangleMesh& mesh, const Camera& camera,
                                 const Rigid3& cam_from_mesh);
 
-// The weights of the triangle's corners at the point that the ray through a pixel position hits.
+// The weights of a triangle's corners at the point that the ray through a pixel position hits.
+glm::dvec3 CornerWeights(const std::array<glm::dvec3, 3>& corners_in_cam, const Camera& camera,
+                         const glm::dvec2& pixel);
 glm::dvec3 CornerWeights(const TriangleMesh& mesh, uint32_t triangle, const Camera& camera,
                          const Rigid3& cam_from_mesh, const glm::dvec2& pixel);
 

@@ -15,6 +15,9 @@ struct SurfacePicture {
   Image image;                // RGB; black where there is no surface
   std::vector<bool> covered;  // (height x width) pixels that the surface fills
 };
+// `color` [display sRGB, 0 to 1] as 8-bit channels.
+void SetColor(Image& image, int x, int y, const glm::vec3& color);
+
 // Rays along each side of a pixel: where a surface is fitted to photos, and where its pictures are
 // judged. A surface has hard edges, which few rays leave jagged.
 inline constexpr int kRaysPerSide = 2, kJudgingRaysPerSide = 4;

@@ -54,6 +54,12 @@ constexpr double kDeviationBeforeAlignment = 0.0002;
 // one round would also undo what alignment has found.
 constexpr int kRoundsAfterAlignment = 1;
 
+// The last of the rounds of alignment are made by the texture, once there is one.
+constexpr int kMostMovesByTexture = 4;
+int MovesByTexture(const SurfaceOptions& options) {
+  return options.texture.wanted ? std::min(options.align_rounds / 2, kMostMovesByTexture) : 0;
+}
+
 float ChooseIsovalue(const RadianceField& field, const FieldWorld& world,
                      const SurfaceOptions& options, Stage& stage) {
   if (options.isovalue > 0) return float(options.isovalue);
@@ -173,7 +179,8 @@ std::vector<TexturePhoto> ReadPhotos(const SurfaceOptions& options, Stage& stage
 TriangleMesh Aligned(const TriangleMesh& mesh, std::span<const TexturePhoto> photos,
                      const SurfaceOptions& options, double max_smoothing_move, Stage& stage) {
   const Timer timer;
-  AlignedSurface aligned = AlignWithPhotos(mesh, photos, options.align_rounds);
+  AlignedSurface aligned =
+      AlignWithPhotos(mesh, photos, options.align_rounds - MovesByTexture(options));
   LogInfo(
       "alignment: vertices moved by {:.2g} pixels on average; the surface in their colours is off "
       "by {:.1f} levels of 255 (root mean square)",
@@ -247,14 +254,13 @@ CutSurface Exported(const TriangleMesh& whole, const SurfaceOptions& options,
   return cut;
 }
 
-// `hiding` is not textured, but hides what is behind it from photos.
 TexturedMesh Textured(TriangleMesh mesh_in_world, const TriangleMesh& hiding,
                       std::span<TexturePhoto> photos, const SurfaceOptions& options, Stage& stage) {
   if (!options.texture.wanted || photos.empty()) return {std::move(mesh_in_world), {}};
   const Timer timer;
   try {
-    FindTrust(mesh_in_world, photos, hiding);
-    TexturedMesh textured = MakeTexture(mesh_in_world, photos, options.texture, stage);
+    TexturedMesh textured =
+        MakeTexture(mesh_in_world, hiding, photos, options.texture, MovesByTexture(options), stage);
     stage.Seconds("texture", timer.seconds());
     return textured;
   } catch (const UsageError& error) {

@@ -40,7 +40,7 @@ struct SurfaceOptions {
   // from a camera has lost half of its light (FindHalfTransmittanceLevel).
   double isovalue = 0;
   int smoothing = 3;        // rounds of SmoothedOccupancy, for the density
-  int align_rounds = 8;     // of AlignWithPhotos, if there are photos
+  int align_rounds = 9;     // of AlignWithPhotos and FitTexture, if there are photos
   int smooth_normals = 10;  // rounds of SmoothByNormals
   SurfaceExtent extent = SurfaceExtent::kSubject;
   // Around the subject's bounds, in shares of their sides. Thin parts have few sparse points, so

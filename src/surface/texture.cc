@@ -49,8 +49,10 @@ TextureChoice ParseTextureChoice(const std::string& text) {
   return {true, size};
 }
 
-TexturedMesh MakeTexture(TriangleMesh mesh, std::span<const TexturePhoto> photos,
-                         const TextureChoice& choice, Stage& stage) {
+TexturedMesh MakeTexture(TriangleMesh mesh, const TriangleMesh& hiding,
+                         std::span<TexturePhoto> photos, const TextureChoice& choice, int moves,
+                         Stage& stage) {
+  FindTrust(mesh, photos, hiding);
   const double footprint = MedianFootprint(mesh, photos);
   if (footprint == 0) {
     LogWarning("no texture, only vertex colours: none of {} photos sees the surface",
@@ -61,17 +63,25 @@ TexturedMesh MakeTexture(TriangleMesh mesh, std::span<const TexturePhoto> photos
   const TextureLayout layout = LayOut(mesh, charts, footprint, choice);
   BakedTexture baked = BakeTexture(mesh, layout, photos);
   mesh.corner_coordinates = CornerCoordinates(layout);
-  FitTexture(mesh, layout, photos, baked.image);
+  const TextureFit fit = FitTexture(mesh, hiding, layout, photos, moves, baked.image);
   LogInfo(
       "texture: {} x {} texels of {:.3g} world units, {} charts; photos show {:.1f} % of it well",
       layout.size, layout.size, layout.texel_size, WithThousands(charts.size()),
       100 * baked.seen_share);
+  if (fit.error > 0) {
+    LogInfo(
+        "alignment by the texture: vertices moved by {:.2g} pixels on average; the surface is off "
+        "by {:.1f} levels of 255 (root mean square)",
+        fit.mean_move_px, 255 * fit.error);
+  }
   stage.Count("texture", {{"size", layout.size},
                           {"texel_size", layout.texel_size},
                           {"charts", charts.size()},
                           {"photos", photos.size()},
                           {"triangles_with_more_photos", baked.limited_triangles},
-                          {"seen_share", baked.seen_share}});
+                          {"seen_share", baked.seen_share},
+                          {"mean_move_px", fit.mean_move_px},
+                          {"error", fit.error}});
   return {std::move(mesh), std::move(baked.image)};
 }
 

@@ -20,13 +20,16 @@ struct TextureChoice {
 // "auto", "off" or a size. Throws UsageError.
 TextureChoice ParseTextureChoice(const std::string& text);
 
-// The mesh with texture coordinates, and its texture. Counts and logs by `stage`. `mesh_in_world`
-// has vertex colours, and at least one triangle.
+// The mesh with texture coordinates, and its texture.
 struct TexturedMesh {
   TriangleMesh mesh;
   Image texture;  // RGB; empty without a texture
 };
-TexturedMesh MakeTexture(TriangleMesh mesh_in_world, std::span<const TexturePhoto> photos,
-                         const TextureChoice& choice, Stage& stage);
+// Counts and logs by `stage`. `mesh_in_world` has vertex colours, and at least one triangle;
+// `hiding_in_world` is not textured, but hides what is behind it from photos. `moves` as of
+// FitTexture.
+TexturedMesh MakeTexture(TriangleMesh mesh_in_world, const TriangleMesh& hiding_in_world,
+                         std::span<TexturePhoto> photos, const TextureChoice& choice, int moves,
+                         Stage& stage);
 
 }  // namespace tetrec

@@ -1,10 +1,11 @@
-// Back-projection of the errors of pixels.
+// Back-projection of the errors of pixels, and Gauss-Newton steps of vertices.
 #include "surface/texture_fit.h"
 
 #include "core/parallel.h"
 #include "image/pixels_around.h"
 #include "surface/continue_colors.h"
 #include "surface/draw_surface.h"
+#include "surface/photo_moves.h"
 #include "surface/sighting.h"
 #include "surface/texels.h"
 #include "surface/trained_views.h"
@@ -14,12 +15,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace tetrec {
 namespace {
 
-constexpr int kRounds = 3;
+constexpr int kRoundsWithoutMoves = 3;
+// With moves, rounds that only correct texels: the first ones so that moves do not follow the blur
+// of the baked texture, the last ones because the texture fits where the surface was.
+constexpr int kRoundsBeforeMoves = 1, kRoundsAfterMoves = 2;
+
+// As of AlignWithPhotos. Less than there: ripples of a surface come from what coarse colours cannot
+// show, and a texture shows it.
+constexpr float kTexturedStiffness = 0.3f;
 
 struct WeightedSum {
   glm::dvec3 sum{0.0};
@@ -49,29 +58,31 @@ void AddError(const TexturePhoto& photo, const SurfacePicture& drawn, const Sigh
   error.weight += weights;
 }
 
-}  // namespace
+// All must outlive this. FindTrust must have seen the mesh, up to moves of few pixels.
+class TexelCorrections {
+ public:
+  TexelCorrections(const TriangleMesh& mesh, const TextureLayout& layout, const Texels& texels,
+                   std::span<const TexturePhoto> photos)
+      : layout_(layout),
+        texels_(texels),
+        photos_(photos),
+        candidates_(PhotosOfTriangles(mesh, photos)) {}
 
-void FitTexture(const TriangleMesh& mesh, const TextureLayout& layout,
-                std::span<const TexturePhoto> photos, Image& texture) {
-  const Texels texels = FindTexels(layout);
-  const SurfacePoints surface(mesh);
-  const PhotosByTriangle candidates = PhotosOfTriangles(mesh, photos);
-  std::vector<SurfacePicture> drawn(photos.size());
-  for (int round = 0; round < kRounds; ++round) {
-    ParallelForEach(photos.size(), "", kAfterASurfaceStop, [&](size_t i) {
-      drawn[i] = DrawSurface(mesh, texture, photos[i].camera, photos[i].cam_from_world);
-    });
-    ParallelFor(size_t(layout.size), 8, [&](size_t begin, size_t end) {
+  // `drawn` are the pictures of the mesh in the colours of the texture.
+  void Correct(const TriangleMesh& mesh, const std::vector<SurfacePicture>& drawn,
+               Image& texture) const {
+    const SurfacePoints surface(mesh);
+    ParallelFor(size_t(layout_.size), 8, [&](size_t begin, size_t end) {
       for (size_t y = begin; y < end; ++y) {
-        for (int x = 0; x < layout.size; ++x) {
-          const uint32_t triangle = texels.triangle[y * size_t(layout.size) + size_t(x)];
+        for (int x = 0; x < layout_.size; ++x) {
+          const uint32_t triangle = texels_.triangle[y * size_t(layout_.size) + size_t(x)];
           if (triangle == kNoTriangle) continue;
           const SurfacePoint point = surface.At(
-              triangle, NearestWeights(layout.corners[triangle], glm::dvec2(x, double(y)) + 0.5));
+              triangle, NearestWeights(layout_.corners[triangle], glm::dvec2(x, double(y)) + 0.5));
           WeightedSum error;
-          for (const uint32_t id : candidates.photos[triangle]) {
-            if (const auto sighting = See(point, photos[id])) {
-              AddError(photos[id], drawn[id], *sighting, error);
+          for (const uint32_t id : candidates_.photos[triangle]) {
+            if (const auto sighting = See(point, photos_[id])) {
+              AddError(photos_[id], drawn[id], *sighting, error);
             }
           }
           if (!(error.weight > 0)) continue;
@@ -84,7 +95,68 @@ void FitTexture(const TriangleMesh& mesh, const TextureLayout& layout,
       }
     });
   }
+
+ private:
+  const TextureLayout& layout_;
+  const Texels& texels_;
+  std::span<const TexturePhoto> photos_;
+  PhotosByTriangle candidates_;
+};
+
+void CorrectTexels(const TriangleMesh& mesh, const TexelCorrections& corrections,
+                   std::span<const TexturePhoto> photos, int rounds, Image& texture) {
+  std::vector<SurfacePicture> drawn(photos.size());
+  for (int round = 0; round < rounds; ++round) {
+    ParallelForEach(photos.size(), "", kAfterASurfaceStop, [&](size_t i) {
+      drawn[i] = DrawSurface(mesh, texture, photos[i].camera, photos[i].cam_from_world);
+    });
+    corrections.Correct(mesh, drawn, texture);
+  }
+}
+
+TextureFit MoveAndCorrect(TriangleMesh& mesh, const TexelCorrections& corrections,
+                          std::span<const TexturePhoto> photos, int moves, Image& texture) {
+  const TriangleMesh start = mesh;
+  const SurfaceTopology topology(mesh);
+  TriangleMesh mesh_before;
+  Image texture_before;
+  PhotoDifferences differences;
+  std::vector<SurfacePicture> drawn(photos.size());
+  for (int move = 0; move <= moves; ++move) {
+    PhotoDifferences now =
+        CompareWithPhotos(mesh, topology.border, ColorsOfTexture(mesh, texture), photos, drawn);
+    if (move > 0 && now.mean_squared_local_error > differences.mean_squared_local_error) {
+      mesh = std::move(mesh_before);
+      texture = std::move(texture_before);
+      break;
+    }
+    differences = std::move(now);
+    if (move == moves) break;
+    mesh_before = mesh;
+    texture_before = texture;
+    corrections.Correct(mesh_before, drawn, texture);
+    mesh = MovedTowardsPhotos(mesh_before, topology, differences.vertices, kTexturedStiffness);
+  }
+  return {MeanMove(start, mesh, differences.vertices), std::sqrt(differences.mean_squared_error)};
+}
+
+}  // namespace
+
+TextureFit FitTexture(TriangleMesh& mesh, const TriangleMesh& hiding, const TextureLayout& layout,
+                      std::span<TexturePhoto> photos, int moves, Image& texture) {
+  const Texels texels = FindTexels(layout);
+  TextureFit fit;
+  int rounds = kRoundsWithoutMoves;
+  if (moves > 0 && photos.size() > 1) {
+    const TexelCorrections corrections(mesh, layout, texels, photos);
+    CorrectTexels(mesh, corrections, photos, kRoundsBeforeMoves, texture);
+    fit = MoveAndCorrect(mesh, corrections, photos, moves, texture);
+    FindTrust(mesh, photos, hiding);
+    rounds = kRoundsAfterMoves;
+  }
+  CorrectTexels(mesh, TexelCorrections(mesh, layout, texels, photos), photos, rounds, texture);
   ContinueColors(texture, [&](size_t i) { return texels.triangle[i] != kNoTriangle; });
+  return fit;
 }
 
 }  // namespace tetrec

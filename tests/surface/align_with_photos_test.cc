@@ -91,7 +91,7 @@ TEST(CompareWithPhotos, ThePullIsTheRateAtWhichTheErrorFalls) {
     const auto differences_at = [&](double pixels) {
       TriangleMesh wall = Wall();
       for (glm::vec3& p : wall.positions) p += float(pixels * kFootprint) * direction;
-      return CompareWithPhotos(wall, BorderVertices(wall), colors, photos);
+      return CompareWithPhotos(wall, BorderVertices(wall), ColorsOfVertices(wall, colors), photos);
     };
     constexpr double kOff = 0.5, kStep = 0.1;  // [footprints]
     const double pixels = [&] {
@@ -100,8 +100,8 @@ TEST(CompareWithPhotos, ThePullIsTheRateAtWhichTheErrorFalls) {
       return count;
     }();
     const double falls = -pixels * 3 *
-                         (differences_at(kOff + kStep).mean_squared_error -
-                          differences_at(kOff - kStep).mean_squared_error) /
+                         (differences_at(kOff + kStep).mean_squared_local_error -
+                          differences_at(kOff - kStep).mean_squared_local_error) /
                          (2 * kStep);
     double pull = 0;
     for (const VertexDifferences& v : differences_at(kOff).vertices) {
@@ -115,10 +115,12 @@ TEST(CompareWithPhotos, ThePullIsTheRateAtWhichTheErrorFalls) {
 TEST(CompareWithPhotos, ColoursOfTheirOwnAreAllThatAFlatWallInItsPlaceNeeds) {
   const std::vector<TexturePhoto> photos =
       PhotosFromAbove(Wall(), [](const glm::dvec3&) { return glm::dvec3(0.25, 0.5, 0.75); });
-  const std::vector<glm::vec3> grey(Wall().positions.size(), glm::vec3(0.5f));
+  const TriangleMesh wall = Wall();
+  const std::vector<glm::vec3> grey(wall.positions.size(), glm::vec3(0.5f));
   const PhotoDifferences differences =
-      CompareWithPhotos(Wall(), BorderVertices(Wall()), grey, photos);
+      CompareWithPhotos(wall, BorderVertices(wall), ColorsOfVertices(wall, grey), photos);
   EXPECT_NEAR(differences.mean_squared_error, 2 * 0.25 * 0.25 / 3, 1e-3);
+  EXPECT_LT(differences.mean_squared_local_error, 1e-5);
   size_t seen = 0;
   for (const VertexDifferences& v : differences.vertices) {
     if (!(v.color_weight > 0)) continue;
@@ -130,6 +132,69 @@ TEST(CompareWithPhotos, ColoursOfTheirOwnAreAllThatAFlatWallInItsPlaceNeeds) {
     ++seen;
   }
   EXPECT_GT(seen, differences.vertices.size() / 2);
+}
+
+// Light that stands still while the subject turns, and exposure, differ from photo to photo. A wall
+// in its place must not follow them.
+TEST(CompareWithPhotos, LightThatVariesSlowlyOverAPhotoDoesNotPull) {
+  std::vector<TexturePhoto> photos = PhotosFromAbove(Wall(), Speckles);
+  const TriangleMesh wall = Wall();
+  std::vector<glm::vec3> colors;
+  for (const glm::vec3& p : wall.positions) colors.emplace_back(Speckles(glm::dvec3(p)));
+  const auto compare = [&] {
+    return CompareWithPhotos(wall, BorderVertices(wall), ColorsOfVertices(wall, colors), photos);
+  };
+  const PhotoDifferences even = compare();
+  for (size_t i = 0; i < photos.size(); ++i) {
+    Image& image = photos[i].image;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        const double lit = 40 * std::sin(0.02 * x * double(i % 3) + 0.015 * y * double(i % 2));
+        for (int c = 0; c < 3; ++c) {
+          image.At(x, y)[c] = uint8_t(std::clamp(image.At(x, y)[c] + lit, 0.0, 255.0));
+        }
+      }
+    }
+  }
+  const PhotoDifferences lit = compare();
+  EXPECT_GT(lit.mean_squared_error, 5 * even.mean_squared_error);
+  EXPECT_LT(lit.mean_squared_local_error, 1.2 * even.mean_squared_local_error);
+  const TriangleMesh start = Dented(wall);
+  EXPECT_LT(ErrorOf(AlignWithPhotos(start, photos, 12).mesh), 0.3 * ErrorOf(start));
+}
+
+// A crop cuts off what stands before a surface, and photos show it there.
+TEST(CompareWithPhotos, PixelsThatShowWhatHidesTheSurfaceDoNotCount) {
+  const TriangleMesh wall = Wall();
+  TriangleMesh plate = wall;
+  for (glm::vec3& p : plate.positions) p = 0.4f * p + glm::vec3(0, 0, 0.5f);
+  const Paint red_plate = [](const glm::dvec3& p) {
+    return p.z > 0.25 ? glm::dvec3(1, 0, 0) : Speckles(p);
+  };
+  std::vector<TexturePhoto> photos = PhotosFromAbove(Joined(wall, plate), red_plate);
+  std::vector<glm::vec3> colors;
+  for (const glm::vec3& p : wall.positions) colors.emplace_back(Speckles(glm::dvec3(p)));
+  const auto error = [&] {
+    return CompareWithPhotos(wall, BorderVertices(wall), ColorsOfVertices(wall, colors), photos)
+        .mean_squared_error;
+  };
+  FindTrust(wall, photos);
+  EXPECT_GT(error(), 0.02);
+  FindTrust(wall, photos, plate);
+  EXPECT_LT(error(), 0.002);
+}
+
+TEST(CompareWithPhotos, ItsPicturesAreThoseOfTheSurface) {
+  const TriangleMesh wall = Dented(Wall());
+  const std::vector<TexturePhoto> photos = PhotosFromAbove(Wall(), Speckles);
+  std::vector<SurfacePicture> pictures(photos.size());
+  CompareWithPhotos(wall, BorderVertices(wall), ColorsOfVertices(wall, VertexColors(wall)), photos,
+                    pictures);
+  for (size_t i = 0; i < photos.size(); ++i) {
+    const SurfacePicture drawn = DrawSurface(wall, {}, photos[i].camera, photos[i].cam_from_world);
+    EXPECT_EQ(pictures[i].image.pixels, drawn.image.pixels);
+    EXPECT_EQ(pictures[i].covered, drawn.covered);
+  }
 }
 
 TEST(AlignWithPhotos, AWallThatIsTooDeepAndDentedBecomesThatOfThePhotos) {

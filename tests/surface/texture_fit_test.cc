@@ -8,6 +8,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 namespace tetrec {
 namespace {
 
@@ -36,7 +40,9 @@ TEST(FitTexture, ABakedTextureComesNearerToThePaintWhateverThePhotosExposure) {
       LayOutTexture(cube, CutIntoCharts(cube), MedianFootprint(cube, photos), 1024);
   Image texture = BakeTexture(cube, layout, photos).image;
   const TexelError baked = ErrorOf(cube, layout, texture, Waves);
-  FitTexture(WithCoordinates(cube, layout), layout, photos, texture);
+  TriangleMesh still = WithCoordinates(cube, layout);
+  FitTexture(still, {}, layout, photos, 0, texture);
+  EXPECT_EQ(still.positions, cube.positions);
   const TexelError fitted = ErrorOf(cube, layout, texture, Waves);
   EXPECT_LT(fitted.texture, 0.8 * baked.texture);
 }
@@ -44,10 +50,12 @@ TEST(FitTexture, ABakedTextureComesNearerToThePaintWhateverThePhotosExposure) {
 TEST(FitTexture, WhatNoPhotoSeesStaysAsItWas) {
   const TriangleMesh mesh = WallBehindPlate();
   const Paint green = [](const glm::dvec3&) { return glm::dvec3(0, 1, 0); };
-  const std::vector<TexturePhoto> photos = {PhotoOf(mesh, green, {0, 0, 4})};
+  std::vector<TexturePhoto> photos = {PhotoOf(mesh, green, {0, 0, 4})};
   const TextureLayout layout = LayOutTextureOfSize(mesh, CutIntoCharts(mesh), 256);
   Image texture = MakeImage(256, 256, 3);
-  FitTexture(WithCoordinates(mesh, layout), layout, photos, texture);
+  TriangleMesh fitted = WithCoordinates(mesh, layout);
+  FitTexture(fitted, {}, layout, photos, 2, texture);
+  EXPECT_EQ(fitted.positions, mesh.positions);  // one photo places nothing
   const Texels texels = FindTexels(layout);
   int hidden = 0, seen = 0;
   for (int y = 0; y < 256; ++y) {
@@ -91,7 +99,8 @@ TEST(FitTexture, WhatHidesTheSurfaceLeavesNoColourOnIt) {
   FindTrust(wall, photos, plate);
   const TextureLayout layout = LayOutTextureOfSize(wall, CutIntoCharts(wall), 256);
   Image texture = BakeTexture(wall, layout, photos).image;
-  FitTexture(WithCoordinates(wall, layout), layout, photos, texture);
+  TriangleMesh fitted = WithCoordinates(wall, layout);
+  FitTexture(fitted, plate, layout, photos, 0, texture);
   const Texels texels = FindTexels(layout);
   int on_wall = 0;
   for (int y = 0; y < 256; ++y) {
@@ -102,6 +111,46 @@ TEST(FitTexture, WhatHidesTheSurfaceLeavesNoColourOnIt) {
     }
   }
   EXPECT_GT(on_wall, 10000);
+}
+
+// A wall in the plane z = 0, of which each vertex is off by up to a pixel of the photos, which are
+// painted with waves far finer than the wall's triangles.
+TEST(FitTexture, AWallWhoseVerticesAreTooFewForItsColoursMovesToItsPlace) {
+  TriangleMesh flat;
+  constexpr uint32_t kCells = 8;
+  for (uint32_t y = 0; y <= kCells; ++y) {
+    for (uint32_t x = 0; x <= kCells; ++x) {
+      flat.positions.emplace_back(2 * float(x) / kCells - 1, 2 * float(y) / kCells - 1, 0);
+      flat.colors_srgb.push_back({128, 128, 128});
+      const uint32_t v = y * (kCells + 1) + x, above = v + kCells + 1;
+      if (x == kCells || y == kCells) continue;
+      flat.triangles.emplace_back(v, v + 1, above + 1);
+      flat.triangles.emplace_back(v, above + 1, above);
+    }
+  }
+  std::vector<TexturePhoto> photos;
+  for (const glm::dvec2 side : {glm::dvec2(0, 0), {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
+    photos.push_back(PhotoOf(flat, Waves, 4.0 * glm::normalize(glm::dvec3(side, 2))));
+  }
+  TriangleMesh dented = flat;
+  for (glm::vec3& p : dented.positions) p.z = 0.018f * std::sin(5 * p.x) * std::cos(4 * p.y);
+  FindTrust(dented, photos);
+  const TextureLayout layout = LayOutTextureOfSize(dented, CutIntoCharts(dented), 256);
+  const auto fit = [&](int moves) {
+    TriangleMesh mesh = WithCoordinates(dented, layout);
+    Image texture = BakeTexture(mesh, layout, photos).image;
+    const TextureFit result = FitTexture(mesh, {}, layout, photos, moves, texture);
+    double off = 0;
+    for (const glm::vec3& p : mesh.positions) {
+      if (std::max(std::abs(p.x), std::abs(p.y)) < 0.9f) off += double(std::abs(p.z));
+    }
+    return std::pair(off, result);
+  };
+  const auto [still_off, still] = fit(0);
+  const auto [moved_off, moved] = fit(6);
+  EXPECT_LT(moved_off, 0.5 * still_off);
+  EXPECT_GT(moved.mean_move_px, 0.1);
+  EXPECT_EQ(still.mean_move_px, 0);
 }
 
 }  // namespace
