@@ -24,9 +24,9 @@ struct AlignedSurface {
 // follow their neighbours; those at borders stay, so that the edge of a crop holds. The opacity of
 // a field is soft, so that its level may lie some pixels before or behind the surface; from more
 // than two or three, the moves may not find it. Without rounds, or with fewer than two photos, the
-// surface stays as it is. Methods: Lucas and Kanade, An Iterative Image Registration Technique, 1981 (moves
-// from gradients of pictures); Delaunoy and Pollefeys, Photometric Bundle Adjustment for Dense
-// Multi-View 3D Modeling, 2014 (a mesh and its colours as the unknowns).
+// surface stays as it is. Methods: Lucas and Kanade, An Iterative Image Registration Technique,
+// 1981 (moves from gradients of pictures); Delaunoy and Pollefeys, Photometric Bundle Adjustment
+// for Dense Multi-View 3D Modeling, 2014 (a mesh and its colours as the unknowns).
 AlignedSurface AlignWithPhotos(TriangleMesh mesh_in_world, std::span<const TexturePhoto> photos,
                                int rounds);
 

@@ -210,18 +210,17 @@ class Differences {
     return slow;
   }
 
-  // True where a pixel, or one next to it, shows an open part of the surface, or what hides it.
-  static bool NextToOpen(const TexturePhoto& photo, const Picture& picture, int x, int y) {
+  static bool NextToOpen(const Picture& picture, int x, int y) {
     for (int row = y - 1; row <= y + 1; ++row) {
       for (int column = x - 1; column <= x + 1; ++column) {
-        if (picture.At(column, row).open || photo.Hides(column, row)) return true;
+        if (picture.At(column, row).open) return true;
       }
     }
     return false;
   }
 
   static bool Compares(const TexturePhoto& photo, const Picture& picture, int x, int y) {
-    if (NextToOpen(photo, picture, x, y)) return false;
+    if (NextToOpen(picture, x, y)) return false;
     if (photo.alpha_is_opacity) {
       return picture.At(x, y).hits > 0 || photo.image.At(x, y)[3] > 0;
     }

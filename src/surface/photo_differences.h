@@ -40,10 +40,10 @@ struct PhotoDifferences {
 // Draws the surface in these colours with 4 rays per pixel. Where alpha is opacity, colours are
 // multiplied by it, and the opacity itself is a channel, so that outlines pull, whatever the
 // colours are; in other photos only pixels count that the surface fills. Pixels that show a border
-// of the surface, its back, or what hides it, and those next to them, do not count: the photo may
-// show what was cut off there. `border` are the mesh's BorderVertices. A pixel moves with the
-// nearest surface that it shows, not with what is behind that. `pictures` is empty, or becomes what
-// was drawn into each photo.
+// of the surface or its back, and those next to them, do not count: the photo may show what was cut
+// off there. `border` are the mesh's BorderVertices. A pixel moves with the nearest surface that it
+// shows, not with what is behind that. `pictures` is empty, or becomes what was drawn into each
+// photo.
 PhotoDifferences CompareWithPhotos(const TriangleMesh& mesh_in_world,
                                    const std::vector<bool>& border, const SurfaceColors& color_at,
                                    std::span<const TexturePhoto> photos,

@@ -254,13 +254,31 @@ CutSurface Exported(const TriangleMesh& whole, const SurfaceOptions& options,
   return cut;
 }
 
+// What a crop will cut has moved before: photos show the whole, and vertices of a part could move
+// out of the box.
+TriangleMesh MovedByTexture(TriangleMesh whole, std::span<TexturePhoto> photos,
+                            const SurfaceOptions& options, Stage& stage) {
+  const int moves = MovesByTexture(options);
+  if (moves == 0 || photos.empty() || !options.exports.Crop()) return whole;
+  const Timer timer;
+  try {
+    whole = AlignByTexture(whole, photos, moves, stage);
+  } catch (const UsageError& error) {
+    // Too many charts; those of the part may be few enough.
+    LogWarning("no alignment by a texture: {}", error.what());
+  }
+  stage.Seconds("texture_alignment", timer.seconds());
+  return whole;
+}
+
 TexturedMesh Textured(TriangleMesh mesh_in_world, const TriangleMesh& hiding,
                       std::span<TexturePhoto> photos, const SurfaceOptions& options, Stage& stage) {
   if (!options.texture.wanted || photos.empty()) return {std::move(mesh_in_world), {}};
   const Timer timer;
   try {
+    const int moves = options.exports.Crop() ? 0 : MovesByTexture(options);
     TexturedMesh textured =
-        MakeTexture(mesh_in_world, hiding, photos, options.texture, MovesByTexture(options), stage);
+        MakeTexture(mesh_in_world, hiding, photos, options.texture, moves, stage);
     stage.Seconds("texture", timer.seconds());
     return textured;
   } catch (const UsageError& error) {
@@ -345,7 +363,8 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
   clean.cameras = world.cameras_in_world;
   const TriangleMesh cleaned = Cleaned(raw, cropped ? &*cropped : nullptr, photos, options, clean,
                                        world.subject_bounds.Diagonal(), stage);
-  const CutSurface cut = Exported(cleaned, options, clean, world, stage);
+  const TriangleMesh whole = MovedByTexture(cleaned, photos, options, stage);
+  const CutSurface cut = Exported(whole, options, clean, world, stage);
   stage.Seconds("surface", timer.seconds());
   TexturedMesh surface = Textured(cut.inside, cut.outside, photos, options, stage);
   surface.mesh = Transformed(std::move(surface.mesh),

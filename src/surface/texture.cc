@@ -12,6 +12,9 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <optional>
+#include <utility>
+#include <vector>
 
 namespace tetrec {
 namespace {
@@ -34,6 +37,37 @@ TextureLayout LayOut(const TriangleMesh& mesh, std::span<const TextureChart> cha
   return layout;
 }
 
+struct FittedTexture {
+  size_t charts = 0;
+  TextureLayout layout;
+  BakedTexture baked;
+  TextureFit fit;
+};
+
+// The mesh is given texture coordinates, and moves. Nothing if no photo sees it.
+std::optional<FittedTexture> Fit(TriangleMesh& mesh, const TriangleMesh& hiding,
+                                 std::span<TexturePhoto> photos, const TextureChoice& choice,
+                                 int moves) {
+  FindTrust(mesh, photos, hiding);
+  const double footprint = MedianFootprint(mesh, photos);
+  if (footprint == 0) return std::nullopt;
+  const std::vector<TextureChart> charts = CutIntoCharts(mesh);
+  FittedTexture fitted{charts.size(), LayOut(mesh, charts, footprint, choice), {}, {}};
+  fitted.baked = BakeTexture(mesh, fitted.layout, photos);
+  mesh.corner_coordinates = CornerCoordinates(fitted.layout);
+  fitted.fit = FitTexture(mesh, fitted.layout, photos, moves, fitted.baked.image);
+  return fitted;
+}
+
+void ReportMoves(const TextureFit& fit, Stage& stage) {
+  if (!(fit.error > 0)) return;
+  LogInfo(
+      "alignment by the texture: vertices moved by {:.2g} pixels on average; the surface is off by "
+      "{:.1f} levels of 255 (root mean square)",
+      fit.mean_move_px, 255 * fit.error);
+  stage.Count("texture_alignment", {{"mean_move_px", fit.mean_move_px}, {"error", fit.error}});
+}
+
 }  // namespace
 
 TextureChoice ParseTextureChoice(const std::string& text) {
@@ -52,37 +86,32 @@ TextureChoice ParseTextureChoice(const std::string& text) {
 TexturedMesh MakeTexture(TriangleMesh mesh, const TriangleMesh& hiding,
                          std::span<TexturePhoto> photos, const TextureChoice& choice, int moves,
                          Stage& stage) {
-  FindTrust(mesh, photos, hiding);
-  const double footprint = MedianFootprint(mesh, photos);
-  if (footprint == 0) {
+  const std::optional<FittedTexture> fitted = Fit(mesh, hiding, photos, choice, moves);
+  if (!fitted) {
     LogWarning("no texture, only vertex colours: none of {} photos sees the surface",
                photos.size());
     return {std::move(mesh), {}};
   }
-  const std::vector<TextureChart> charts = CutIntoCharts(mesh);
-  const TextureLayout layout = LayOut(mesh, charts, footprint, choice);
-  BakedTexture baked = BakeTexture(mesh, layout, photos);
-  mesh.corner_coordinates = CornerCoordinates(layout);
-  const TextureFit fit = FitTexture(mesh, hiding, layout, photos, moves, baked.image);
   LogInfo(
       "texture: {} x {} texels of {:.3g} world units, {} charts; photos show {:.1f} % of it well",
-      layout.size, layout.size, layout.texel_size, WithThousands(charts.size()),
-      100 * baked.seen_share);
-  if (fit.error > 0) {
-    LogInfo(
-        "alignment by the texture: vertices moved by {:.2g} pixels on average; the surface is off "
-        "by {:.1f} levels of 255 (root mean square)",
-        fit.mean_move_px, 255 * fit.error);
-  }
-  stage.Count("texture", {{"size", layout.size},
-                          {"texel_size", layout.texel_size},
-                          {"charts", charts.size()},
+      fitted->layout.size, fitted->layout.size, fitted->layout.texel_size,
+      WithThousands(fitted->charts), 100 * fitted->baked.seen_share);
+  stage.Count("texture", {{"size", fitted->layout.size},
+                          {"texel_size", fitted->layout.texel_size},
+                          {"charts", fitted->charts},
                           {"photos", photos.size()},
-                          {"triangles_with_more_photos", baked.limited_triangles},
-                          {"seen_share", baked.seen_share},
-                          {"mean_move_px", fit.mean_move_px},
-                          {"error", fit.error}});
-  return {std::move(mesh), std::move(baked.image)};
+                          {"triangles_with_more_photos", fitted->baked.limited_triangles},
+                          {"seen_share", fitted->baked.seen_share}});
+  ReportMoves(fitted->fit, stage);
+  return {std::move(mesh), fitted->baked.image};
+}
+
+TriangleMesh AlignByTexture(TriangleMesh mesh, std::span<TexturePhoto> photos, int moves,
+                            Stage& stage) {
+  const std::optional<FittedTexture> fitted = Fit(mesh, {}, photos, {}, moves);
+  if (fitted) ReportMoves(fitted->fit, stage);
+  mesh.corner_coordinates.clear();
+  return mesh;
 }
 
 }  // namespace tetrec

@@ -27,9 +27,14 @@ struct TexturedMesh {
 };
 // Counts and logs by `stage`. `mesh_in_world` has vertex colours, and at least one triangle;
 // `hiding_in_world` is not textured, but hides what is behind it from photos. `moves` as of
-// FitTexture.
+// FitTexture: 0 if anything hides the mesh. Throws UsageError if there are more charts than a
+// texture has room for.
 TexturedMesh MakeTexture(TriangleMesh mesh_in_world, const TriangleMesh& hiding_in_world,
                          std::span<TexturePhoto> photos, const TextureChoice& choice, int moves,
                          Stage& stage);
+
+// What the moves alone make of a mesh, whose texture is forgotten.
+TriangleMesh AlignByTexture(TriangleMesh mesh_in_world, std::span<TexturePhoto> photos, int moves,
+                            Stage& stage);
 
 }  // namespace tetrec

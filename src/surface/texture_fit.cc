@@ -142,7 +142,7 @@ TextureFit MoveAndCorrect(TriangleMesh& mesh, const TexelCorrections& correction
 
 }  // namespace
 
-TextureFit FitTexture(TriangleMesh& mesh, const TriangleMesh& hiding, const TextureLayout& layout,
+TextureFit FitTexture(TriangleMesh& mesh, const TextureLayout& layout,
                       std::span<TexturePhoto> photos, int moves, Image& texture) {
   const Texels texels = FindTexels(layout);
   TextureFit fit;
@@ -151,7 +151,7 @@ TextureFit FitTexture(TriangleMesh& mesh, const TriangleMesh& hiding, const Text
     const TexelCorrections corrections(mesh, layout, texels, photos);
     CorrectTexels(mesh, corrections, photos, kRoundsBeforeMoves, texture);
     fit = MoveAndCorrect(mesh, corrections, photos, moves, texture);
-    FindTrust(mesh, photos, hiding);
+    FindTrust(mesh, photos);
     rounds = kRoundsAfterMoves;
   }
   CorrectTexels(mesh, TexelCorrections(mesh, layout, texels, photos), photos, rounds, texture);

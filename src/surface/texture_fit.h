@@ -28,9 +28,8 @@ struct TextureFit {
 // In up to `moves` of these rounds, vertices move, too (MovedTowardsPhotos): what alignment in the
 // colours of vertices (AlignWithPhotos) and simplification have left is too fine for these colours,
 // but not for a texture. The first move after which the pictures differ more is undone and ends the
-// moves. With fewer than two photos nothing moves. `hiding_in_world` as for FindTrust.
-TextureFit FitTexture(TriangleMesh& mesh_in_world, const TriangleMesh& hiding_in_world,
-                      const TextureLayout& layout, std::span<TexturePhoto> photos, int moves,
-                      Image& texture);
+// moves. With fewer than two photos nothing moves. Nothing may hide a surface that moves.
+TextureFit FitTexture(TriangleMesh& mesh_in_world, const TextureLayout& layout,
+                      std::span<TexturePhoto> photos, int moves, Image& texture);
 
 }  // namespace tetrec

@@ -163,27 +163,6 @@ TEST(CompareWithPhotos, LightThatVariesSlowlyOverAPhotoDoesNotPull) {
   EXPECT_LT(ErrorOf(AlignWithPhotos(start, photos, 12).mesh), 0.3 * ErrorOf(start));
 }
 
-// A crop cuts off what stands before a surface, and photos show it there.
-TEST(CompareWithPhotos, PixelsThatShowWhatHidesTheSurfaceDoNotCount) {
-  const TriangleMesh wall = Wall();
-  TriangleMesh plate = wall;
-  for (glm::vec3& p : plate.positions) p = 0.4f * p + glm::vec3(0, 0, 0.5f);
-  const Paint red_plate = [](const glm::dvec3& p) {
-    return p.z > 0.25 ? glm::dvec3(1, 0, 0) : Speckles(p);
-  };
-  std::vector<TexturePhoto> photos = PhotosFromAbove(Joined(wall, plate), red_plate);
-  std::vector<glm::vec3> colors;
-  for (const glm::vec3& p : wall.positions) colors.emplace_back(Speckles(glm::dvec3(p)));
-  const auto error = [&] {
-    return CompareWithPhotos(wall, BorderVertices(wall), ColorsOfVertices(wall, colors), photos)
-        .mean_squared_error;
-  };
-  FindTrust(wall, photos);
-  EXPECT_GT(error(), 0.02);
-  FindTrust(wall, photos, plate);
-  EXPECT_LT(error(), 0.002);
-}
-
 TEST(CompareWithPhotos, ItsPicturesAreThoseOfTheSurface) {
   const TriangleMesh wall = Dented(Wall());
   const std::vector<TexturePhoto> photos = PhotosFromAbove(Wall(), Speckles);

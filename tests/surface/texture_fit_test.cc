@@ -41,7 +41,7 @@ TEST(FitTexture, ABakedTextureComesNearerToThePaintWhateverThePhotosExposure) {
   Image texture = BakeTexture(cube, layout, photos).image;
   const TexelError baked = ErrorOf(cube, layout, texture, Waves);
   TriangleMesh still = WithCoordinates(cube, layout);
-  FitTexture(still, {}, layout, photos, 0, texture);
+  FitTexture(still, layout, photos, 0, texture);
   EXPECT_EQ(still.positions, cube.positions);
   const TexelError fitted = ErrorOf(cube, layout, texture, Waves);
   EXPECT_LT(fitted.texture, 0.8 * baked.texture);
@@ -54,7 +54,7 @@ TEST(FitTexture, WhatNoPhotoSeesStaysAsItWas) {
   const TextureLayout layout = LayOutTextureOfSize(mesh, CutIntoCharts(mesh), 256);
   Image texture = MakeImage(256, 256, 3);
   TriangleMesh fitted = WithCoordinates(mesh, layout);
-  FitTexture(fitted, {}, layout, photos, 2, texture);
+  FitTexture(fitted, layout, photos, 2, texture);
   EXPECT_EQ(fitted.positions, mesh.positions);  // one photo places nothing
   const Texels texels = FindTexels(layout);
   int hidden = 0, seen = 0;
@@ -100,7 +100,7 @@ TEST(FitTexture, WhatHidesTheSurfaceLeavesNoColourOnIt) {
   const TextureLayout layout = LayOutTextureOfSize(wall, CutIntoCharts(wall), 256);
   Image texture = BakeTexture(wall, layout, photos).image;
   TriangleMesh fitted = WithCoordinates(wall, layout);
-  FitTexture(fitted, plate, layout, photos, 0, texture);
+  FitTexture(fitted, layout, photos, 0, texture);
   const Texels texels = FindTexels(layout);
   int on_wall = 0;
   for (int y = 0; y < 256; ++y) {
@@ -139,7 +139,7 @@ TEST(FitTexture, AWallWhoseVerticesAreTooFewForItsColoursMovesToItsPlace) {
   const auto fit = [&](int moves) {
     TriangleMesh mesh = WithCoordinates(dented, layout);
     Image texture = BakeTexture(mesh, layout, photos).image;
-    const TextureFit result = FitTexture(mesh, {}, layout, photos, moves, texture);
+    const TextureFit result = FitTexture(mesh, layout, photos, moves, texture);
     double off = 0;
     for (const glm::vec3& p : mesh.positions) {
       if (std::max(std::abs(p.x), std::abs(p.y)) < 0.9f) off += double(std::abs(p.z));
