@@ -34,9 +34,9 @@ int main(int argc, char** argv) {
                "Opacity: keep what closes the surface through space that no camera sees");
   app.add_option(
       "--align-rounds", options.align_rounds,
-      "Rounds in which the surface moves to where its pictures differ least from the photos, the "
-      "last of them, four at most, in the colours of its texture, 0 to 100; 0: leave the surface "
-      "at the level");
+      "Rounds in which the surface moves to where its pictures differ least from the photos, 0 to "
+      "100. With a texture, up to half of them, and at most four, use its colours. 0: leave the "
+      "surface at the level");
   app.add_option(
       "--smooth-normals", options.smooth_normals,
       "Rounds in which the triangles' normals are averaged with similar ones around them, "

@@ -15,7 +15,7 @@ struct SurfacePicture {
   Image image;                // RGB; black where there is no surface
   std::vector<bool> covered;  // (height x width) pixels that the surface fills
 };
-// `color` [display sRGB, 0 to 1] as 8-bit channels.
+// Writes a colour [display sRGB, 0 to 1] as 8-bit channels.
 void SetColor(Image& image, int x, int y, const glm::vec3& color);
 
 // Rays along each side of a pixel: where a surface is fitted to photos, and where its pictures are

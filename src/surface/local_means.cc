@@ -23,7 +23,7 @@ void LocalMeans::Add(int x, int y, const glm::vec3& value) {
   cell.Add({value, 1}, 1);
 }
 
-// By binomial weights over the cells around each.
+// Each cell becomes the binomially weighted sum of those around it.
 void LocalMeans::Smooth() {
   std::vector<Cell> smooth(cells_.size());
   for (int row = 0; row < rows_; ++row) {

@@ -15,7 +15,7 @@ class LocalMeans {
   LocalMeans(int width, int height);
 
   void Add(int x, int y, const glm::vec3& value);
-  // After the last value, and before the first mean.
+  // Call this after the last Add and before the first At.
   void Smooth();
   // 0 where there are no values around.
   glm::vec3 At(int x, int y) const;

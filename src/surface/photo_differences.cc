@@ -1,4 +1,4 @@
-// Pictures in the colours of vertices, their errors, and the errors' derivatives.
+// Pictures of a surface, their errors, and the errors' derivatives.
 #include "surface/photo_differences.h"
 
 #include "core/parallel.h"
@@ -89,7 +89,7 @@ class Picture {
     }
   }
 
-  // Of one of the three rows that were drawn last.
+  // The pixel must be in one of the three rows that were drawn last.
   const Pixel& At(int x, int y) const { return rows_[size_t(y) % rows_.size()][size_t(x)]; }
 
   const SeenTriangles& seen() const { return seen_; }  // by ray

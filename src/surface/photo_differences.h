@@ -33,7 +33,8 @@ struct VertexDifferences {
 struct PhotoDifferences {
   std::vector<VertexDifferences> vertices;
   // Per channel, over the pixels that show a part of the surface, or of the subject where alpha is
-  // opacity; and the same of what moves can reduce: errors less their LocalMeans.
+  // opacity. The second is that of local errors, which moves can reduce: errors less their
+  // LocalMeans.
   double mean_squared_error = 0, mean_squared_local_error = 0;
 };
 
@@ -43,7 +44,7 @@ struct PhotoDifferences {
 // of the surface or its back, and those next to them, do not count: the photo may show what was cut
 // off there. `border` are the mesh's BorderVertices. A pixel moves with the nearest surface that it
 // shows, not with what is behind that. `pictures` is empty, or becomes what was drawn into each
-// photo.
+// photo. Needs 32 bytes for each pixel of a photo and thread.
 PhotoDifferences CompareWithPhotos(const TriangleMesh& mesh_in_world,
                                    const std::vector<bool>& border, const SurfaceColors& color_at,
                                    std::span<const TexturePhoto> photos,

@@ -54,7 +54,7 @@ constexpr double kDeviationBeforeAlignment = 0.0002;
 // one round would also undo what alignment has found.
 constexpr int kRoundsAfterAlignment = 1;
 
-// The last of the rounds of alignment are made by the texture, once there is one.
+// The last rounds of alignment use the colours of the texture.
 constexpr int kMostMovesByTexture = 4;
 int MovesByTexture(const SurfaceOptions& options) {
   return options.texture.wanted ? std::min(options.align_rounds / 2, kMostMovesByTexture) : 0;
@@ -254,20 +254,18 @@ CutSurface Exported(const TriangleMesh& whole, const SurfaceOptions& options,
   return cut;
 }
 
-// What a crop will cut has moved before: photos show the whole, and vertices of a part could move
-// out of the box.
+// A surface that will be cropped moves as a whole: the photos show all of it, and vertices of a
+// part could leave the box.
 TriangleMesh MovedByTexture(TriangleMesh whole, std::span<TexturePhoto> photos,
                             const SurfaceOptions& options, Stage& stage) {
   const int moves = MovesByTexture(options);
-  if (moves == 0 || photos.empty() || !options.exports.Crop()) return whole;
-  const Timer timer;
+  if (moves == 0 || photos.size() < 2 || !options.exports.Crop()) return whole;
   try {
-    whole = AlignByTexture(whole, photos, moves, stage);
+    return AlignByTexture(whole, photos, options.texture, moves, stage);
   } catch (const UsageError& error) {
-    // Too many charts; those of the part may be few enough.
-    LogWarning("no alignment by a texture: {}", error.what());
+    // There are too many charts; those of the part may be few enough.
+    LogWarning("no alignment by the texture: {}", error.what());
   }
-  stage.Seconds("texture_alignment", timer.seconds());
   return whole;
 }
 
@@ -284,7 +282,7 @@ TexturedMesh Textured(TriangleMesh mesh_in_world, const TriangleMesh& hiding,
   } catch (const UsageError& error) {
     // Too many charts for the largest texture, whose size the user did not ask for.
     if (options.texture.size > 0) throw;
-    LogWarning("no texture, only vertex colours: {}", error.what());
+    LogWarning("no texture, only vertex colours, and no alignment by a texture: {}", error.what());
   }
   return {std::move(mesh_in_world), {}};
 }

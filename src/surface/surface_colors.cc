@@ -29,7 +29,7 @@ SurfaceColors ColorsOfTexture(const TriangleMesh& mesh, const Image& texture) {
 }
 
 std::vector<glm::vec3> VertexColors(const TriangleMesh& mesh) {
-  if (mesh.colors_srgb.empty()) return std::vector(mesh.positions.size(), glm::vec3(0.5f));
+  if (mesh.colors_srgb.empty()) return std::vector(mesh.positions.size(), glm::vec3(128 / 255.0f));
   std::vector<glm::vec3> colors;
   colors.reserve(mesh.colors_srgb.size());
   for (const auto& rgb : mesh.colors_srgb) {

@@ -21,23 +21,19 @@ namespace {
 
 constexpr int kLargestAutomaticSize = 4096;  // that every browser and program can show
 
+// A surface moves by its texture only if texels are no longer than this many of the photos' pixels:
+// coarser ones cannot show what the photos show, and the surface would bend to it.
+constexpr double kLongestTexel_px = 1.5;
+
 // `footprint`: length of the median photo's pixel on the surface.
 TextureLayout LayOut(const TriangleMesh& mesh, std::span<const TextureChart> charts,
                      double footprint, const TextureChoice& choice) {
   if (choice.size > 0) return LayOutTextureOfSize(mesh, charts, choice.size);
-  const TextureLayout layout = LayOutTexture(mesh, charts, footprint, kLargestAutomaticSize);
-  if (layout.texel_size > footprint) {
-    LogInfo(
-        "texture: texels are {:.2f} times as long as the photos' pixels on the surface are in the "
-        "median, because it would have more than {} x {} texels; a size of your own may be up to "
-        "{}",
-        layout.texel_size / footprint, kLargestAutomaticSize, kLargestAutomaticSize,
-        kMaxTextureSize);
-  }
-  return layout;
+  return LayOutTexture(mesh, charts, footprint, kLargestAutomaticSize);
 }
 
 struct FittedTexture {
+  double footprint = 0;  // of the median photo's pixel on the surface
   size_t charts = 0;
   TextureLayout layout;
   BakedTexture baked;
@@ -52,10 +48,11 @@ std::optional<FittedTexture> Fit(TriangleMesh& mesh, const TriangleMesh& hiding,
   const double footprint = MedianFootprint(mesh, photos);
   if (footprint == 0) return std::nullopt;
   const std::vector<TextureChart> charts = CutIntoCharts(mesh);
-  FittedTexture fitted{charts.size(), LayOut(mesh, charts, footprint, choice), {}, {}};
+  FittedTexture fitted{footprint, charts.size(), LayOut(mesh, charts, footprint, choice), {}, {}};
   fitted.baked = BakeTexture(mesh, fitted.layout, photos);
   mesh.corner_coordinates = CornerCoordinates(fitted.layout);
-  fitted.fit = FitTexture(mesh, fitted.layout, photos, moves, fitted.baked.image);
+  const bool is_fine = fitted.layout.texel_size <= kLongestTexel_px * footprint;
+  fitted.fit = FitTexture(mesh, fitted.layout, photos, is_fine ? moves : 0, fitted.baked.image);
   return fitted;
 }
 
@@ -86,11 +83,19 @@ TextureChoice ParseTextureChoice(const std::string& text) {
 TexturedMesh MakeTexture(TriangleMesh mesh, const TriangleMesh& hiding,
                          std::span<TexturePhoto> photos, const TextureChoice& choice, int moves,
                          Stage& stage) {
-  const std::optional<FittedTexture> fitted = Fit(mesh, hiding, photos, choice, moves);
+  std::optional<FittedTexture> fitted = Fit(mesh, hiding, photos, choice, moves);
   if (!fitted) {
     LogWarning("no texture, only vertex colours: none of {} photos sees the surface",
                photos.size());
     return {std::move(mesh), {}};
+  }
+  if (choice.size == 0 && fitted->layout.texel_size > fitted->footprint) {
+    LogInfo(
+        "texture: texels are {:.2f} times as long as the photos' pixels on the surface are in the "
+        "median, because it would have more than {} x {} texels; a size of your own may be up to "
+        "{}",
+        fitted->layout.texel_size / fitted->footprint, kLargestAutomaticSize, kLargestAutomaticSize,
+        kMaxTextureSize);
   }
   LogInfo(
       "texture: {} x {} texels of {:.3g} world units, {} charts; photos show {:.1f} % of it well",
@@ -103,12 +108,12 @@ TexturedMesh MakeTexture(TriangleMesh mesh, const TriangleMesh& hiding,
                           {"triangles_with_more_photos", fitted->baked.limited_triangles},
                           {"seen_share", fitted->baked.seen_share}});
   ReportMoves(fitted->fit, stage);
-  return {std::move(mesh), fitted->baked.image};
+  return {std::move(mesh), std::move(fitted->baked.image)};
 }
 
-TriangleMesh AlignByTexture(TriangleMesh mesh, std::span<TexturePhoto> photos, int moves,
-                            Stage& stage) {
-  const std::optional<FittedTexture> fitted = Fit(mesh, {}, photos, {}, moves);
+TriangleMesh AlignByTexture(TriangleMesh mesh, std::span<TexturePhoto> photos,
+                            const TextureChoice& choice, int moves, Stage& stage) {
+  const std::optional<FittedTexture> fitted = Fit(mesh, {}, photos, choice, moves);
   if (fitted) ReportMoves(fitted->fit, stage);
   mesh.corner_coordinates.clear();
   return mesh;

@@ -26,15 +26,15 @@ struct TexturedMesh {
   Image texture;  // RGB; empty without a texture
 };
 // Counts and logs by `stage`. `mesh_in_world` has vertex colours, and at least one triangle;
-// `hiding_in_world` is not textured, but hides what is behind it from photos. `moves` as of
-// FitTexture: 0 if anything hides the mesh. Throws UsageError if there are more charts than a
-// texture has room for.
+// `hiding_in_world` is not textured, but hides what is behind it from photos. `moves` has the
+// meaning that it has in FitTexture, and must be 0 if something hides the mesh. Throws UsageError
+// if there are more charts than a texture has room for.
 TexturedMesh MakeTexture(TriangleMesh mesh_in_world, const TriangleMesh& hiding_in_world,
                          std::span<TexturePhoto> photos, const TextureChoice& choice, int moves,
                          Stage& stage);
 
-// What the moves alone make of a mesh, whose texture is forgotten.
-TriangleMesh AlignByTexture(TriangleMesh mesh_in_world, std::span<TexturePhoto> photos, int moves,
-                            Stage& stage);
+// Returns the mesh as MakeTexture moves it, without the texture.
+TriangleMesh AlignByTexture(TriangleMesh mesh_in_world, std::span<TexturePhoto> photos,
+                            const TextureChoice& choice, int moves, Stage& stage);
 
 }  // namespace tetrec

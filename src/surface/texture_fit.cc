@@ -22,12 +22,12 @@ namespace tetrec {
 namespace {
 
 constexpr int kRoundsWithoutMoves = 3;
-// With moves, rounds that only correct texels: the first ones so that moves do not follow the blur
-// of the baked texture, the last ones because the texture fits where the surface was.
+// With moves, some rounds only correct texels: one before the moves, so that they do not follow the
+// blur of the baked texture, and two after them, because the texture fits where the surface was.
 constexpr int kRoundsBeforeMoves = 1, kRoundsAfterMoves = 2;
 
-// As of AlignWithPhotos. Less than there: ripples of a surface come from what coarse colours cannot
-// show, and a texture shows it.
+// The stiffness is lower than in AlignWithPhotos, because ripples come from detail that the colours
+// of vertices cannot show, and a texture can.
 constexpr float kTexturedStiffness = 0.3f;
 
 struct WeightedSum {
@@ -58,7 +58,8 @@ void AddError(const TexturePhoto& photo, const SurfacePicture& drawn, const Sigh
   error.weight += weights;
 }
 
-// All must outlive this. FindTrust must have seen the mesh, up to moves of few pixels.
+// All must outlive this. FindTrust must have seen the mesh, which may have moved by a few pixels
+// since.
 class TexelCorrections {
  public:
   TexelCorrections(const TriangleMesh& mesh, const TextureLayout& layout, const Texels& texels,

@@ -151,8 +151,9 @@ class ExportsTest(StageCase):
                         self.assertAlmostEqual(high[axis] / expected, 1, delta=0.25)
                 self.assertFalse((self.folder / name / "surface.obj").exists())
                 # What was cropped above had been aligned as a whole.
-                self.assertEqual(self.manifest(self.folder / name)["counts"]["photo_alignment"],
-                                 self.manifest(upper)["counts"]["photo_alignment"])
+                for alignment in ("photo_alignment", "texture_alignment"):
+                    self.assertEqual(self.manifest(self.folder / name)["counts"][alignment],
+                                     self.manifest(upper)["counts"][alignment])
                 way_back = self.manifest(self.folder / name)["notes"]["input_from_surface"]
                 self.assertAlmostEqual(way_back["scale"] * expected / RADIUS, 1, places=6)
 
@@ -167,6 +168,7 @@ class ExportsTest(StageCase):
         plain = self.folder / "plain"
         self.assert_done(self.run_stage("surface", field, "-o", plain, "--texture", "off"))
         self.assertFalse((plain / "surface.png").exists() or (plain / "surface.mtl").exists())
+        self.assertNotIn("texture_alignment", self.manifest(plain)["counts"])
         self.assert_fails(self.run_stage("surface", field, "-o", self.folder / "x", "--texture", "10"),
                           2, "--texture", "64 to 8192")
         shutil.rmtree(self.folder / "run" / "1_scene")

@@ -164,15 +164,22 @@ TEST(CompareWithPhotos, LightThatVariesSlowlyOverAPhotoDoesNotPull) {
 }
 
 TEST(CompareWithPhotos, ItsPicturesAreThoseOfTheSurface) {
-  const TriangleMesh wall = Dented(Wall());
+  TriangleMesh wall = Dented(Wall());
+  for (const glm::vec3& p : wall.positions) {
+    const glm::dvec3 color = 255.0 * Speckles(glm::dvec3(p));
+    wall.colors_srgb.push_back({uint8_t(color.x), uint8_t(color.y / 2), uint8_t(color.z / 3)});
+  }
   const std::vector<TexturePhoto> photos = PhotosFromAbove(Wall(), Speckles);
   std::vector<SurfacePicture> pictures(photos.size());
   CompareWithPhotos(wall, BorderVertices(wall), ColorsOfVertices(wall, VertexColors(wall)), photos,
                     pictures);
   for (size_t i = 0; i < photos.size(); ++i) {
     const SurfacePicture drawn = DrawSurface(wall, {}, photos[i].camera, photos[i].cam_from_world);
-    EXPECT_EQ(pictures[i].image.pixels, drawn.image.pixels);
     EXPECT_EQ(pictures[i].covered, drawn.covered);
+    ASSERT_EQ(pictures[i].image.pixels.size(), drawn.image.pixels.size());
+    for (size_t k = 0; k < drawn.image.pixels.size(); ++k) {
+      EXPECT_NEAR(pictures[i].image.pixels[k], drawn.image.pixels[k], 1);
+    }
   }
 }
 
