@@ -23,8 +23,9 @@ namespace {
 
 constexpr int kRoundsWithoutMoves = 3;
 // With moves, some rounds only correct texels: one before the moves, so that they do not follow the
-// blur of the baked texture, and two after them, because the texture fits where the surface was.
-constexpr int kRoundsBeforeMoves = 1, kRoundsAfterMoves = 2;
+// blur of the baked texture, and two after them (the first is made with the pictures that judge the
+// last move), because the texture fits where the surface was.
+constexpr int kRoundsBeforeMoves = 1, kRoundsAfterMoves = 1;
 
 // The stiffness is lower than in AlignWithPhotos, because ripples come from detail that the colours
 // of vertices cannot show, and a texture can.
@@ -58,8 +59,8 @@ void AddError(const TexturePhoto& photo, const SurfacePicture& drawn, const Sigh
   error.weight += weights;
 }
 
-// All must outlive this. FindTrust must have seen the mesh, which may have moved by a few pixels
-// since.
+// All must outlive this. FindTrust must have seen the mesh, which may have moved by less since than
+// the tolerance of TexturePhoto::ShowsPoint.
 class TexelCorrections {
  public:
   TexelCorrections(const TriangleMesh& mesh, const TextureLayout& layout, const Texels& texels,
@@ -132,10 +133,10 @@ TextureFit MoveAndCorrect(TriangleMesh& mesh, const TexelCorrections& correction
       break;
     }
     differences = std::move(now);
-    if (move == moves) break;
     mesh_before = mesh;
     texture_before = texture;
     corrections.Correct(mesh_before, drawn, texture);
+    if (move == moves) break;
     mesh = MovedTowardsPhotos(mesh_before, topology, differences.vertices, kTexturedStiffness);
   }
   return {MeanMove(start, mesh, differences.vertices), std::sqrt(differences.mean_squared_error)};
@@ -144,18 +145,17 @@ TextureFit MoveAndCorrect(TriangleMesh& mesh, const TexelCorrections& correction
 }  // namespace
 
 TextureFit FitTexture(TriangleMesh& mesh, const TextureLayout& layout,
-                      std::span<TexturePhoto> photos, int moves, Image& texture) {
+                      std::span<const TexturePhoto> photos, int moves, Image& texture) {
   const Texels texels = FindTexels(layout);
+  const TexelCorrections corrections(mesh, layout, texels, photos);
   TextureFit fit;
-  int rounds = kRoundsWithoutMoves;
-  if (moves > 0 && photos.size() > 1) {
-    const TexelCorrections corrections(mesh, layout, texels, photos);
+  if (moves == 0 || photos.size() < 2) {
+    CorrectTexels(mesh, corrections, photos, kRoundsWithoutMoves, texture);
+  } else {
     CorrectTexels(mesh, corrections, photos, kRoundsBeforeMoves, texture);
     fit = MoveAndCorrect(mesh, corrections, photos, moves, texture);
-    FindTrust(mesh, photos);
-    rounds = kRoundsAfterMoves;
+    CorrectTexels(mesh, corrections, photos, kRoundsAfterMoves, texture);
   }
-  CorrectTexels(mesh, TexelCorrections(mesh, layout, texels, photos), photos, rounds, texture);
   ContinueColors(texture, [&](size_t i) { return texels.triangle[i] != kNoTriangle; });
   return fit;
 }

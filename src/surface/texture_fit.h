@@ -30,6 +30,6 @@ struct TextureFit {
 // but not for a texture. The first move after which the pictures differ more is undone and ends the
 // moves. With fewer than two photos nothing moves. Nothing may hide a surface that moves.
 TextureFit FitTexture(TriangleMesh& mesh_in_world, const TextureLayout& layout,
-                      std::span<TexturePhoto> photos, int moves, Image& texture);
+                      std::span<const TexturePhoto> photos, int moves, Image& texture);
 
 }  // namespace tetrec
