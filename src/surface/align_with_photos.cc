@@ -21,7 +21,8 @@ namespace {
 // vertices, not of its surface. All later rounds correct them, too.
 constexpr int kColorRounds = 1;
 
-// How much a displacement follows its neighbours': decides between details and ripples.
+// How strongly a displacement follows its neighbours'. A higher value removes more ripples, and
+// more details with them.
 constexpr float kStiffness = 1;
 
 std::vector<std::array<uint8_t, 3>> Rounded(std::span<const glm::vec3> colors) {

@@ -10,7 +10,7 @@
 
 namespace tetrec {
 
-// What holds for a surface however its vertices move.
+// What stays the same about a surface however its vertices move.
 struct SurfaceTopology {
   VertexFans fans;
   std::vector<bool> border;  // BorderVertices

@@ -40,7 +40,7 @@ struct FittedTexture {
   TextureFit fit;
 };
 
-// The mesh is given texture coordinates, and moves. Nothing if no photo sees it.
+// Gives the mesh texture coordinates and moves it. Returns nothing if no photo sees it.
 std::optional<FittedTexture> Fit(TriangleMesh& mesh, const TriangleMesh& hiding,
                                  std::span<TexturePhoto> photos, const TextureChoice& choice,
                                  int moves) {

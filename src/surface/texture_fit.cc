@@ -23,8 +23,8 @@ namespace {
 
 constexpr int kRoundsWithoutMoves = 3;
 // With moves, some rounds only correct texels: one before the moves, so that they do not follow the
-// blur of the baked texture, and two after them (the first is made with the pictures that judge the
-// last move), because the texture fits where the surface was.
+// blur of the baked texture, and one after them, because the texture then still fits where the
+// surface was.
 constexpr int kRoundsBeforeMoves = 1, kRoundsAfterMoves = 1;
 
 // The stiffness is lower than in AlignWithPhotos, because ripples come from detail that the colours

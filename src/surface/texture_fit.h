@@ -25,10 +25,10 @@ struct TextureFit {
 // Method: Irani and Peleg, Improving Resolution by Image Registration, 1991 (iterative
 // back-projection).
 //
-// In up to `moves` of these rounds, vertices move, too (MovedTowardsPhotos): what alignment in the
-// colours of vertices (AlignWithPhotos) and simplification have left is too fine for these colours,
-// but not for a texture. The first move after which the pictures differ more is undone and ends the
-// moves. With fewer than two photos nothing moves. Nothing may hide a surface that moves.
+// In up to `moves` of these rounds, vertices move, too (MovedTowardsPhotos): a texture shows errors
+// of position that AlignWithPhotos, in the colours of vertices, is too coarse to find, and those
+// that simplification makes. The first move after which the pictures differ more is undone and ends
+// the moves. With fewer than two photos nothing moves. Nothing may hide a surface that moves.
 TextureFit FitTexture(TriangleMesh& mesh_in_world, const TextureLayout& layout,
                       std::span<const TexturePhoto> photos, int moves, Image& texture);
 
