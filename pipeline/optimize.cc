@@ -115,7 +115,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   tetrec::AddWordOption(
       app, "--sh", options.harmonics,
       "Degree of spherical harmonics by which colours depend on the view: 0 (they do not) to 3, or "
-      "auto (0 to 2, as many as the judging pictures gain from)");
+      "auto (as many as the judging pictures gain from)");
   tetrec::AddWordOption(
       app, "--fine-rays", options.fine_rays,
       "2 x 2 rays per pixel, whose mean is compared with the photo, in the last quarter of a run "
@@ -208,7 +208,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
 int main(int argc, char** argv) {
   tetrec::OptimizeOptions options;
   tetrec::StageCommand command(
-      "optimize", 31,
+      "optimize", 32,
       "Fits density and colour on a tet mesh to the images of its scene, and refines the mesh.\n"
       "Example: tetrec-optimize RUN/2_tetrahedra -o RUN/3_field");
   command.InputStage("TETRAHEDRA", "Folder that tetrec-tetrahedralize wrote", {"tetrahedralize"});

@@ -11,13 +11,13 @@
 namespace tetrec {
 namespace {
 
-// The growth of a run at which degrees 1, 2 and 3 are unlocked, and at which they are judged,
-// before the judging pictures are learned (ScheduleOptions::last_judging).
+// The growth of a run at which degrees 1, 2 and 3 are unlocked, and at which the first two are
+// judged, before the judging pictures are learned (ScheduleOptions::last_judging).
 constexpr std::array<double, 3> kUnlock = {0.15, 0.35, 0.5};
 constexpr std::array<double, 2> kJudge = {0.3, 0.47};
 
-// Degree 3 gained 0 to 0.06 dB in the trials of lego, fox and the demo, less than a degree must,
-// and its trial took up to 15 % of a run: it is for those who ask for it.
+// Degree 3 follows a degree 2 that stays, and is not judged: what it gains shows only by the end of
+// a run, not in a trial of a few steps.
 constexpr uint32_t kMostJudgedDegree = kJudge.size();
 
 // The mean of each function over the directions from which the cameras look at a place.
@@ -38,7 +38,7 @@ HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& st
   if (judges && state.unlocked > state.judged && state.unlocked <= kMostJudgedDegree) {
     return growth >= kJudge[state.unlocked - 1] ? HarmonicsStep::kJudge : HarmonicsStep::kNone;
   }
-  const uint32_t most = judges ? kMostJudgedDegree : uint32_t(choice);
+  const uint32_t most = judges ? uint32_t(kUnlock.size()) : uint32_t(choice);
   if (state.closed != 0 || state.unlocked >= most) return HarmonicsStep::kNone;
   return growth >= kUnlock[state.unlocked] ? HarmonicsStep::kUnlock : HarmonicsStep::kNone;
 }

@@ -16,7 +16,7 @@ enum class HarmonicsChoice {
   kDegree1,
   kDegree2,
   kDegree3,
-  kAuto,  // 0 to 2, as many as the judging pictures gain from
+  kAuto,  // as many degrees as the judging pictures gain from
 };
 template <>
 inline constexpr auto kWords<HarmonicsChoice> =
@@ -41,8 +41,9 @@ HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& st
 // error falls by more than one step of 8 bits, squared. `with` and `without`: their PSNR [dB].
 bool IsWorthHarmonics(double with, double without);
 
-// To judge a degree, the field is trained on with it and without it for TrialSteps: without it,
-// colours must first become the means of what they were from all sides.
+// A degree that the judging pictures miss as soon as it is taken away stays. For any other, the
+// field is trained on with it and without it for TrialSteps, because colours that replace it must
+// first become the means of what they were from all sides, and a young degree has noise.
 
 // The state without its highest degree, whose mean over the photos that see a place, or over all if
 // none does, goes to the colour there.

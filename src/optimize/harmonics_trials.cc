@@ -1,4 +1,4 @@
-// View-dependent colour in a run: unlocked degree by degree, and kept after a trial.
+// View-dependent colour in a run: unlocked degree by degree, and kept where pictures gain by it.
 #include "optimize/harmonics_trials.h"
 
 #include "core/log.h"
@@ -38,7 +38,6 @@ void HarmonicsTrials::Unlock() {
   LogInfo("colours depend on the view by harmonics of degree {}", field_.harmonics_degree());
 }
 
-// Trains on with the highest degree and without it.
 bool HarmonicsTrials::Judge() {
   if (pictures_.learns_all()) {  // too late to judge: the degree stays
     state_.judged = state_.unlocked;
@@ -47,9 +46,19 @@ bool HarmonicsTrials::Judge() {
   const int degree = field_.harmonics_degree();
   const uint64_t steps = TrialSteps(steps_.iteration());
   FieldTrial trial(field_, steps_, steps);
+  FieldState simpler = WithoutHighestDegree(field_.mesh(), trial.before(), field_.sight());
+  const double now = pictures_.JudgeField().psnr;
+  field_.PutState(simpler);
+  const double taken_away = pictures_.JudgeField().psnr;
+  trial.TakeBack();
+  if (IsWorthHarmonics(now, taken_away)) {
+    LogInfo("judging pictures: {:.2f} dB with harmonics of degree {}, {:.2f} dB without: they stay",
+            now, degree, taken_away);
+    state_.judged = state_.unlocked;
+    return true;
+  }
   if (!trial.Train()) return false;
   const double with = pictures_.JudgeField().psnr;
-  FieldState simpler = WithoutHighestDegree(field_.mesh(), trial.before(), field_.sight());
   if (!trial.TrainFrom(simpler)) return false;
   const double without = pictures_.JudgeField().psnr;
   const bool stays = IsWorthHarmonics(with, without);

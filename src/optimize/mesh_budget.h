@@ -11,10 +11,10 @@ namespace tetrec {
 // A Delaunay mesh of lego, fox and the demo has 6.4 to 6.6 tets per vertex.
 inline constexpr double kTetsPerVertex = 6.5;
 
-// A bound on the peak of resident memory of a run with harmonics [bytes]: 120 MB + 14 B per
-// training pixel + 330 B per tet. It is above the peaks of 15 runs on seven scenes (0.27 to 1.01 M
-// tets, 1.7 to 6 M pixels) by 5 to 42 MB, and farther above those of runs without harmonics.
-double PredictedPeakBytes(double tets, uint64_t pixels);
+// A bound on the peak of resident memory of a run [bytes]: 150 MB + 10 B per training pixel + 330 B
+// per tet, 380 B where harmonics may reach degree 3. It is above the peaks of 28 runs (0.27 to
+// 1.01 M tets, 1.2 to 6 M pixels) by 4 to 65 MB, and farther above those without harmonics.
+double PredictedPeakBytes(HarmonicsChoice harmonics, double tets, uint64_t pixels);
 
 // The number of tets that a run never exceeds, kNoBudget without a budget. Throws UsageError if
 // the start mesh has more.

@@ -137,9 +137,9 @@ class Trainer {
             WithThousands(batches_.rays_per_step()), WithThousands(max_vertices_));
     stage_.Count("rays_per_step", uint64_t(batches_.rays_per_step()));
     if (max_tets_ != kNoBudget) {
-      LogInfo("the budget allows {} tets; predicted peak of memory {:.0f} MB",
-              WithThousands(max_tets_),
-              PredictedPeakBytes(double(max_tets_), pictures_.set().pixels) / 1e6);
+      LogInfo(
+          "the budget allows {} tets; predicted peak of memory {:.0f} MB", WithThousands(max_tets_),
+          PredictedPeakBytes(options_.harmonics, double(max_tets_), pictures_.set().pixels) / 1e6);
     }
     if (options_.max_vertices > 0 && options_.max_vertices < start.positions.size()) {
       LogWarning(

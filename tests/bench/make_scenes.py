@@ -258,11 +258,14 @@ class Camera:
         return np.broadcast_to(self.position, direction.shape), direction
 
 
+def srgb(linear):
+    return np.where(linear < 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9)**(1 / 2.4) - 0.055)
+
+
 def develop(linear, exposure, seed):
     """8-bit sRGB of the mean of each pixel's rays, with a photo's noise."""
     pixels = linear.reshape(SIZE[1], RAYS, SIZE[0], RAYS, 3).mean((1, 3)) * exposure
-    pixels = np.clip(pixels, 0, 1)
-    coded = np.where(pixels < 0.0031308, 12.92 * pixels, 1.055 * np.maximum(pixels, 1e-9)**(1 / 2.4) - 0.055)
+    coded = srgb(np.clip(pixels, 0, 1))
     grain = np.random.default_rng(seed).normal(0, 1.0, coded.shape)
     return np.clip(255 * coded + grain, 0, 255).round().astype(np.uint8)
 

@@ -72,7 +72,7 @@ RadianceField WithVertex(const RadianceField& field, const glm::uvec2& edge,
 }
 
 struct CoarseRun : SmallRun {
-  CoarseRun() : SmallRun(Options(), 2, 2.0f) {
+  CoarseRun() : SmallRun(Options(), 2, WavyBox(0.4, 2.0f)) {
     RadianceField box = field_of_run;
     const FieldState state = StateOf(box);
     field.Put(std::move(box.mesh), state);

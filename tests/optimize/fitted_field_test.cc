@@ -107,7 +107,7 @@ TEST(FittedField, KeepsTheDensityOfSurfacesWhereManyPhotosLook) {
 // Depth maps show the middle of a box, and its photos show nothing: all of it should go.
 TEST(FittedField, KeepsSurfacesOnWhichDepthMapsAgree) {
   for (const uint32_t photos : {3u, 21u}) {
-    SmallRun run(SmallRunOptions(), 5, 0.0f);
+    SmallRun run(SmallRunOptions(), 5, WavyBox(0.4, 0.0f));
     Scene scene = RingOfCameras(int(photos), 0);
     std::vector<StereoDepth> maps;
     for (uint32_t view = 0; view < photos; ++view) {

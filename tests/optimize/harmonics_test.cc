@@ -69,7 +69,8 @@ TEST(Harmonics, AreUnlockedUpToTheChosenDegree) {
   using Steps = std::vector<HarmonicsStep>;
   EXPECT_EQ(StepsOf(HarmonicsChoice::kNone, true), Steps{});
   EXPECT_EQ(StepsOf(HarmonicsChoice::kDegree2, true), (Steps{kUnlock, kUnlock}));
-  EXPECT_EQ(StepsOf(HarmonicsChoice::kAuto, true), (Steps{kUnlock, kJudge, kUnlock, kJudge}));
+  EXPECT_EQ(StepsOf(HarmonicsChoice::kAuto, true),
+            (Steps{kUnlock, kJudge, kUnlock, kJudge, kUnlock}));
   EXPECT_EQ(StepsOf(HarmonicsChoice::kAuto, false), (Steps{kUnlock, kJudge}));
 }
 

@@ -18,7 +18,8 @@ OptimizeOptions WithChoice(HarmonicsChoice choice) {
 }
 
 struct HarmonicsTrialRun : SmallRun {
-  explicit HarmonicsTrialRun(HarmonicsChoice choice) : SmallRun(WithChoice(choice)) {}
+  explicit HarmonicsTrialRun(HarmonicsChoice choice, const RadianceField& truth = WavyBox(0.4))
+      : SmallRun(WithChoice(choice), 5, truth) {}
   HarmonicsTrials trials{options, field, pictures, steps};
 };
 
@@ -44,6 +45,31 @@ TEST(HarmonicsTrials, DropADegreeThatGainsNothing) {
   EXPECT_EQ(run.steps.rays(), 2 * kFewestTrialSteps * 256);
   EXPECT_EQ(run.trials.state(), (HarmonicsState{.unlocked = 1, .judged = 1, .closed = 1}));
   EXPECT_FALSE(run.trials.Advance(1.0));
+}
+
+// A box that is lighter from one side.
+RadianceField BoxThatFollowsTheView() {
+  RadianceField box = WavyBox(0.2);
+  AttributeValues harmonics{HarmonicsAttribute(1), {}};
+  for (size_t i = 0; i < box.mesh.positions.size(); ++i) {
+    harmonics.values.insert(harmonics.values.end(), {0, 0, 0, 0, 0, 0, 0.3f, 0.3f, 0.3f});
+  }
+  box.others = {std::move(harmonics)};
+  return box;
+}
+
+TEST(HarmonicsTrials, KeepADegreeThatIsMissedAtOnceWithoutTraining) {
+  RadianceField box = BoxThatFollowsTheView();
+  HarmonicsTrialRun run(HarmonicsChoice::kAuto, box);
+  run.steps.CountTried(kFewestTrialSteps);
+  ASSERT_TRUE(run.trials.Advance(0.2));
+  const FieldState state = StateOf(box);
+  run.field.Put(std::move(box.mesh), state);
+  const uint64_t rays = run.steps.rays();
+  ASSERT_TRUE(run.trials.Advance(0.3));
+  EXPECT_EQ(run.trials.state(), (HarmonicsState{.unlocked = 1, .judged = 1}));
+  EXPECT_EQ(run.steps.rays(), rays);
+  EXPECT_EQ(run.field.ReadState().parameters, state.parameters);
 }
 
 TEST(HarmonicsTrials, AreHeldLaterIfTheRunIsStoppedMeanwhile) {

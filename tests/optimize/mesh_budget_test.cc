@@ -26,8 +26,8 @@ TEST(TetBudget, OfMemoryIsWhatThePredictionFitsIntoIt) {
   OptimizeOptions options;
   options.budget_mb = 500;
   const uint64_t tets = TetBudget(options, kPixels, kStartTets);
-  EXPECT_LE(PredictedPeakBytes(double(tets), kPixels), 500e6);
-  EXPECT_GT(PredictedPeakBytes(double(tets + 1), kPixels), 500e6);
+  EXPECT_LE(PredictedPeakBytes(options.harmonics, double(tets), kPixels), 500e6);
+  EXPECT_GT(PredictedPeakBytes(options.harmonics, double(tets + 1), kPixels), 500e6);
   EXPECT_LT(TetBudget(options, 2 * kPixels, kStartTets), tets);
 }
 
@@ -35,15 +35,21 @@ TEST(TetBudget, OfTooLittleMemoryIsRefusedWithWhatIsNeeded) {
   OptimizeOptions options;
   options.budget_mb = 100;
   ExpectError<UsageError>([&] { TetBudget(options, kPixels, kStartTets); },
-                          {"178 MB", "--budget-mb allows 100"});
+                          {"192 MB", "--budget-mb allows 100"});
 }
 
-// The largest and the smallest run on lego that the prediction was made for.
+// The largest and the smallest run on lego that the prediction was made for, and with degree 3 fox
+// and seven photos.
 TEST(PredictedPeakBytes, IsABoundOfWhatWasMeasured) {
-  EXPECT_GT(PredictedPeakBytes(991254, kPixels), 466e6);
-  EXPECT_LT(PredictedPeakBytes(991254, kPixels), 540e6);
-  EXPECT_GT(PredictedPeakBytes(271000, kPixels), 255e6);
-  EXPECT_LT(PredictedPeakBytes(271000, kPixels), 300e6);
+  EXPECT_GT(PredictedPeakBytes(HarmonicsChoice::kDegree2, 991254, kPixels), 466e6);
+  EXPECT_LT(PredictedPeakBytes(HarmonicsChoice::kDegree2, 991254, kPixels), 540e6);
+  EXPECT_GT(PredictedPeakBytes(HarmonicsChoice::kDegree2, 271000, kPixels), 255e6);
+  EXPECT_LT(PredictedPeakBytes(HarmonicsChoice::kDegree2, 271000, kPixels), 300e6);
+  for (const auto choice : {HarmonicsChoice::kDegree3, HarmonicsChoice::kAuto}) {
+    EXPECT_GT(PredictedPeakBytes(choice, 717000, 5572800), 448e6);
+    EXPECT_LT(PredictedPeakBytes(choice, 717000, 5572800), 480e6);
+    EXPECT_GT(PredictedPeakBytes(choice, 489739, 1209600), 344e6);
+  }
 }
 
 }  // namespace

@@ -22,9 +22,10 @@ inline OptimizeOptions SmallRunOptions() {
   return options;
 }
 
-// Photos of WavyBox from a ring of cameras.
-inline TrainingSet PhotosOfWavyBox(TrainingRenderer& renderer, size_t views, float density) {
-  renderer.SetField(WavyBox(0.4, density));
+// Photos of a field from a ring of cameras.
+inline TrainingSet PhotosFromAround(TrainingRenderer& renderer, size_t views,
+                                    const RadianceField& truth) {
+  renderer.SetField(truth);
   TrainingSet set;
   set.views = Ring(views);
   for (const RenderView& view : set.views) {
@@ -44,12 +45,12 @@ inline Scene SceneOfWavyBox() {
 // Its parts refer to each other, so it stays where it is.
 struct SmallRun {
   explicit SmallRun(const OptimizeOptions& run_options = SmallRunOptions(), size_t views = 5,
-                    float density = 20.0f)
+                    const RadianceField& truth = WavyBox(0.4))
       : options(run_options),
         renderer(CreateRenderer({.kind = RendererKind::kReference,
                                  .orientations = run_options.renderer.orientations,
                                  .pace = run_options.renderer.pace})),
-        pictures(options, PhotosOfWavyBox(*renderer, views, density), glm::vec3(0.0f), *renderer),
+        pictures(options, PhotosFromAround(*renderer, views, truth), glm::vec3(0.0f), *renderer),
         batches(options, pictures.set(), *renderer, glm::vec3(0.0f), "scene"),
         field(options, SceneOfWavyBox(), *renderer, batches),
         motion(options, field, *renderer, views),

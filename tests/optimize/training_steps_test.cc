@@ -90,7 +90,7 @@ TEST(TrainingSteps, LearnOpacityFromAlphaInFrontOfTheScenesBackground) {
     OptimizeOptions options = SmallRunOptions();
     options.background = background;
     options.density_decay = 0.0;
-    SmallRun run(options, 5, 0.5f);
+    SmallRun run(options, 5, WavyBox(0.4, 0.5f));
     RadianceField black = WavyBox(0.4, 20.0f);
     std::fill(black.color_srgb.begin(), black.color_srgb.end(), glm::vec3(0.0f));
     const FieldState start = StateOf(black);

@@ -36,7 +36,7 @@ bool IsInside(const glm::vec3& position) {
 
 struct MovingRun : SmallRun {
   explicit MovingRun(MoveChoice move = MoveChoice::kSafe, const DevicePace& pace = {})
-      : SmallRun(MovingOptions(move, pace), 5, kDensity) {
+      : SmallRun(MovingOptions(move, pace), 5, WavyBox(0.4, kDensity)) {
     motion.StartIfDue(1.0);
   }
 
@@ -154,7 +154,7 @@ TEST(VertexMotion, NothingEntersTheSpaceOfTheCameras) {
   for (const FieldStorage storage : {FieldStorage::kVertex, FieldStorage::kCell}) {
     const Scene scene = RingOfCameras(12, 500);
     const std::vector<Capsule> space = FindCameraSpace(scene);
-    SmallRun run(MovingOptions(MoveChoice::kSafe), 5, kDensity);
+    SmallRun run(MovingOptions(MoveChoice::kSafe), 5, WavyBox(0.4, kDensity));
     OptimizeOptions options = run.options;
     options.camera_space = SpaceContent::kEmpty;
     FittedField field(options, scene, *run.renderer, run.batches);
@@ -273,7 +273,7 @@ TEST(VertexMotion, BeginsAnewOnAMeshThatItDoesNotKnow) {
 
 TEST(VertexMotion, StartsOnceTheFieldIsNoLongerCoarse) {
   for (const MoveChoice move : {MoveChoice::kSafe, MoveChoice::kOff}) {
-    SmallRun run(MovingOptions(move), 5, kDensity);
+    SmallRun run(MovingOptions(move), 5, WavyBox(0.4, kDensity));
     run.motion.StartIfDue(0.04);
     EXPECT_FALSE(run.motion.has_started());
     run.motion.StartIfDue(0.05);
