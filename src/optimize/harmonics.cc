@@ -13,7 +13,7 @@ namespace {
 
 // The growth of a run at which degrees 1, 2 and 3 are unlocked, and at which the first two are
 // judged, before the judging pictures are learned (ScheduleOptions::last_judging).
-constexpr std::array<double, 3> kUnlock = {0.15, 0.35, 0.5};
+constexpr std::array<double, kHighestDegree> kUnlock = {0.15, 0.35, 0.5};
 constexpr std::array<double, 2> kJudge = {0.3, 0.47};
 
 // Degree 3 follows a degree 2 that stays, and is not judged: what it gains shows only by the end of
@@ -32,13 +32,19 @@ std::array<double, 15> MeanHarmonics(const glm::dvec3& place, std::span<const gl
 
 }  // namespace
 
-HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& state,
+uint32_t HighestAutoDegree(size_t photos) {
+  uint32_t degree = 0;
+  while (degree < kHighestDegree && photos >= size_t(degree + 2) * (degree + 2)) ++degree;
+  return degree;
+}
+
+HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, size_t photos, const HarmonicsState& state,
                                 double growth) {
   const bool judges = choice == HarmonicsChoice::kAuto;
   if (judges && state.unlocked > state.judged && state.unlocked <= kMostJudgedDegree) {
     return growth >= kJudge[state.unlocked - 1] ? HarmonicsStep::kJudge : HarmonicsStep::kNone;
   }
-  const uint32_t most = judges ? uint32_t(kUnlock.size()) : uint32_t(choice);
+  const uint32_t most = judges ? HighestAutoDegree(photos) : uint32_t(choice);
   if (state.closed != 0 || state.unlocked >= most) return HarmonicsStep::kNone;
   return growth >= kUnlock[state.unlocked] ? HarmonicsStep::kUnlock : HarmonicsStep::kNone;
 }

@@ -6,6 +6,7 @@
 #include "field/field_state.h"
 #include "optimize/photo_sight.h"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace tetrec {
@@ -33,9 +34,16 @@ struct HarmonicsState {
   bool operator==(const HarmonicsState&) const = default;
 };
 
+inline constexpr uint32_t kHighestDegree = 3;
+
+// The degree up to which kAuto may go: harmonics of degree d are (d + 1)^2 functions of the view,
+// and as many training photos or more must determine their coefficients.
+uint32_t HighestAutoDegree(size_t photos);
+
 // What is due at a growth of the run (schedule.h).
 enum class HarmonicsStep { kNone, kUnlock, kJudge };
-HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, const HarmonicsState& state, double growth);
+HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, size_t photos, const HarmonicsState& state,
+                                double growth);
 
 // A degree stays if the judging pictures gain more than 0.05 dB by it, and if their mean squared
 // error falls by more than one step of 8 bits, squared. `with` and `without`: their PSNR [dB].

@@ -5,12 +5,13 @@
 #include "optimize/field_trial.h"
 #include "render/seen_colors.h"
 
+#include <optional>
 #include <utility>
 
 namespace tetrec {
 
 bool HarmonicsTrials::Advance(double growth) {
-  switch (NextHarmonicsStep(options_.harmonics, state_, growth)) {
+  switch (NextHarmonicsStep(options_.harmonics, photos(), state_, growth)) {
     case HarmonicsStep::kNone:
       return false;
     case HarmonicsStep::kUnlock:
@@ -43,6 +44,19 @@ bool HarmonicsTrials::Judge() {
     state_.judged = state_.unlocked;
     return true;
   }
+  const std::optional<bool> stays = HighestDegreeStays();
+  if (!stays) return false;
+  state_.judged = state_.unlocked;
+  if (!*stays) {
+    state_.closed = 1;
+  } else if (state_.unlocked == HighestAutoDegree(photos()) && state_.unlocked < kHighestDegree) {
+    LogInfo("harmonics end at degree {}: {} training photos are too few for more", state_.unlocked,
+            photos());
+  }
+  return true;
+}
+
+std::optional<bool> HarmonicsTrials::HighestDegreeStays() {
   const int degree = field_.harmonics_degree();
   const uint64_t steps = TrialSteps(steps_.iteration());
   FieldTrial trial(field_, steps_, steps);
@@ -54,26 +68,23 @@ bool HarmonicsTrials::Judge() {
   if (IsWorthHarmonics(now, taken_away)) {
     LogInfo("judging pictures: {:.2f} dB with harmonics of degree {}, {:.2f} dB without: they stay",
             now, degree, taken_away);
-    state_.judged = state_.unlocked;
     return true;
   }
-  if (!trial.Train()) return false;
+  if (!trial.Train()) return {};
   const double with = pictures_.JudgeField().psnr;
-  if (!trial.TrainFrom(simpler)) return false;
+  if (!trial.TrainFrom(simpler)) return {};
   const double without = pictures_.JudgeField().psnr;
   const bool stays = IsWorthHarmonics(with, without);
   LogInfo(
       "judging pictures after {} steps: {:.2f} dB with harmonics of degree {}, {:.2f} dB without: "
       "{}",
       steps, with, degree, without, stays ? "they stay" : "they are dropped");
-  state_.judged = state_.unlocked;
   if (stays) {
     trial.TakeBack();
   } else {
-    state_.closed = 1;
     field_.PutState(std::move(simpler));
   }
-  return true;
+  return stays;
 }
 
 }  // namespace tetrec

@@ -8,7 +8,9 @@
 #include "optimize/training_pictures.h"
 #include "optimize/training_steps.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace tetrec {
 
@@ -28,6 +30,10 @@ class HarmonicsTrials {
  private:
   void Unlock();
   bool Judge();
+  // Takes the degree away if it does not stay. Empty, with the field as it was, if the run is asked
+  // to stop meanwhile.
+  std::optional<bool> HighestDegreeStays();
+  size_t photos() const { return pictures_.set().views.size(); }
 
   const OptimizeOptions& options_;
   FittedField& field_;

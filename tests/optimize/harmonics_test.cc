@@ -42,12 +42,12 @@ Scene ViewsFrom(const std::vector<glm::dvec3>& eyes, const glm::dvec3& target) {
   return scene;
 }
 
-// The steps of a run, in order, in which every judged degree stays.
-std::vector<HarmonicsStep> StepsOf(HarmonicsChoice choice, bool stays) {
+// The steps of a run, in order, in which every judged degree stays or none.
+std::vector<HarmonicsStep> StepsOf(HarmonicsChoice choice, bool stays, size_t photos = 100) {
   std::vector<HarmonicsStep> steps;
   HarmonicsState state;
   for (double progress = 0; progress < 1; progress += 0.01) {
-    const HarmonicsStep step = NextHarmonicsStep(choice, state, progress);
+    const HarmonicsStep step = NextHarmonicsStep(choice, photos, state, progress);
     if (step == HarmonicsStep::kNone) continue;
     steps.push_back(step);
     if (step == HarmonicsStep::kUnlock) ++state.unlocked;
@@ -72,6 +72,17 @@ TEST(Harmonics, AreUnlockedUpToTheChosenDegree) {
   EXPECT_EQ(StepsOf(HarmonicsChoice::kAuto, true),
             (Steps{kUnlock, kJudge, kUnlock, kJudge, kUnlock}));
   EXPECT_EQ(StepsOf(HarmonicsChoice::kAuto, false), (Steps{kUnlock, kJudge}));
+}
+
+TEST(Harmonics, HaveNoMoreFunctionsThanThereArePhotosUnlessTheyAreAskedFor) {
+  using enum HarmonicsStep;
+  using Steps = std::vector<HarmonicsStep>;
+  EXPECT_EQ(HighestAutoDegree(3), 0u);
+  EXPECT_EQ(HighestAutoDegree(4), 1u);
+  EXPECT_EQ(HighestAutoDegree(15), 2u);
+  EXPECT_EQ(HighestAutoDegree(1000), 3u);
+  EXPECT_EQ(StepsOf(HarmonicsChoice::kAuto, true, 15), (Steps{kUnlock, kJudge, kUnlock, kJudge}));
+  EXPECT_EQ(StepsOf(HarmonicsChoice::kDegree3, true, 4), (Steps{kUnlock, kUnlock, kUnlock}));
 }
 
 TEST(Harmonics, LeaveTheColoursThatASingleViewSaw) {
