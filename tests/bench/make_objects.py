@@ -13,26 +13,22 @@ The same kind always gives the same pictures. Needs python3-numpy and ffmpeg; al
 minutes on two cores.
 Exit codes: 0 done, 2 wrong command line, 4 a program is missing.
 """
-import argparse
 import dataclasses
 import json
 import math
 import multiprocessing
-import pathlib
-import shutil
 import subprocess
-import sys
 
 import numpy as np
 
-from make_scenes import FAR, SUN, Ball, Box, blotchy, cloudy, nearest, srgb, unit
+from make_scenes import FAR, SUN, Ball, Box, blotchy, cloudy, nearest, read_command_line, srgb, unit
 
-SIDE = 200             # of a picture, in pixels
-RAYS = 2               # per pixel side
+SIDE = 200                 # of a picture, in pixels
+RAYS = 2                   # per pixel side
 ANGLE_OF_VIEW = 0.6911112  # along the width, as in NeRF-synthetic [rad]
-REACH = 4.03           # of the cameras from the origin, as there
+REACH = 4.03               # of the cameras from the origin, as there
 VIEWS = {"train": 100, "val": 2, "test": 20}
-LAYERS = 8             # of panes that a ray passes at most
+LAYERS = 8                 # of panes that a ray passes at most
 LAMPS = [unit(SUN), unit(np.array([-0.7, 0.2, 0.6])), unit(np.array([0.1, 0.9, 0.4]))]
 
 
@@ -227,23 +223,13 @@ def write_split(out, split, pool):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("out", type=pathlib.Path)
-    parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(KINDS)} (default: all)")
-    options = parser.parse_args()
-    for kind in options.kinds:
-        if kind not in KINDS:
-            parser.error(f"{kind}: not one of {', '.join(KINDS)}")
-    if not shutil.which("ffmpeg"):
-        print("ffmpeg is missing; install the package ffmpeg", file=sys.stderr)
-        return 4
+    out, kinds = read_command_line(__doc__, KINDS)
     with multiprocessing.Pool() as pool:
-        for kind in options.kinds or KINDS:
+        for kind in kinds:
             for split in VIEWS:
-                write_split(options.out / kind, split, pool)
-            print(f"{options.out / kind}: {sum(VIEWS.values())} pictures")
-    return 0
+                write_split(out / kind, split, pool)
+            print(f"{out / kind}: {sum(VIEWS.values())} pictures")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -442,28 +442,33 @@ def photo(job):
     return develop(world.light(*camera.rays()), exposure, [list(KINDS).index(kind), index])
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def read_command_line(doc, known):
+    """The output folder, and the kinds that are asked for: all that are known if none is."""
+    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=pathlib.Path)
-    parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(KINDS)} (default: all)")
+    parser.add_argument("kinds", nargs="*", metavar="KIND", help=f"of {', '.join(known)} (default: all)")
     options = parser.parse_args()
     for kind in options.kinds:
-        if kind not in KINDS:
-            parser.error(f"{kind}: not one of {', '.join(KINDS)}")
+        if kind not in known:
+            parser.error(f"{kind}: not one of {', '.join(known)}")
     if not shutil.which("ffmpeg"):
         print("ffmpeg is missing; install the package ffmpeg", file=sys.stderr)
-        return 4
+        sys.exit(4)
+    return options.out, options.kinds or list(known)
+
+
+def main():
+    out, kinds = read_command_line(__doc__, KINDS)
     with multiprocessing.Pool() as pool:
-        for kind in options.kinds or KINDS:
-            folder = options.out / kind
+        for kind in kinds:
+            folder = out / kind
             folder.mkdir(parents=True, exist_ok=True)
             photos = pool.map(photo, [(kind, i) for i in range(len(KINDS[kind]()))], chunksize=1)
             subprocess.run(["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgb24",
                             "-video_size", f"{SIZE[0]}x{SIZE[1]}", "-i", "-", "-q:v", "2", str(folder / "%04d.jpg")],
                            input=b"".join(p.tobytes() for p in photos), check=True)
             print(f"{folder}: {len(photos)} photos")
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()
