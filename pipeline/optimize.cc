@@ -115,7 +115,7 @@ void AddOptions(tetrec::StageCommand& command, tetrec::OptimizeOptions& options)
   tetrec::AddWordOption(
       app, "--sh", options.harmonics,
       "Degree of spherical harmonics by which colours depend on the view: 0 (they do not) to 3, or "
-      "auto (as many as the judging pictures gain from)");
+      "auto (1 and 2 if the judging pictures gain, then 3; no more than the photos determine)");
   tetrec::AddWordOption(
       app, "--fine-rays", options.fine_rays,
       "2 x 2 rays per pixel, whose mean is compared with the photo, in the last quarter of a run "

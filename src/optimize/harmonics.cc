@@ -13,12 +13,8 @@ namespace {
 
 // The growth of a run at which degrees 1, 2 and 3 are unlocked, and at which the first two are
 // judged, before the judging pictures are learned (ScheduleOptions::last_judging).
-constexpr std::array<double, kHighestDegree> kUnlock = {0.15, 0.35, 0.5};
+constexpr std::array<double, kMostHarmonicsDegree> kUnlock = {0.15, 0.35, 0.5};
 constexpr std::array<double, 2> kJudge = {0.3, 0.47};
-
-// Degree 3 follows a degree 2 that stays, and is not judged: what it gains shows only by the end of
-// a run, not in a trial of a few steps.
-constexpr uint32_t kMostJudgedDegree = kJudge.size();
 
 // The mean of each function over the directions from which the cameras look at a place.
 std::array<double, 15> MeanHarmonics(const glm::dvec3& place, std::span<const glm::dvec3> centers) {
@@ -32,20 +28,24 @@ std::array<double, 15> MeanHarmonics(const glm::dvec3& place, std::span<const gl
 
 }  // namespace
 
-uint32_t HighestAutoDegree(size_t photos) {
+uint32_t HighestDegree(HarmonicsChoice choice, size_t photos) {
+  if (choice != HarmonicsChoice::kAuto) return uint32_t(choice);
   uint32_t degree = 0;
-  while (degree < kHighestDegree && photos >= size_t(degree + 2) * (degree + 2)) ++degree;
+  while (degree < kUnlock.size() && photos >= size_t(degree + 2) * (degree + 2)) ++degree;
   return degree;
 }
 
+bool IsJudged(uint32_t degree) { return degree <= kJudge.size(); }
+
 HarmonicsStep NextHarmonicsStep(HarmonicsChoice choice, size_t photos, const HarmonicsState& state,
                                 double growth) {
-  const bool judges = choice == HarmonicsChoice::kAuto;
-  if (judges && state.unlocked > state.judged && state.unlocked <= kMostJudgedDegree) {
+  if (choice == HarmonicsChoice::kAuto && state.unlocked > state.judged &&
+      IsJudged(state.unlocked)) {
     return growth >= kJudge[state.unlocked - 1] ? HarmonicsStep::kJudge : HarmonicsStep::kNone;
   }
-  const uint32_t most = judges ? HighestAutoDegree(photos) : uint32_t(choice);
-  if (state.closed != 0 || state.unlocked >= most) return HarmonicsStep::kNone;
+  if (state.closed != 0 || state.unlocked >= HighestDegree(choice, photos)) {
+    return HarmonicsStep::kNone;
+  }
   return growth >= kUnlock[state.unlocked] ? HarmonicsStep::kUnlock : HarmonicsStep::kNone;
 }
 

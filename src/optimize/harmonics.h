@@ -17,7 +17,7 @@ enum class HarmonicsChoice {
   kDegree1,
   kDegree2,
   kDegree3,
-  kAuto,  // as many degrees as the judging pictures gain from
+  kAuto,  // 1 and 2 where the judging pictures gain, and 3 after them
 };
 template <>
 inline constexpr auto kWords<HarmonicsChoice> =
@@ -34,11 +34,13 @@ struct HarmonicsState {
   bool operator==(const HarmonicsState&) const = default;
 };
 
-inline constexpr uint32_t kHighestDegree = 3;
+// The degree that a run may reach. Harmonics up to degree d are (d + 1)^2 functions of the view;
+// with kAuto there must be at least as many training photos to determine their coefficients.
+uint32_t HighestDegree(HarmonicsChoice choice, size_t photos);
 
-// The degree up to which kAuto may go: harmonics of degree d are (d + 1)^2 functions of the view,
-// and as many training photos or more must determine their coefficients.
-uint32_t HighestAutoDegree(size_t photos);
+// Whether kAuto judges a degree. Degree 3 follows a degree 2 that stays, and is not judged: most of
+// what it gains shows only by the end of a run, not in a trial of a few steps.
+bool IsJudged(uint32_t degree);
 
 // What is due at a growth of the run (schedule.h).
 enum class HarmonicsStep { kNone, kUnlock, kJudge };
@@ -51,7 +53,8 @@ bool IsWorthHarmonics(double with, double without);
 
 // A degree that the judging pictures miss as soon as it is taken away stays. For any other, the
 // field is trained on with it and without it for TrialSteps, because colours that replace it must
-// first become the means of what they were from all sides, and a young degree has noise.
+// first become the means of what they were from all sides, and the coefficients of a degree are
+// noisy soon after it was unlocked.
 
 // The state without its highest degree, whose mean over the photos that see a place, or over all if
 // none does, goes to the colour there.

@@ -24,12 +24,12 @@ bool HarmonicsTrials::Advance(double growth) {
 }
 
 void HarmonicsTrials::Unlock() {
-  if (options_.harmonics == HarmonicsChoice::kAuto) {
+  if (options_.harmonics == HarmonicsChoice::kAuto && IsJudged(state_.unlocked + 1)) {
     const char* why_not = pictures_.learns_all() ? "no judging pictures are kept that could tell"
                           : steps_.iteration() < kFewestTrialSteps ? "the run is too short to tell"
                                                                    : nullptr;
     if (why_not != nullptr) {
-      LogInfo("colours do not depend on the view: {}", why_not);
+      LogInfo("harmonics end at degree {}: {}", state_.unlocked, why_not);
       state_.closed = 1;
       return;
     }
@@ -49,7 +49,7 @@ bool HarmonicsTrials::Judge() {
   state_.judged = state_.unlocked;
   if (!*stays) {
     state_.closed = 1;
-  } else if (state_.unlocked == HighestAutoDegree(photos()) && state_.unlocked < kHighestDegree) {
+  } else if (state_.unlocked == HighestDegree(options_.harmonics, photos())) {
     LogInfo("harmonics end at degree {}: {} training photos are too few for more", state_.unlocked,
             photos());
   }

@@ -11,36 +11,27 @@
 namespace tetrec {
 namespace {
 
-constexpr double kFixedBytes = 150e6, kBytesPerPixel = 10;
+constexpr double kFixedBytes = 145e6, kBytesPerPixel = 14;
 
-double BytesPerTet(HarmonicsChoice harmonics) {
-  const bool may_reach_degree_3 =
-      harmonics == HarmonicsChoice::kDegree3 || harmonics == HarmonicsChoice::kAuto;
-  return may_reach_degree_3 ? 380 : 330;
-}
-
-uint64_t TetsWithin(const OptimizeOptions& options, uint64_t pixels) {
-  const double room =
-      double(options.budget_mb) * 1e6 - PredictedPeakBytes(options.harmonics, 0, pixels);
-  return uint64_t(std::max(0.0, room) / BytesPerTet(options.harmonics));
-}
+double BytesPerTet(uint32_t harmonics_degree) { return harmonics_degree < 3 ? 330 : 380; }
 
 }  // namespace
 
-double PredictedPeakBytes(HarmonicsChoice harmonics, double tets, uint64_t pixels) {
-  return kFixedBytes + kBytesPerPixel * double(pixels) + BytesPerTet(harmonics) * tets;
+double PredictedPeakBytes(uint32_t harmonics_degree, double tets, uint64_t pixels) {
+  return kFixedBytes + kBytesPerPixel * double(pixels) + BytesPerTet(harmonics_degree) * tets;
 }
 
-uint64_t TetBudget(const OptimizeOptions& options, uint64_t pixels, uint64_t start_tets) {
+uint64_t TetBudget(const OptimizeOptions& options, const TrainingSet& set, uint64_t start_tets) {
   if (options.budget_mb > 0) {
-    const uint64_t tets = TetsWithin(options, pixels);
+    const uint32_t degree = HighestDegree(options.harmonics, set.views.size());
+    const double room = double(options.budget_mb) * 1e6 - PredictedPeakBytes(degree, 0, set.pixels);
+    const auto tets = uint64_t(std::max(0.0, room) / BytesPerTet(degree));
     if (tets >= start_tets) return tets;
     throw UsageError(fmt::format(
         "the start mesh with {} tets and {} training pixels needs about {:.0f} MB, and "
         "--budget-mb allows {}: allow more, or import smaller pictures or start coarser",
-        WithThousands(start_tets), WithThousands(pixels),
-        PredictedPeakBytes(options.harmonics, double(start_tets), pixels) / 1e6,
-        options.budget_mb));
+        WithThousands(start_tets), WithThousands(set.pixels),
+        PredictedPeakBytes(degree, double(start_tets), set.pixels) / 1e6, options.budget_mb));
   }
   if (options.budget_tets == 0) return kNoBudget;
   if (options.budget_tets >= start_tets) return options.budget_tets;

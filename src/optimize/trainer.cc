@@ -69,7 +69,7 @@ class Trainer {
         scene_(scene),
         stage_(stage),
         affording_pixels_(AffordingPixels(set, start)),
-        max_tets_(TetBudget(options, set.pixels, start.tets.size())),
+        max_tets_(TetBudget(options, set, start.tets.size())),
         renderer_(CreateRenderer(RendererOptionsOf(options))),
         length_(LengthOf(options, renderer_->Pace(), affording_pixels_, max_tets_)),
         max_vertices_(MaxVertices(options, length_, affording_pixels_, max_tets_)),
@@ -137,9 +137,10 @@ class Trainer {
             WithThousands(batches_.rays_per_step()), WithThousands(max_vertices_));
     stage_.Count("rays_per_step", uint64_t(batches_.rays_per_step()));
     if (max_tets_ != kNoBudget) {
-      LogInfo(
-          "the budget allows {} tets; predicted peak of memory {:.0f} MB", WithThousands(max_tets_),
-          PredictedPeakBytes(options_.harmonics, double(max_tets_), pictures_.set().pixels) / 1e6);
+      const uint32_t degree = HighestDegree(options_.harmonics, pictures_.set().views.size());
+      LogInfo("the budget allows {} tets; predicted peak of memory {:.0f} MB",
+              WithThousands(max_tets_),
+              PredictedPeakBytes(degree, double(max_tets_), pictures_.set().pixels) / 1e6);
     }
     if (options_.max_vertices > 0 && options_.max_vertices < start.positions.size()) {
       LogWarning(

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders objects with known cameras in the format of NeRF-synthetic, of kinds that lego is not.
+"""Renders objects with known cameras in the format of NeRF-synthetic, unlike its lego.
 
   tests/bench/make_objects.py OUT [KIND ...]
 

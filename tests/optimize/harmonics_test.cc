@@ -42,7 +42,7 @@ Scene ViewsFrom(const std::vector<glm::dvec3>& eyes, const glm::dvec3& target) {
   return scene;
 }
 
-// The steps of a run, in order, in which every judged degree stays or none.
+// The steps of a run, in order, in which every judged degree stays, or none does.
 std::vector<HarmonicsStep> StepsOf(HarmonicsChoice choice, bool stays, size_t photos = 100) {
   std::vector<HarmonicsStep> steps;
   HarmonicsState state;
@@ -77,10 +77,10 @@ TEST(Harmonics, AreUnlockedUpToTheChosenDegree) {
 TEST(Harmonics, HaveNoMoreFunctionsThanThereArePhotosUnlessTheyAreAskedFor) {
   using enum HarmonicsStep;
   using Steps = std::vector<HarmonicsStep>;
-  EXPECT_EQ(HighestAutoDegree(3), 0u);
-  EXPECT_EQ(HighestAutoDegree(4), 1u);
-  EXPECT_EQ(HighestAutoDegree(15), 2u);
-  EXPECT_EQ(HighestAutoDegree(1000), 3u);
+  EXPECT_EQ(HighestDegree(HarmonicsChoice::kAuto, 3), 0u);
+  EXPECT_EQ(HighestDegree(HarmonicsChoice::kAuto, 4), 1u);
+  EXPECT_EQ(HighestDegree(HarmonicsChoice::kAuto, 15), 2u);
+  EXPECT_EQ(HighestDegree(HarmonicsChoice::kAuto, 1000), 3u);
   EXPECT_EQ(StepsOf(HarmonicsChoice::kAuto, true, 15), (Steps{kUnlock, kJudge, kUnlock, kJudge}));
   EXPECT_EQ(StepsOf(HarmonicsChoice::kDegree3, true, 4), (Steps{kUnlock, kUnlock, kUnlock}));
 }

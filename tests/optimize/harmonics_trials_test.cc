@@ -2,6 +2,7 @@
 
 #include "core/stop_request.h"
 #include "optimize/small_run.h"
+#include "render/seen_colors.h"
 
 #include <gtest/gtest.h>
 
@@ -18,8 +19,9 @@ OptimizeOptions WithChoice(HarmonicsChoice choice) {
 }
 
 struct HarmonicsTrialRun : SmallRun {
-  explicit HarmonicsTrialRun(HarmonicsChoice choice, const RadianceField& truth = WavyBox(0.4))
-      : SmallRun(WithChoice(choice), 5, truth) {}
+  explicit HarmonicsTrialRun(HarmonicsChoice choice, const RadianceField& truth = WavyBox(0.4),
+                             size_t photos = 9)  // as many as degree 2 needs
+      : SmallRun(WithChoice(choice), photos, truth) {}
   HarmonicsTrials trials{options, field, pictures, steps};
 };
 
@@ -97,6 +99,27 @@ TEST(HarmonicsTrials, UnlockNothingWhereNothingCanJudge) {
   EXPECT_TRUE(run.trials.Advance(1.0));
   EXPECT_EQ(run.field.harmonics_degree(), 0);
   EXPECT_FALSE(run.trials.Advance(1.0));
+}
+
+// Only degrees that are judged need pictures that judge, and none has more functions than there are
+// photos.
+TEST(HarmonicsTrials, UnlockTheRestAfterTheJudgingPictures) {
+  HarmonicsTrialRun run(HarmonicsChoice::kAuto);
+  run.steps.CountTried(kFewestTrialSteps);
+  ASSERT_TRUE(run.trials.Advance(0.2));
+  run.pictures.EndJudgingIfDue(1.0);
+  ASSERT_TRUE(run.trials.Advance(0.3));  // too late to judge: it stays
+  ASSERT_TRUE(run.trials.Advance(0.4));
+  EXPECT_EQ(run.trials.state(), (HarmonicsState{.unlocked = 1, .judged = 1, .closed = 1}));
+
+  run.trials.Resume({.unlocked = 2, .judged = 2});
+  EXPECT_FALSE(run.trials.Advance(1.0));
+  HarmonicsTrialRun many(HarmonicsChoice::kAuto, WavyBox(0.4), 16);
+  many.field.PutState(WithHarmonics(many.field.ReadState(), 2));
+  many.trials.Resume({.unlocked = 2, .judged = 2});
+  many.pictures.EndJudgingIfDue(1.0);
+  EXPECT_TRUE(many.trials.Advance(1.0));
+  EXPECT_EQ(many.field.harmonics_degree(), 3);
 }
 
 // The trial would be longer than the run.

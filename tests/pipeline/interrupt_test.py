@@ -226,7 +226,7 @@ class InterruptTest(StageCase):
                    "--time-limit", 0, "--iterations", 280, "--rays", 512, "--sh", "auto")
         whole, resumed = self.folder / "run" / "whole", self.folder / "run" / "resumed"
         self.assert_done(self.run_stage(*command, "-o", whole))
-        # Between the unlocking of the first degree (15 %) and the trial that it passes (30 %).
+        # Between the unlocking of the first degree (15 %) and its judgement (30 %).
         self.interrupt_and_resume(resumed, command, rows=8)
         self.assertGreaterEqual(self.manifest(whole)["counts"]["harmonics_degree"], 1)
         self.assertEqual(hashes(resumed)["field.tetf"], hashes(whole)["field.tetf"])
