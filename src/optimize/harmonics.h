@@ -17,7 +17,7 @@ enum class HarmonicsChoice {
   kDegree1,
   kDegree2,
   kDegree3,
-  kAuto,  // 1 and 2 where the judging pictures gain, and 3 after them
+  kAuto,  // as many degrees as pay (IsJudged) and as the photos determine (HighestDegree)
 };
 template <>
 inline constexpr auto kWords<HarmonicsChoice> =
@@ -38,8 +38,9 @@ struct HarmonicsState {
 // with kAuto there must be at least as many training photos to determine their coefficients.
 uint32_t HighestDegree(HarmonicsChoice choice, size_t photos);
 
-// Whether kAuto judges a degree. Degree 3 follows a degree 2 that stays, and is not judged: most of
-// what it gains shows only by the end of a run, not in a trial of a few steps.
+// With kAuto, the judging pictures decide whether degrees 1 and 2 stay. Degree 3 is added once
+// degree 2 stays, without a judgement: a short trial shows little of what it gains by the end of a
+// run.
 bool IsJudged(uint32_t degree);
 
 // What is due at a growth of the run (schedule.h).

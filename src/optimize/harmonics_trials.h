@@ -1,5 +1,5 @@
 // View-dependent colour in a run: degrees of harmonics are unlocked one after another, and with
-// HarmonicsChoice::kAuto the judging pictures decide whether the last one stays.
+// HarmonicsChoice::kAuto the judging pictures decide which stay.
 #pragma once
 
 #include "optimize/fitted_field.h"
