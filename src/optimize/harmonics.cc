@@ -28,10 +28,12 @@ std::array<double, 15> MeanHarmonics(const glm::dvec3& place, std::span<const gl
 
 }  // namespace
 
+size_t PhotosForDegree(uint32_t degree) { return size_t(degree + 1) * (degree + 1); }
+
 uint32_t HighestDegree(HarmonicsChoice choice, size_t photos) {
   if (choice != HarmonicsChoice::kAuto) return uint32_t(choice);
   uint32_t degree = 0;
-  while (degree < kUnlock.size() && photos >= size_t(degree + 2) * (degree + 2)) ++degree;
+  while (degree < kUnlock.size() && photos >= PhotosForDegree(degree + 1)) ++degree;
   return degree;
 }
 

@@ -34,8 +34,11 @@ struct HarmonicsState {
   bool operator==(const HarmonicsState&) const = default;
 };
 
-// The degree that a run may reach. Harmonics up to degree d are (d + 1)^2 functions of the view;
-// with kAuto there must be at least as many training photos to determine their coefficients.
+// The training photos that determine the coefficients of harmonics up to this degree: as many as
+// there are functions of the view.
+size_t PhotosForDegree(uint32_t degree);
+
+// The degree that a run may reach; with kAuto, as far as the photos determine it (PhotosForDegree).
 uint32_t HighestDegree(HarmonicsChoice choice, size_t photos);
 
 // With kAuto, the judging pictures decide whether degrees 1 and 2 stay. Degree 3 is added once

@@ -47,12 +47,7 @@ bool HarmonicsTrials::Judge() {
   const std::optional<bool> stays = HighestDegreeStays();
   if (!stays) return false;
   state_.judged = state_.unlocked;
-  if (!*stays) {
-    state_.closed = 1;
-  } else if (state_.unlocked == HighestDegree(options_.harmonics, photos())) {
-    LogInfo("harmonics end at degree {}: {} training photos are too few for more", state_.unlocked,
-            photos());
-  }
+  if (!*stays) state_.closed = 1;
   return true;
 }
 

@@ -136,8 +136,12 @@ class Trainer {
             renderer_->DescribeDevice()["name"].get<std::string>(),
             WithThousands(batches_.rays_per_step()), WithThousands(max_vertices_));
     stage_.Count("rays_per_step", uint64_t(batches_.rays_per_step()));
+    const uint32_t degree = HighestDegree(options_.harmonics, pictures_.set().views.size());
+    if (options_.harmonics == HarmonicsChoice::kAuto && degree < kMostHarmonicsDegree) {
+      LogInfo("harmonics of degree {} or more are left out: they need {} training photos",
+              degree + 1, PhotosForDegree(degree + 1));
+    }
     if (max_tets_ != kNoBudget) {
-      const uint32_t degree = HighestDegree(options_.harmonics, pictures_.set().views.size());
       LogInfo("the budget allows {} tets; predicted peak of memory {:.0f} MB",
               WithThousands(max_tets_),
               PredictedPeakBytes(degree, double(max_tets_), pictures_.set().pixels) / 1e6);

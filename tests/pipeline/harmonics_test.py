@@ -18,6 +18,12 @@ class HarmonicsTest(StageCase):
         self.assert_done(self.run_stage("optimize", self.tiny_tetrahedra(paint=uniform), "-o", field, *AUTO))
         self.assertEqual(self.degree(field), 0)
 
+    def test_photos_too_few_for_harmonics_are_logged(self):
+        tetrahedra = self.tiny_tetrahedra(paint=by_direction, train=3)
+        run = self.run_stage("optimize", tetrahedra, "-o", self.folder / "run" / "3_field", *AUTO)
+        self.assert_done(run)
+        self.assertIn("harmonics of degree 1 or more are left out: they need 4 training photos", run.stderr)
+
     def test_a_ball_whose_colour_follows_the_camera_gets_harmonics_that_render(self):
         field, views = self.folder / "run" / "3_field", self.folder / "run" / "4_views"
         tetrahedra = self.tiny_tetrahedra(paint=by_direction)
