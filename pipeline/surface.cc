@@ -8,7 +8,7 @@
 
 int main(int argc, char** argv) {
   tetrec::StageCommand command(
-      "surface", 21,
+      "surface", 22,
       "Extracts the surface of a field, with vertex colours and a texture, and writes it, and the "
       "field if asked "
       "for, in formats of other programs. The files have the run's world as coordinates: z is up, "

@@ -66,14 +66,27 @@ double DepthAt(const SeenDepth& view, const glm::dvec2& pixel, double jump) {
   return nearest == kNoDepth ? std::numeric_limits<double>::infinity() : nearest;
 }
 
+// How far the ray through a pixel is known to be free, if the rest of it is not known.
+std::optional<double> FreeUntil(const SeenDepth& view, const glm::dvec2& pixel) {
+  const DepthMap& map = view.free_until;
+  if (map.depth.empty()) return std::nullopt;
+  const float depth = map.At(std::clamp(int(pixel.x), 0, map.width - 1),
+                             std::clamp(int(pixel.y), 0, map.height - 1));
+  return depth == kNoDepth ? std::nullopt : std::optional(double(depth));
+}
+
 // How far a point is behind where the ray through it is stopped, in bands. Nothing if it is outside
-// of the image.
+// of the image, or where the ray is not known.
 std::optional<double> BandsBehind(const glm::dvec3& point_in_world, const SeenDepth& view) {
   const glm::dvec3 in_cam = view.cam_from_world * point_in_world;
   if (!view.camera.Shows(in_cam)) return std::nullopt;
+  const glm::dvec2 pixel = view.camera.ImageFromCam(in_cam);
+  if (const std::optional<double> free = FreeUntil(view, pixel)) {
+    return in_cam.z < *free ? std::optional(-std::numeric_limits<double>::infinity())
+                            : std::nullopt;
+  }
   const double footprint = in_cam.z / view.camera.fx;
-  const double depth =
-      DepthAt(view, view.camera.ImageFromCam(in_cam), kJumpOfDepths_px * footprint);
+  const double depth = DepthAt(view, pixel, kJumpOfDepths_px * footprint);
   return (in_cam.z - depth) / (kBand_px * footprint);
 }
 

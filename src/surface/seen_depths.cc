@@ -74,7 +74,8 @@ double FindSurfaceDepth(TrainingRenderer& renderer, std::span<const RenderView> 
 }
 
 SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_folder,
-                            const fs::path& field_folder, const DeviceOptions& device) {
+                            const fs::path& field_folder, const Bounds3& bounds_in_world,
+                            const DeviceOptions& device) {
   const Scene scene = ReadScene(scene_folder);
   RendererOptions options;
   options.device = device;
@@ -92,17 +93,24 @@ SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_fo
   Progress progress("depth", double(views.size()));
   for (size_t v = 0; v < views.size(); ++v) {
     ThrowIfStopRequested(kAfterASurfaceStop);
-    DepthMap depth = renderer->RenderDepth(views[v], seen.optical_depth);
-    seen.rays += depth.depth.size();
+    const DepthMap at_level = renderer->RenderDepth(views[v], seen.optical_depth);
+    const auto stopped_at = [&](double optical_depth) {
+      return optical_depth == seen.optical_depth ? at_level
+                                                 : renderer->RenderDepth(views[v], optical_depth);
+    };
+    const DepthMap first = stopped_at(kSurfaceDepths.front());
+    SeenDepth view{views[v].camera, views[v].cam_from_world, at_level, {}};
+    seen.rays += at_level.depth.size();
     if (const auto map = FindStereoDepth(start_folder, trained[v].index)) {
-      const auto stopped_at = [&](double optical_depth) {
-        return optical_depth == seen.optical_depth ? depth
-                                                   : renderer->RenderDepth(views[v], optical_depth);
-      };
-      const LossOfLight loss{stopped_at(kSurfaceDepths.front()), stopped_at(kSurfaceDepths.back())};
-      seen.confirmed_rays += UseConfirmedDepths(views[v].camera, *map, loss, depth);
+      const LossOfLight loss{first, stopped_at(kSurfaceDepths.back())};
+      seen.confirmed_rays += UseConfirmedDepths(view.camera, *map, loss, view.depth);
     }
-    seen.views.push_back({views[v].camera, views[v].cam_from_world, std::move(depth)});
+    // At the first level, no ray has lost some of its light without being stopped.
+    if (seen.optical_depth > kSurfaceDepths.front()) {
+      seen.passing_rays +=
+          MendPassingRays(bounds_in_world, first, stopped_at(kSurfaceDepths[1]), view);
+    }
+    seen.views.push_back(std::move(view));
     progress.Update(double(v + 1), trained[v].name);
   }
   return seen;

@@ -7,6 +7,7 @@
 #include "geometry/bounds3.h"
 #include "render/training_renderer.h"
 #include "surface/opacity_level.h"
+#include "surface/passing_rays.h"
 
 #include <nlohmann/json.hpp>
 
@@ -29,13 +30,16 @@ struct SeenDepths {
   double optical_depth = 0;  // at which rays are stopped
   // The rays of all views, and those whose depths are confirmed ones (UseConfirmedDepths).
   uint64_t rays = 0, confirmed_rays = 0;
+  PassingRays passing_rays;
   nlohmann::json device;  // that rendered them
 };
 
 // One for each training view of the scene, from the camera that the run corrected if the field's
-// folder has corrections, with the depths that photos confirm if the start was dense. Throws
-// DataError for the files of the scene and of the start, EnvironmentError without Vulkan.
+// folder has corrections, with the depths that photos confirm if the start was dense. Rays that
+// leave `bounds_in_world`, those of the surface, are mended (MendPassingRays). Throws DataError for
+// the files of the scene and of the start, EnvironmentError without Vulkan.
 SeenDepths RenderSeenDepths(const RadianceField& field, const std::filesystem::path& scene_folder,
-                            const std::filesystem::path& field_folder, const DeviceOptions& device);
+                            const std::filesystem::path& field_folder,
+                            const Bounds3& bounds_in_world, const DeviceOptions& device);
 
 }  // namespace tetrec

@@ -97,9 +97,21 @@ void ReportConfirmedDepths(const SeenDepths& seen, Stage& stage) {
           100 * double(seen.confirmed_rays) / double(seen.rays));
 }
 
+void ReportPassingRays(const SeenDepths& seen, Stage& stage) {
+  const PassingRays& passing = seen.passing_rays;
+  stage.Count("passing_rays", {{"all", passing.all}, {"stopped", passing.stopped}});
+  if (passing.all == 0) return;
+  LogInfo(
+      "{:.2g} % of these rays pass through what takes less of their light; {:.0f} % of them "
+      "lose it at a wall, and are stopped there",
+      100 * double(passing.all) / double(seen.rays),
+      100 * double(passing.stopped) / double(passing.all));
+}
+
 // Nothing where the level is chosen automatically and there are no cameras to see it.
 std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld& world,
-                                   const SurfaceOptions& options, Stage& stage) {
+                                   const Bounds3& bounds, const SurfaceOptions& options,
+                                   Stage& stage) {
   if (options.level == SurfaceLevel::kDensity) return std::nullopt;
   if (options.level == SurfaceLevel::kAuto && options.isovalue > 0) return std::nullopt;
   const std::filesystem::path field_folder = stage.Input("field");
@@ -107,12 +119,13 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld
   try {
     const auto scene_folder = PreviousStage(field_folder, {"sfm", "import"});
     const SeenDepths seen_depths =
-        RenderSeenDepths(stored, scene_folder, field_folder, options.device);
+        RenderSeenDepths(stored, scene_folder, field_folder, bounds, options.device);
     const std::vector<SeenDepth>& views = seen_depths.views;
     LogInfo("level: where the rays of {} training views have lost {:.0f} % of their light",
             views.size(), 100 * (1 - std::exp(-seen_depths.optical_depth)));
     stage.Note("optical_depth", seen_depths.optical_depth);
     ReportConfirmedDepths(seen_depths, stage);
+    ReportPassingRays(seen_depths, stage);
     stage.Device(seen_depths.device);
     const LevelSet all = MarchToOpacity(stored.mesh, views);
     if (options.close) return all;
@@ -134,9 +147,9 @@ std::optional<LevelSet> OpacitySet(const RadianceField& stored, const FieldWorld
   return std::nullopt;
 }
 
-LevelSet ChosenSet(const RadianceField& stored, const FieldWorld& world,
+LevelSet ChosenSet(const RadianceField& stored, const FieldWorld& world, const Bounds3& bounds,
                    const SurfaceOptions& options, Stage& stage) {
-  std::optional<LevelSet> by_opacity = OpacitySet(stored, world, options, stage);
+  std::optional<LevelSet> by_opacity = OpacitySet(stored, world, bounds, options, stage);
   stage.Note("level", Name(by_opacity ? SurfaceLevel::kOpacity : SurfaceLevel::kDensity));
   return by_opacity ? std::move(*by_opacity) : DensitySet(stored, world, options, stage);
 }
@@ -338,11 +351,10 @@ void RunSurface(const SurfaceOptions& options, Stage& stage) {
       SceneToExport(options.exports, stage.Input("field"),
                     ExportFromWorld(options.exports, world.input_from_world));
   const Timer timer;
-  LevelSet set = ChosenSet(stored, world, options, stage);
+  const Bounds3 bounds = world.subject_bounds.Scaled(1 + 2 * options.margin);
+  LevelSet set = ChosenSet(stored, world, bounds, options, stage);
   const size_t triangles = set.triangles.size();
-  if (options.extent == SurfaceExtent::kSubject) {
-    set = CropTo(set, world.subject_bounds.Scaled(1 + 2 * options.margin));
-  }
+  if (options.extent == SurfaceExtent::kSubject) set = CropTo(set, bounds);
   LogInfo("level set: {} triangles, of which {} lie outside the subject's bounds and are left out",
           WithThousands(triangles), WithThousands(triangles - set.triangles.size()));
   stage.Count("triangles_out_of_bounds", triangles - set.triangles.size());

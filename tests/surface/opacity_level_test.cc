@@ -55,6 +55,22 @@ TEST(Opacity, ASingleViewThatErrsMakesNoHole) {
   EXPECT_GT(SolidityAt({0, 0, -0.95}, views), 0);
 }
 
+// Many rays through a wall, which are not known behind the place where they have lost some of their
+// light, do not outvote one that is stopped there.
+TEST(Opacity, RaysDoNotCountWhereTheyAreNotKnown) {
+  SeenDepth passing = BallSeenFrom(0);
+  passing.free_until = passing.depth;
+  std::ranges::fill(passing.depth.depth, kNoDepth);
+  std::vector<SeenDepth> views(9, passing);
+  EXPECT_EQ(SolidityAt({0, 0, -1.03}, views), -1);
+  views.push_back(BallSeenFrom(0));
+  EXPECT_GT(SolidityAt({0, 0, -0.97}, views), 0);
+  EXPECT_LT(SolidityAt({0, 0, -1.03}, views), 0);
+  EXPECT_EQ(SolidityAt({0, 0, 0}, views), 1) << "hidden";
+  for (SeenDepth& view : views) view.free_until = {};
+  EXPECT_LT(SolidityAt({0, 0, -0.97}, views), 0) << "known to be free";
+}
+
 // A quarter of a band in front of what one camera sees, and almost a band behind what another does,
 // which therefore does not close the gap.
 TEST(Opacity, ASurfaceFarInFrontOfAPointClosesNoGap) {
