@@ -9,20 +9,25 @@
 
 namespace tetrec {
 
+// Where the rays of a view have lost more and more of their light, each of the camera's size.
+struct DepthsOfLoss {
+  DepthMap first, second, level;  // the last is what the surface is made of
+};
+
 struct PassingRays {
-  size_t all = 0;      // that lose some of their light inside the bounds, and leave these unstopped
-  size_t stopped = 0;  // of these, those that lose it at a wall
+  size_t stopped = 0;  // at a wall, before their depth at the level
+  size_t open = 0;     // known only up to where they have lost some of their light
 
   PassingRays& operator+=(const PassingRays& other);
 };
 
-// Where photos show the same colour behind a wall as on it, optimisation lets light through, and a
-// ray may leave the bounds of the surface before it has lost as much as the level asks for. If it
-// loses more of its light within 5 % of its depth, from `first` to `second`, it is at a wall, and
-// is stopped at `second`. Otherwise it may be in haze, so it is only known to be free up to
-// `first`. `view` has the depths of the level; `first` and `second`, those of two lesser losses,
-// are of the camera's size.
-PassingRays MendPassingRays(const Bounds3& bounds_in_world, const DepthMap& first,
-                            const DepthMap& second, SeenDepth& view);
+// Where photos show the same colour behind a wall as on it, optimisation lets light through: rays
+// pass before they have lost as much as the level asks for. A ray is at a wall if it loses more of
+// its light, from `first` to `second`, within 5 % of its depth; if its depth at the level is
+// farther behind than that, or outside of the bounds of the surface, it is stopped at `second`.
+// Other rays that leave the bounds after some loss may have met haze, and are only known to be free
+// up to `first`. Rays whose depth in `view` is not that of the level are known better, and stay.
+PassingRays MendPassingRays(const Bounds3& bounds_in_world, const DepthsOfLoss& loss,
+                            SeenDepth& view);
 
 }  // namespace tetrec

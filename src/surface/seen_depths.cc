@@ -93,14 +93,14 @@ SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_fo
   Progress progress("depth", double(views.size()));
   for (size_t v = 0; v < views.size(); ++v) {
     ThrowIfStopRequested(kAfterASurfaceStop);
-    const DepthMap at_level = renderer->RenderDepth(views[v], seen.optical_depth);
+    const DepthMap level = renderer->RenderDepth(views[v], seen.optical_depth);
     const auto stopped_at = [&](double optical_depth) {
-      return optical_depth == seen.optical_depth ? at_level
+      return optical_depth == seen.optical_depth ? level
                                                  : renderer->RenderDepth(views[v], optical_depth);
     };
     const DepthMap first = stopped_at(kSurfaceDepths.front());
-    SeenDepth view{views[v].camera, views[v].cam_from_world, at_level, {}};
-    seen.rays += at_level.depth.size();
+    SeenDepth view{views[v].camera, views[v].cam_from_world, level, {}};
+    seen.rays += level.depth.size();
     if (const auto map = FindStereoDepth(start_folder, trained[v].index)) {
       const LossOfLight loss{first, stopped_at(kSurfaceDepths.back())};
       seen.confirmed_rays += UseConfirmedDepths(view.camera, *map, loss, view.depth);
@@ -108,7 +108,7 @@ SeenDepths RenderSeenDepths(const RadianceField& field, const fs::path& scene_fo
     // At the first level, no ray has lost some of its light without being stopped.
     if (seen.optical_depth > kSurfaceDepths.front()) {
       seen.passing_rays +=
-          MendPassingRays(bounds_in_world, first, stopped_at(kSurfaceDepths[1]), view);
+          MendPassingRays(bounds_in_world, {first, stopped_at(kSurfaceDepths[1]), level}, view);
     }
     seen.views.push_back(std::move(view));
     progress.Update(double(v + 1), trained[v].name);

@@ -36,8 +36,8 @@ struct SeenDepths {
 
 // One for each training view of the scene, from the camera that the run corrected if the field's
 // folder has corrections, with the depths that photos confirm if the start was dense. Rays that
-// leave `bounds_in_world`, those of the surface, are mended (MendPassingRays). Throws DataError for
-// the files of the scene and of the start, EnvironmentError without Vulkan.
+// pass through walls are mended (MendPassingRays); `bounds_in_world` are those of the surface.
+// Throws DataError for the files of the scene and of the start, EnvironmentError without Vulkan.
 SeenDepths RenderSeenDepths(const RadianceField& field, const std::filesystem::path& scene_folder,
                             const std::filesystem::path& field_folder,
                             const Bounds3& bounds_in_world, const DeviceOptions& device);

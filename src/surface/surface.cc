@@ -99,13 +99,14 @@ void ReportConfirmedDepths(const SeenDepths& seen, Stage& stage) {
 
 void ReportPassingRays(const SeenDepths& seen, Stage& stage) {
   const PassingRays& passing = seen.passing_rays;
-  stage.Count("passing_rays", {{"all", passing.all}, {"stopped", passing.stopped}});
-  if (passing.all == 0) return;
+  stage.Count("passing_rays", {{"stopped", passing.stopped}, {"open", passing.open}});
+  if (passing.stopped + passing.open == 0) return;
   LogInfo(
-      "{:.2g} % of these rays pass through what takes less of their light; {:.0f} % of them "
-      "lose it at a wall, and are stopped there",
-      100 * double(passing.all) / double(seen.rays),
-      100 * double(passing.stopped) / double(passing.all));
+      "{:.2g} % of these rays pass through a wall, and are stopped there; {:.2g} % leave the "
+      "bounds "
+      "of the surface after some loss, and count only before it",
+      100 * double(passing.stopped) / double(seen.rays),
+      100 * double(passing.open) / double(seen.rays));
 }
 
 // Nothing where the level is chosen automatically and there are no cameras to see it.
