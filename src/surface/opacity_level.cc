@@ -66,7 +66,7 @@ double DepthAt(const SeenDepth& view, const glm::dvec2& pixel, double jump) {
   return nearest == kNoDepth ? std::numeric_limits<double>::infinity() : nearest;
 }
 
-// How far the ray through a pixel is known to be free, if the rest of it is not known.
+// How far the ray through a pixel is known to be free, if nothing is known of the rest of it.
 std::optional<double> FreeUntil(const SeenDepth& view, const glm::dvec2& pixel) {
   const DepthMap& map = view.free_until;
   if (map.depth.empty()) return std::nullopt;

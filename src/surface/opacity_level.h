@@ -18,15 +18,15 @@ struct SeenDepth {
   Camera camera;
   Rigid3 cam_from_world;
   DepthMap depth;  // of the camera's size, 2 x 2 pixels or more; kNoDepth: the ray is never stopped
-  // Of the same size, or empty: how far rays are known to be free of which the rest is not known;
-  // kNoDepth for all others.
+  // Of the same size, or empty: how far a ray is known to be free if nothing is known of the rest
+  // of it; kNoDepth for all others.
   DepthMap free_until;
 };
 
 // How solid space is at a point, from -1 (free) to 1; 0 at the surface. A camera
 // contributes how far the point is behind where its ray is stopped, up to a band of a few pixels,
 // near whose end it counts less. Cameras from which the point is farther behind see something else
-// in front of it and do not count, nor do those of which the ray is not known there; a point that
+// in front of it and do not count, nor do those whose rays are not known there; a point that
 // is so hidden from all cameras is solid, and one that is outside of all images is free. Methods:
 // Yu et al., Gaussian Opacity Fields, 2024 (opacity along rays as the level, but its minimum over
 // the views, which one wrong view decides); Curless and Levoy, A Volumetric Method for Building

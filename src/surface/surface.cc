@@ -102,9 +102,8 @@ void ReportPassingRays(const SeenDepths& seen, Stage& stage) {
   stage.Count("passing_rays", {{"stopped", passing.stopped}, {"open", passing.open}});
   if (passing.stopped + passing.open == 0) return;
   LogInfo(
-      "{:.2g} % of these rays pass through a wall, and are stopped there; {:.2g} % leave the "
-      "bounds "
-      "of the surface after some loss, and count only before it",
+      "{:.2g} % of these rays pass through a wall, and are stopped there; {:.2g} % leave the bounds"
+      " of the surface after some loss, and count only before it",
       100 * double(passing.stopped) / double(seen.rays),
       100 * double(passing.open) / double(seen.rays));
 }
