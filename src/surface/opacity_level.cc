@@ -66,7 +66,7 @@ double DepthAt(const SeenDepth& view, const glm::dvec2& pixel, double jump) {
   return nearest == kNoDepth ? std::numeric_limits<double>::infinity() : nearest;
 }
 
-// How far the ray through a pixel is known to be free, if nothing is known of the rest of it.
+// The depth up to which the ray through a pixel is free, if nothing is known about it beyond.
 std::optional<double> FreeUntil(const SeenDepth& view, const glm::dvec2& pixel) {
   const DepthMap& map = view.free_until;
   if (map.depth.empty()) return std::nullopt;
@@ -76,7 +76,7 @@ std::optional<double> FreeUntil(const SeenDepth& view, const glm::dvec2& pixel) 
 }
 
 // How far a point is behind where the ray through it is stopped, in bands. Nothing if it is outside
-// of the image, or where the ray is not known.
+// of the image, or where nothing is known about the ray.
 std::optional<double> BandsBehind(const glm::dvec3& point_in_world, const SeenDepth& view) {
   const glm::dvec3 in_cam = view.cam_from_world * point_in_world;
   if (!view.camera.Shows(in_cam)) return std::nullopt;

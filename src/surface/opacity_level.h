@@ -18,8 +18,8 @@ struct SeenDepth {
   Camera camera;
   Rigid3 cam_from_world;
   DepthMap depth;  // of the camera's size, 2 x 2 pixels or more; kNoDepth: the ray is never stopped
-  // Of the same size, or empty: how far a ray is known to be free if nothing is known of the rest
-  // of it; kNoDepth for all others.
+  // Of the same size, or empty. The depth up to which a ray is free, if nothing is known about it
+  // beyond that depth; kNoDepth for all other rays.
   DepthMap free_until;
 };
 

@@ -22,11 +22,12 @@ struct PassingRays {
 };
 
 // Where photos show the same colour behind a wall as on it, optimisation lets light through: rays
-// pass before they have lost as much as the level asks for. A ray is at a wall if it loses more of
-// its light, from `first` to `second`, within 5 % of its depth; if its depth at the level is
-// farther behind than that, or outside of the bounds of the surface, it is stopped at `second`.
-// Other rays that leave the bounds after some loss may have met haze, and are only known to be free
-// up to `first`. Rays whose depth in `view` is not that of the level are known better, and stay.
+// pass through it before they have lost as much as the level asks for. A ray is at a wall if it
+// loses more of its light, from `first` to `second`, within 5 % of its depth; if its depth at the
+// level is farther behind than that, or outside of the bounds of the surface, it is stopped at
+// `second`. Other rays that leave the bounds after some loss may have met haze, and are only known
+// to be free up to `first`. Rays whose depth in `view` is not that of the level are known better,
+// and stay.
 PassingRays MendPassingRays(const Bounds3& bounds_in_world, const DepthsOfLoss& loss,
                             SeenDepth& view);
 
